@@ -1,0 +1,3 @@
+//! The `onset` command.
+
+fn main() {}

@@ -1,0 +1,107 @@
+//! The one font of all figures, embedded: DejaVu Sans (Bitstream Vera licence, changes in the public domain).
+
+use std::sync::OnceLock;
+use tiny_skia::{Path, PathBuilder};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+fn face() -> &'static Face<'static> {
+    static FACE: OnceLock<Face<'static>> = OnceLock::new();
+    FACE.get_or_init(|| {
+        Face::parse(dejavu::sans::regular(), 0).expect("the embedded font is whole")
+    })
+}
+
+/// Font units in the font size.
+pub(super) fn units() -> f32 {
+    f32::from(face().units_per_em())
+}
+
+/// The glyphs of a line of text and where each starts, in font units.
+pub(super) fn glyphs(text: &str) -> impl Iterator<Item = (GlyphId, f32)> {
+    let mut pen = 0.0;
+    text.chars().map(move |c| {
+        let c = if c.is_control() { ' ' } else { c };
+        let glyph = face().glyph_index(c).unwrap_or_default();
+        let start = pen;
+        pen += f32::from(face().glyph_hor_advance(glyph).unwrap_or(0));
+        (glyph, start)
+    })
+}
+
+/// The width of a line of text.
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    let last = glyphs(text).last().map_or(0.0, |(glyph, start)| {
+        start + f32::from(face().glyph_hor_advance(glyph).unwrap_or(0))
+    });
+    f64::from(last / units()) * size
+}
+
+/// The outline of a glyph in font units, y upward; `None` for a space.
+pub(super) fn outline(glyph: GlyphId) -> Option<Path> {
+    let mut pen = Pen(PathBuilder::new());
+    face().outline_glyph(glyph, &mut pen)?;
+    pen.0.finish()
+}
+
+/// Break a text at spaces so that its lines are no wider than `available` where words allow it.
+pub(super) fn wrap(text: &str, size: f64, available: f64) -> Vec<String> {
+    let mut lines = Vec::new();
+    for paragraph in text.lines().filter(|line| !line.trim().is_empty()) {
+        let mut line = String::new();
+        for word in paragraph.split_whitespace() {
+            if line.is_empty() {
+                line = word.to_string();
+            } else if width(&line, size) + width(" ", size) + width(word, size) <= available {
+                line.push(' ');
+                line.push_str(word);
+            } else {
+                lines.push(std::mem::replace(&mut line, word.to_string()));
+            }
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+struct Pen(PathBuilder);
+
+impl OutlineBuilder for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to(x, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to(x, y);
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to(x1, y1, x, y);
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.cubic_to(x1, y1, x2, y2, x, y);
+    }
+    fn close(&mut self) {
+        self.0.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_has_the_letters_of_mechanics() {
+        for c in "λω²μσ₁₂₃θπ×−·ρ⁴ΓκνεΔ∂∇≤≥≈∞°±→⁻⁰¹³⁵⁶⁷⁸⁹½".chars()
+        {
+            let (glyph, _) = glyphs(c.encode_utf8(&mut [0; 4])).next().unwrap();
+            assert_ne!(glyph, GlyphId(0), "{c} is missing");
+        }
+    }
+
+    #[test]
+    fn wrapped_lines_fit_and_lose_no_word() {
+        let text = "the first instability is physical or numerical";
+        let lines = wrap(text, 12.0, 110.0);
+        assert!(lines.len() > 2);
+        assert!(lines.iter().all(|line| width(line, 12.0) <= 110.0));
+        assert_eq!(lines.join(" "), text);
+    }
+}

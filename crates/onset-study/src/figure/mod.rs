@@ -1,0 +1,196 @@
+//! Figures: axes, layers and their rendering to SVG and PNG.
+//!
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG and a PNG that show
+//! the same picture on every machine: both are drawn from the same outlines, and the letters are outlines of an embedded
+//! font. (In the SVG each line of text keeps its words in an `aria-label`.)
+//!
+//! ```
+//! use onset_study::figure::{Axis, Figure, Line, Panel, Regions, palette};
+//!
+//! let words = ["stable", "stable", "kernel", "material"];
+//! let panel = Panel::new(
+//!     "Lagrangian kernel",
+//!     Axis::linear("stretch λ₁ (−)", (0.5, 1.5)),
+//!     Axis::linear("stretch λ₂ (−)", (0.5, 1.5)),
+//! )
+//! .equal_aspect()
+//! .with(Regions::of_words((0.5, 1.5), (0.5, 1.5), (2, 2), words))
+//! .with(Line::new(vec![(0.5, 1.0), (1.5, 1.0)]).named("PDE").dashed());
+//! let figure = Figure::new("Where the material is stable").with(panel);
+//!
+//! assert!(figure.to_svg().contains("stretch λ₁ (−)"));
+//! let legend = figure.legend_entries();
+//! assert_eq!(legend.iter().map(|entry| entry.name.as_str()).collect::<Vec<_>>(),
+//!            ["stable", "material", "kernel", "PDE"]);
+//! ```
+
+mod axis;
+mod color;
+mod draw;
+mod font;
+mod grid;
+mod layer;
+mod legend;
+pub mod palette;
+mod scene;
+
+pub use axis::{Axis, Scale};
+pub use color::{Color, ColorMap};
+pub use layer::{
+    Arrows, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
+};
+pub use legend::{LegendEntry, Symbol};
+
+use std::path::{Path, PathBuf};
+
+/// Panels in a grid, with a title above, a shared legend and a caption below.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    /// Title above all panels; may be empty.
+    pub title: String,
+    /// Caption below all panels; may be empty.
+    pub caption: String,
+    /// The panels, row after row.
+    pub panels: Vec<Panel>,
+    /// Panels in a row.
+    pub columns: usize,
+    /// The legend below the panels; collected from the layers if empty.
+    pub legend: Vec<LegendEntry>,
+}
+
+/// Two axes and what is drawn between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Title above the panel; may be empty.
+    pub title: String,
+    /// The axis that runs rightward.
+    pub x: Axis,
+    /// The axis that runs upward.
+    pub y: Axis,
+    /// One unit (one decade on logarithmic axes) is as long in x as in y.
+    pub equal_aspect: bool,
+    /// What is drawn, from back to front.
+    pub layers: Vec<Layer>,
+}
+
+/// Why a figure could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The picture has more pixels than can be held.
+    #[error("a picture of {width} x {height} pixels is too large")]
+    Size {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// The PNG could not be encoded.
+    #[error("the PNG could not be encoded: {reason}")]
+    Encode {
+        /// What the encoder says.
+        reason: String,
+    },
+    /// A file or its directory could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file or directory.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+}
+
+impl Figure {
+    /// A figure without panels, three in a row once they come.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            columns: 3,
+            ..Self::default()
+        }
+    }
+
+    /// Set the caption.
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+
+    /// Set the number of panels in a row.
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = columns;
+        self
+    }
+
+    /// Add a panel.
+    pub fn with(mut self, panel: Panel) -> Self {
+        self.panels.push(panel);
+        self
+    }
+
+    /// The legend as it is drawn: `legend`, or what the layers of all panels name, each once, if that is empty.
+    /// Of a categorical map only the classes that occur are named, in the order of its key.
+    pub fn legend_entries(&self) -> Vec<LegendEntry> {
+        if self.legend.is_empty() {
+            legend::collect(&self.panels)
+        } else {
+            self.legend.clone()
+        }
+    }
+
+    /// The picture as an SVG document.
+    pub fn to_svg(&self) -> String {
+        draw::scene(self).to_svg()
+    }
+
+    /// The same picture as a PNG, two device pixels a pixel.
+    ///
+    /// # Errors
+    /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
+    pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
+        draw::scene(self).to_png()
+    }
+
+    /// Write `name.svg` and `name.png`, and the directory if it is missing; returns the paths of the two.
+    ///
+    /// # Errors
+    /// Those of [`Figure::to_png`], and [`FigureError::Write`] with the path that could not be written.
+    pub fn write(&self, directory: &Path, name: &str) -> Result<[PathBuf; 2], FigureError> {
+        let failed = |path: &Path| {
+            let path = path.to_path_buf();
+            |source| FigureError::Write { path, source }
+        };
+        let scene = draw::scene(self);
+        let png = scene.to_png()?;
+        std::fs::create_dir_all(directory).map_err(failed(directory))?;
+        let paths = ["svg", "png"].map(|format| directory.join(format!("{name}.{format}")));
+        std::fs::write(&paths[0], scene.to_svg()).map_err(failed(&paths[0]))?;
+        std::fs::write(&paths[1], png).map_err(failed(&paths[1]))?;
+        Ok(paths)
+    }
+}
+
+impl Panel {
+    /// An empty panel.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            equal_aspect: false,
+            layers: Vec::new(),
+        }
+    }
+
+    /// Make one unit as long in x as in y.
+    pub fn equal_aspect(mut self) -> Self {
+        self.equal_aspect = true;
+        self
+    }
+
+    /// Draw a layer over those before it.
+    pub fn with(mut self, layer: impl Into<Layer>) -> Self {
+        self.layers.push(layer.into());
+        self
+    }
+}

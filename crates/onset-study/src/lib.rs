@@ -1,0 +1,3 @@
+//! Studies on top of the `onset` core.
+
+pub mod figure;

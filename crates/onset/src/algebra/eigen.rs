@@ -1,0 +1,113 @@
+//! Eigenvalues and eigenvectors of complex matrices of one to three rows.
+
+use super::Complex;
+use nalgebra::{SMatrix, SVector};
+
+/// Sweeps allowed to the iterative decompositions before they are given up as not converging.
+const MAXIMUM_ITERATIONS: usize = 200;
+
+/// The eigenvalues of a complex matrix, by increasing real part, then imaginary part.
+///
+/// Closed form for one and two rows. `noise` is the rounding error to expect in an entry: two
+/// eigenvalues that differ from a real double one by less than this noise explains are returned as
+/// real, since otherwise its square root would appear as a spurious imaginary part.
+///
+/// The result is NaN where the iteration of the three-row case does not converge, which needs
+/// entries that are not finite.
+pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) -> [Complex; D] {
+    let mut values = [Complex::new(f64::NAN, f64::NAN); D];
+    match D {
+        1 => values[0] = matrix[(0, 0)],
+        2 => {
+            let mean = (matrix[(0, 0)] + matrix[(1, 1)]) * 0.5;
+            let half = (matrix[(0, 0)] - matrix[(1, 1)]) * 0.5;
+            let (b, c) = (matrix[(0, 1)], matrix[(1, 0)]);
+            let mut discriminant = half * half + b * c;
+            let explained = 2.0 * noise * (half.norm() + b.norm() + c.norm() + noise);
+            if discriminant.im.abs() <= explained {
+                discriminant.im = 0.0;
+            }
+            if discriminant.im == 0.0 && (-explained..0.0).contains(&discriminant.re) {
+                discriminant.re = 0.0;
+            }
+            let root = discriminant.sqrt();
+            values[0] = mean - root;
+            values[1] = mean + root;
+        }
+        _ => {
+            let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
+            let schur = nalgebra::Schur::try_new(dynamic, f64::EPSILON, MAXIMUM_ITERATIONS);
+            if let Some(found) = schur.and_then(|schur| schur.eigenvalues()) {
+                for (value, &found) in values.iter_mut().zip(found.iter()) {
+                    *value = found;
+                    if value.im.abs() <= noise {
+                        value.im = 0.0;
+                    }
+                }
+            }
+        }
+    }
+    values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+    values
+}
+
+/// A right eigenvector to a computed eigenvalue, of unit length, its largest component real and
+/// positive. Where the eigenvalue is degenerate, one vector of its space.
+pub fn eigenvector<const D: usize>(
+    matrix: &SMatrix<Complex, D, D>,
+    eigenvalue: Complex,
+) -> SVector<Complex, D> {
+    let shifted = matrix - SMatrix::<Complex, D, D>::identity() * eigenvalue;
+    let mut vector = SVector::<Complex, D>::zeros();
+    match D {
+        1 => vector[0] = Complex::new(1.0, 0.0),
+        2 => {
+            // Both rows of (M - lambda) annihilate the vector; the longer one is the accurate one.
+            let rows = [0, 1].map(|row| (shifted[(row, 0)], shifted[(row, 1)]));
+            let length = |(a, b): (Complex, Complex)| a.norm_sqr() + b.norm_sqr();
+            let (a, b) = if length(rows[0]) >= length(rows[1]) { rows[0] } else { rows[1] };
+            let scale = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+            if length((a, b)).sqrt() <= 1e-14 * scale || length((a, b)) == 0.0 {
+                vector[0] = Complex::new(1.0, 0.0);
+            } else {
+                vector[0] = -b;
+                vector[1] = a;
+            }
+        }
+        _ => {
+            let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| shifted[(i, j)]);
+            let svd = dynamic.try_svd(false, true, f64::EPSILON, MAXIMUM_ITERATIONS);
+            if let Some((values, adjoint)) = svd.and_then(|svd| Some((svd.singular_values, svd.v_t?))) {
+                let smallest = values.imin();
+                for i in 0..D {
+                    vector[i] = adjoint[(smallest, i)].conj();
+                }
+            } else {
+                vector[0] = Complex::new(1.0, 0.0);
+            }
+        }
+    }
+    normalized(vector)
+}
+
+/// A left eigenvector `y` with `y^T M = lambda y^T` (no conjugation), scaled as [`eigenvector`].
+pub fn left_eigenvector<const D: usize>(
+    matrix: &SMatrix<Complex, D, D>,
+    eigenvalue: Complex,
+) -> SVector<Complex, D> {
+    eigenvector(&matrix.transpose(), eigenvalue)
+}
+
+fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector<Complex, D> {
+    let length = vector.iter().map(|component| component.norm_sqr()).sum::<f64>().sqrt();
+    // The first of nearly equal components decides, so that rounding cannot flip the sign.
+    let largest = vector.iter().map(|component| component.norm()).fold(0.0, f64::max);
+    let leading = vector.iter().find(|component| component.norm() >= 0.999 * largest);
+    let Some(&leading) = leading.filter(|leading| leading.norm() > 0.0) else {
+        return vector;
+    };
+    let phase = leading.conj() / leading.norm();
+    let result = vector.map(|component| component * phase / length);
+    // Adding zero turns the negative zeros of the rotation into plain ones.
+    result.map(|component| Complex::new(component.re + 0.0, component.im + 0.0))
+}

@@ -1,0 +1,10 @@
+//! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
+
+mod eigen;
+mod trigonometric;
+
+pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
+pub use trigonometric::TrigonometricPolynomial;
+
+/// Complex numbers of the whole crate.
+pub type Complex = nalgebra::Complex<f64>;

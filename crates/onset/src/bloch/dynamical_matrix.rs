@@ -1,0 +1,235 @@
+//! The dynamical matrix as a sum of plane-wave phases.
+
+use crate::algebra::{Complex, eigenvalues};
+use crate::continuum::Stiffness;
+use crate::lattice::BravaisLattice;
+use nalgebra::{SMatrix, SVector};
+use std::collections::BTreeMap;
+
+/// `D(k) = sum_R Phi(R) exp(i k.R)`: force constants per mass between a particle and what is displaced
+/// from it by the reference vector `R`.
+///
+/// `D x D`, units 1/time^2. Hermitian for Lagrangian kernels; real for sets with an inversion center.
+#[derive(Clone, Debug)]
+pub struct DynamicalMatrix<const D: usize> {
+    terms: Vec<Term<D>>,
+    /// `D(0) = sum_R Phi(R)`; zero where a translation costs no energy.
+    rigid: SMatrix<f64, D, D>,
+    /// Whether `Phi(-R) = Phi(R)`, which makes `D` real.
+    centrosymmetric: bool,
+    /// Rounding error to expect in an entry.
+    noise: f64,
+}
+
+/// The force constants of `R` and `-R` together.
+#[derive(Clone, Debug)]
+struct Term<const D: usize> {
+    /// `R`, in the reference state.
+    vector: SVector<f64, D>,
+    /// Its lattice coordinates, when they are integers.
+    cell: Option<[i32; D]>,
+    /// `Phi(R) + Phi(-R)`.
+    even: SMatrix<f64, D, D>,
+    /// `Phi(R) - Phi(-R)`.
+    odd: SMatrix<f64, D, D>,
+}
+
+/// Collects force constants by lattice vector.
+pub(super) struct ForceConstants<const D: usize> {
+    /// Largest lattice coordinate.
+    reach: i32,
+    /// Dense blocks for lattice vectors, coordinates from `-reach` to `reach`.
+    blocks: Vec<SMatrix<f64, D, D>>,
+    /// Blocks at other vectors (plane-wave stress points), by rounded lattice coordinates.
+    loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
+}
+
+/// Resolution with which lattice coordinates of loose vectors are told apart.
+const LOOSE_RESOLUTION: f64 = 1e6;
+
+impl<const D: usize> ForceConstants<D> {
+    pub(super) fn new(reach: i32) -> Self {
+        let side = (2 * reach + 1) as usize;
+        Self { reach, blocks: vec![SMatrix::zeros(); side.pow(D as u32)], loose: BTreeMap::new() }
+    }
+
+    /// Adds to the force constant of the lattice vector `to - from`.
+    pub(super) fn add(&mut self, from: &[i32; D], to: &[i32; D], block: &SMatrix<f64, D, D>) {
+        let side = 2 * self.reach + 1;
+        let index = (0..D).fold(0, |index, i| index * side + (to[i] - from[i] + self.reach));
+        self.blocks[index as usize] += block;
+    }
+
+    /// Adds to the force constant of a vector given by its lattice coordinates.
+    pub(super) fn add_loose(&mut self, fractional: SVector<f64, D>, block: &SMatrix<f64, D, D>) {
+        let entry = self.loose.entry(rounded(&fractional)).or_insert((fractional, SMatrix::zeros()));
+        entry.1 += block;
+    }
+
+    /// The sum over all vectors, with `R` and `-R` taken together.
+    pub(super) fn finish(mut self, lattice: &BravaisLattice<D>) -> DynamicalMatrix<D> {
+        let side = (2 * self.reach + 1) as usize;
+        let mut pairs = Vec::new();
+        let middle = self.blocks.len() / 2;
+        let mut rigid = self.blocks[middle];
+        for index in middle + 1..self.blocks.len() {
+            let opposite = self.blocks.len() - 1 - index;
+            let (forward, backward) = (self.blocks[index], self.blocks[opposite]);
+            let mut rest = index;
+            let mut cell = [0; D];
+            for i in (0..D).rev() {
+                cell[i] = (rest % side) as i32 - self.reach;
+                rest /= side;
+            }
+            let fractional = SVector::from_fn(|i, _| f64::from(cell[i]));
+            pairs.push((fractional, Some(cell), forward, backward));
+        }
+        while let Some((_, (fractional, forward))) = self.loose.pop_first() {
+            let backward = self.loose.remove(&rounded(&-fractional)).map_or(SMatrix::zeros(), |b| b.1);
+            pairs.push((fractional, None, forward, backward));
+        }
+        let magnitude = pairs.iter().map(|(_, _, f, b)| f.amax() + b.amax()).sum::<f64>() + rigid.amax();
+        let noise = f64::EPSILON * magnitude;
+        let mut terms = Vec::new();
+        for (fractional, cell, forward, backward) in pairs {
+            let (even, odd) = (forward + backward, forward - backward);
+            rigid += even;
+            if even.amax() > 0.0 || odd.amax() > 0.0 {
+                terms.push(Term { vector: lattice.vectors() * fractional, cell, even, odd });
+            }
+        }
+        if rigid.amax() <= 16.0 * noise {
+            rigid.fill(0.0);
+        }
+        let centrosymmetric = terms.iter().all(|term| term.odd.amax() <= 16.0 * noise);
+        DynamicalMatrix { terms, rigid, centrosymmetric, noise }
+    }
+}
+
+fn rounded<const D: usize>(fractional: &SVector<f64, D>) -> Vec<i64> {
+    fractional.iter().map(|x| (x * LOOSE_RESOLUTION).round() as i64).collect()
+}
+
+impl<const D: usize> DynamicalMatrix<D> {
+    /// `D(k)` at a reference wave vector.
+    ///
+    /// Evaluated as `D(0) + sum (cos - 1) even + i sin odd`, so that long waves keep their relative accuracy.
+    pub fn at(&self, k: &SVector<f64, D>) -> SMatrix<Complex, D, D> {
+        let (mut real, mut imaginary) = (self.rigid, SMatrix::<f64, D, D>::zeros());
+        for term in &self.terms {
+            let (sine, cosine) = (0.5 * k.dot(&term.vector)).sin_cos();
+            real -= term.even * (2.0 * sine * sine);
+            if !self.centrosymmetric {
+                imaginary += term.odd * (2.0 * sine * cosine);
+            }
+        }
+        real.zip_map(&imaginary, Complex::new)
+    }
+
+    /// The derivatives of `D(k)` with respect to the components of the wave vector.
+    pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
+        let mut real = [SMatrix::<f64, D, D>::zeros(); D];
+        let mut imaginary = real;
+        for term in &self.terms {
+            let (sine, cosine) = k.dot(&term.vector).sin_cos();
+            for a in 0..D {
+                real[a] -= term.even * (sine * term.vector[a]);
+                if !self.centrosymmetric {
+                    imaginary[a] += term.odd * (cosine * term.vector[a]);
+                }
+            }
+        }
+        std::array::from_fn(|a| real[a].zip_map(&imaginary[a], Complex::new))
+    }
+
+    /// `D(k)` at all points `k = sum_i (j_i / resolution) b_i`, `j_i = 0 .. resolution`, first index
+    /// slowest, from tabulated phases. `None` when `D` is not periodic.
+    pub(super) fn on_grid(&self, resolution: usize, half: bool) -> Option<Vec<SMatrix<Complex, D, D>>> {
+        let n = resolution as i64;
+        let phases: Vec<(f64, f64)> = (0..n)
+            .map(|m| {
+                let (sine, cosine) = (std::f64::consts::PI * m as f64 / n as f64).sin_cos();
+                (-2.0 * sine * sine, 2.0 * sine * cosine)
+            })
+            .collect();
+        let cells: Vec<[i64; D]> =
+            self.terms.iter().map(|term| term.cell.map(|cell| cell.map(i64::from))).collect::<Option<_>>()?;
+        let total = resolution.pow(D as u32);
+        let count = if half { total / 2 + 1 } else { total };
+        let mut grid = Vec::with_capacity(count);
+        for index in 0..count {
+            let coordinates = grid_coordinates::<D>(index, resolution);
+            let (mut real, mut imaginary) = (self.rigid, SMatrix::<f64, D, D>::zeros());
+            for (term, cell) in self.terms.iter().zip(&cells) {
+                let turns: i64 = (0..D).map(|i| cell[i] * coordinates[i] as i64).sum();
+                let (cosine_less_one, sine) = phases[turns.rem_euclid(n) as usize];
+                real += term.even * cosine_less_one;
+                if !self.centrosymmetric {
+                    imaginary += term.odd * sine;
+                }
+            }
+            grid.push(real.zip_map(&imaginary, Complex::new));
+        }
+        Some(grid)
+    }
+
+    /// The eigenvalues `omega^2` at a reference wave vector, by increasing real part.
+    pub fn omega_squared(&self, k: &SVector<f64, D>) -> [Complex; D] {
+        eigenvalues(&self.at(k), self.noise)
+    }
+
+    /// The long-wave limit: the stiffness per density `T` with `D(k) -> T_iJkL k_J k_L`,
+    /// `T = -1/2 sum_R Phi(R) R (x) R`. Units length^2/time^2.
+    pub fn long_wave_stiffness(&self) -> Stiffness<D> {
+        Stiffness::from_fn(|i, j, k, l| {
+            let sum: f64 =
+                self.terms.iter().map(|term| term.even[(i, k)] * (term.vector[j] * term.vector[l])).sum();
+            -0.5 * sum
+        })
+    }
+
+    /// `D(0)`: zero, unless the shape functions are no partition of unity, so that a rigid
+    /// translation strains the body.
+    pub fn rigid_translation(&self) -> &SMatrix<f64, D, D> {
+        &self.rigid
+    }
+
+    /// Whether `D(k)` is real for every wave vector.
+    pub fn is_centrosymmetric(&self) -> bool {
+        self.centrosymmetric
+    }
+
+    /// Whether all entries are finite.
+    pub fn is_finite(&self) -> bool {
+        self.noise.is_finite()
+    }
+
+    /// Rounding error to expect in an entry of `D(k)`. 1/time^2.
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// Rounding error to expect in `D(k) / |k|^2` for long waves. Length^2/time^2.
+    pub(super) fn long_wave_noise(&self) -> f64 {
+        let sum: f64 =
+            self.terms.iter().map(|term| term.even.amax() * term.vector.norm_squared()).sum();
+        0.5 * f64::EPSILON * sum
+    }
+
+    /// Largest lattice coordinate of a force constant: how fast `D(k)` can vary over the zone.
+    pub(super) fn reach(&self, lattice: &BravaisLattice<D>) -> usize {
+        let coordinates = lattice.reciprocal().transpose() / std::f64::consts::TAU;
+        self.terms.iter().map(|term| (coordinates * term.vector).amax().round() as usize).max().unwrap_or(1)
+    }
+}
+
+/// The coordinates of a grid point, first slowest.
+pub(super) fn grid_coordinates<const D: usize>(index: usize, resolution: usize) -> [usize; D] {
+    let mut rest = index;
+    let mut coordinates = [0; D];
+    for i in (0..D).rev() {
+        coordinates[i] = rest % resolution;
+        rest /= resolution;
+    }
+    coordinates
+}

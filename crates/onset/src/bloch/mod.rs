@@ -1,0 +1,29 @@
+//! Plane waves on the lattice: the dynamical matrix and its spectrum over the Brillouin zone.
+//!
+//! Here, and only here, physics and discretization meet. A wave `u_K = g exp(i k.X_K)` of the linearized
+//! discrete equations obeys `D(k) g = omega^2 g`; wave vectors `k` are reference wave vectors and phases
+//! are those of relative positions.
+
+mod assembly;
+mod dynamical_matrix;
+mod search;
+
+pub use assembly::{dynamical_matrix, gradient_norm};
+pub use dynamical_matrix::DynamicalMatrix;
+pub use search::{Mode, SpectrumSummary, ZoneSearch};
+
+use crate::algebra::Complex;
+
+/// The growth rate of a mode, `-Im omega` of the growing root: `sqrt((|w| - Re w) / 2)` for `w = omega^2`.
+/// It is `sqrt(-omega^2)` for a negative and zero for a positive real `omega^2`. 1/time.
+///
+/// ```
+/// use onset::bloch::growth_rate;
+/// use onset::algebra::Complex;
+/// assert_eq!(growth_rate(Complex::new(-4.0, 0.0)), 2.0);
+/// assert_eq!(growth_rate(Complex::new(4.0, 0.0)), 0.0);
+/// assert!((growth_rate(Complex::new(3.0, 4.0)) - 1.0).abs() < 1e-15);
+/// ```
+pub fn growth_rate(omega_squared: Complex) -> f64 {
+    (0.5 * (omega_squared.norm() - omega_squared.re)).max(0.0).sqrt()
+}

@@ -1,0 +1,130 @@
+//! Stability of the continuum: the acoustic tensor and strong ellipticity.
+//!
+//! A homogeneous state is strongly elliptic when every acoustic tensor
+//! `Q_ik(N) = A_iJkL N_J N_L` is positive definite (equation (28)). In one and two dimensions the
+//! smallest eigenvalue over *all* directions is found algebraically; no direction is sampled.
+
+mod planar;
+mod spherical;
+
+use crate::algebra::{Complex, eigenvalues, eigenvector};
+use crate::material::{FourthOrder, Response};
+use nalgebra::{SMatrix, SVector};
+
+/// A stiffness `T_iJkL` in `D` dimensions, the quadratic form in the direction `N` of an acoustic
+/// tensor `Q_ik(N) = T_iJkL N_J N_L`.
+///
+/// It is the tangent of a material, or the long-wave limit of a discretization. The latter need
+/// not have the major symmetry `T_iJkL = T_kLiJ`; eigenvalues can then be complex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stiffness<const D: usize>([[SMatrix<f64, D, D>; D]; D]);
+
+/// The smallest eigenvalue of the acoustic tensor over all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcousticMinimum<const D: usize> {
+    /// The eigenvalue with the smallest real part; units of the stiffness.
+    pub eigenvalue: Complex,
+    /// The unit direction `N` in which it occurs.
+    pub direction: SVector<f64, D>,
+    /// The unit polarization `g`.
+    pub polarization: SVector<f64, D>,
+}
+
+impl<const D: usize> Stiffness<D> {
+    /// The stiffness with components `component(i, J, k, L)`, made symmetric in `J` and `L`, which
+    /// leaves every acoustic tensor as it is.
+    pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
+        let block = |j: usize, l: usize| {
+            SMatrix::from_fn(|i, k| 0.5 * (component(i, j, k, l) + component(i, l, k, j)))
+        };
+        Self(std::array::from_fn(|j| std::array::from_fn(|l| block(j, l))))
+    }
+
+    /// The part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D,
+    /// plane strain in 2D, uniaxial strain in 1D.
+    pub fn from_tangent(tangent: &FourthOrder) -> Self {
+        Self::from_fn(|i, j, k, l| tangent[(i, j, k, l)])
+    }
+
+    /// The stiffness of a material at a state.
+    pub fn of(response: &Response) -> Self {
+        Self::from_tangent(&response.tangent)
+    }
+
+    /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27).
+    pub fn acoustic_tensor(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+        let mut q = SMatrix::zeros();
+        for j in 0..D {
+            for l in 0..D {
+                q += self.0[j][l] * (direction[j] * direction[l]);
+            }
+        }
+        q
+    }
+
+    /// The stiffness whose acoustic tensor at `n` is this one's at `m n`.
+    pub fn with_directions_mapped(&self, m: &SMatrix<f64, D, D>) -> Self {
+        let block = |a: usize, b: usize| {
+            let mut sum = SMatrix::zeros();
+            for j in 0..D {
+                for l in 0..D {
+                    sum += self.0[j][l] * (m[(j, a)] * m[(l, b)]);
+                }
+            }
+            sum
+        };
+        Self(std::array::from_fn(|a| std::array::from_fn(|b| block(a, b))))
+    }
+
+    /// The smallest eigenvalue over all directions, with direction and polarization.
+    ///
+    /// Exact (to rounding) in one and two dimensions; in three dimensions a search from many
+    /// directions with local refinement, which is an upper bound of the minimum.
+    pub fn minimum(&self) -> AcousticMinimum<D> {
+        let direction = match D {
+            1 => SVector::repeat(1.0),
+            2 => planar::minimizing_direction(self),
+            _ => spherical::minimizing_direction(self),
+        };
+        let (eigenvalue, polarization) = self.smallest_eigenpair(&direction);
+        AcousticMinimum { eigenvalue, direction: oriented(direction), polarization }
+    }
+
+    /// Whether the acoustic tensor is positive definite in every direction, equation (28).
+    ///
+    /// In two dimensions decided on the polynomials themselves: `tr Q`, quadratic, and `det Q`,
+    /// quartic in `tan theta`, are positive at their algebraically determined minima.
+    pub fn is_strongly_elliptic(&self) -> bool {
+        match D {
+            2 => planar::is_strongly_elliptic(self),
+            _ => self.minimum().eigenvalue.re > 0.0,
+        }
+    }
+
+    /// The smallest eigenvalue (by real part) in one direction, and its polarization.
+    fn smallest_eigenpair(&self, direction: &SVector<f64, D>) -> (Complex, SVector<f64, D>) {
+        let q = self.acoustic_tensor(direction).map(|entry| Complex::new(entry, 0.0));
+        let scale = q.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+        let eigenvalue = eigenvalues(&q, f64::EPSILON * scale)[0];
+        let vector = eigenvector(&q, eigenvalue).map(|component| component.re);
+        let length = vector.norm();
+        (eigenvalue, if length > 0.0 { vector / length } else { vector })
+    }
+
+    /// The largest real part of an eigenvalue over all directions: the fastest wave.
+    pub fn maximum_eigenvalue(&self) -> f64 {
+        // Q -> -Q turns the largest eigenvalue into the smallest.
+        let negative = Self(self.0.map(|row| row.map(|block| -block)));
+        -negative.minimum().eigenvalue.re
+    }
+}
+
+/// Of `N` and `-N`, which are the same direction, the one whose first component that is not
+/// negligible is positive.
+fn oriented<const D: usize>(direction: SVector<f64, D>) -> SVector<f64, D> {
+    let cleaned = direction.map(|component| if component.abs() < 1e-15 { 0.0 } else { component });
+    match cleaned.iter().find(|component| **component != 0.0) {
+        Some(first) if *first < 0.0 => cleaned.map(|component| 0.0 - component),
+        _ => cleaned,
+    }
+}

@@ -1,0 +1,67 @@
+//! Directions on the sphere: a search from many starts with local refinement.
+
+use super::Stiffness;
+use nalgebra::SVector;
+
+/// Starting directions spread over the half sphere (a direction and its opposite are the same).
+const STARTS: usize = 400;
+/// How many of the best starts are refined.
+const REFINED: usize = 12;
+
+pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
+    let eigenvalue = |n: &SVector<f64, D>| stiffness.smallest_eigenpair(n).0.re;
+    let mut starts: Vec<(f64, SVector<f64, D>)> = (0..STARTS)
+        .map(fibonacci_direction)
+        .chain((0..D).map(|axis| SVector::from_fn(|i, _| f64::from(u8::from(i == axis)))))
+        .map(|n| (eigenvalue(&n), n))
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = starts[0];
+    for &(value, direction) in starts.iter().take(REFINED) {
+        let refined = descend(value, direction, &eigenvalue);
+        if refined.0 < best.0 {
+            best = refined;
+        }
+    }
+    best.1
+}
+
+/// The `n`-th of evenly spread directions on the upper half sphere (golden-angle spiral).
+fn fibonacci_direction<const D: usize>(n: usize) -> SVector<f64, D> {
+    let golden_angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let height = (n as f64 + 0.5) / STARTS as f64;
+    let radius = (1.0 - height * height).sqrt();
+    let (sine, cosine) = (golden_angle * n as f64).sin_cos();
+    SVector::from_fn(|i, _| match i {
+        0 => radius * cosine,
+        1 => radius * sine,
+        _ => height,
+    })
+}
+
+/// Coordinate search on the sphere with a shrinking step.
+fn descend<const D: usize>(
+    mut value: f64,
+    mut direction: SVector<f64, D>,
+    eigenvalue: &impl Fn(&SVector<f64, D>) -> f64,
+) -> (f64, SVector<f64, D>) {
+    let mut step = 0.1;
+    while step > 1e-9 {
+        let mut improved = false;
+        for axis in 0..D {
+            for sign in [step, -step] {
+                let mut trial = direction;
+                trial[axis] += sign;
+                trial.normalize_mut();
+                let trial_value = eigenvalue(&trial);
+                if trial_value < value {
+                    (value, direction, improved) = (trial_value, trial, true);
+                }
+            }
+        }
+        if !improved {
+            step *= 0.5;
+        }
+    }
+    (value, direction)
+}

@@ -1,0 +1,240 @@
+//! The deformation gradient, its invariants, and straight loading paths.
+
+use crate::real::Real;
+use nalgebra::{Matrix3, SMatrix};
+use thiserror::Error;
+
+/// A deformation gradient `F_iJ = dx_i / dX_J`, always three-dimensional.
+///
+/// Plane strain is `F = [[F2, 0], [0, lambda3]]`, uniaxial strain `diag(lambda, 1, 1)`.
+/// Shape 3 x 3, dimensionless, first index spatial, second index material.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+/// assert!((f.jacobian() - 1.08).abs() < 1e-15);
+/// # Ok::<(), onset::kinematics::KinematicsError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeformationGradient<R = f64>([[R; 3]; 3]);
+
+/// What can be wrong with a deformation.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum KinematicsError {
+    /// A component is not a finite number.
+    #[error("the deformation gradient holds {value}, which is not a finite number")]
+    NotFinite {
+        /// The offending component.
+        value: f64,
+    },
+    /// A principal stretch is not positive.
+    #[error("stretch {index} is {value}; a stretch is a ratio of lengths and must be positive")]
+    StretchNotPositive {
+        /// Which stretch, counted from 1.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The determinant is not positive: matter would be turned inside out.
+    #[error("det F = {jacobian}; it must be positive (a volume ratio)")]
+    JacobianNotPositive {
+        /// The determinant.
+        jacobian: f64,
+    },
+    /// The determinant over- or underflows, or `F` cannot be inverted accurately.
+    #[error("the deformation is too extreme for double precision (det F = {jacobian:e})")]
+    Extreme {
+        /// The determinant.
+        jacobian: f64,
+    },
+    /// The two ends of a path are the same state.
+    #[error("the path leads from a state to itself")]
+    EmptyPath,
+}
+
+impl<R: Real> DeformationGradient<R> {
+    /// Takes the components `F_iJ` as they are, without a check; for generic numbers.
+    pub fn from_components(components: [[R; 3]; 3]) -> Self {
+        Self(components)
+    }
+
+    /// The components `F_iJ`.
+    pub fn components(&self) -> &[[R; 3]; 3] {
+        &self.0
+    }
+
+    /// The right Cauchy-Green tensor `C_IJ = F_kI F_kJ`.
+    pub fn right_cauchy_green(&self) -> [[R; 3]; 3] {
+        let f = &self.0;
+        let product = |i: usize, j: usize| f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j];
+        let (c01, c02, c12) = (product(0, 1), product(0, 2), product(1, 2));
+        [[product(0, 0), c01, c02], [c01, product(1, 1), c12], [c02, c12, product(2, 2)]]
+    }
+
+    /// The determinant `J = det F`.
+    pub fn determinant(&self) -> R {
+        determinant(&self.0)
+    }
+
+    /// The principal invariants of `C`.
+    pub fn invariants(&self) -> Invariants<R> {
+        let c = self.right_cauchy_green();
+        let minor = |i: usize, j: usize| c[i][i] * c[j][j] - c[i][j] * c[i][j];
+        // I3 = J^2 keeps full accuracy where det C would cancel.
+        let j = self.determinant();
+        Invariants {
+            first: c[0][0] + c[1][1] + c[2][2],
+            second: minor(0, 1) + minor(0, 2) + minor(1, 2),
+            third: j * j,
+            jacobian: j,
+        }
+    }
+}
+
+fn determinant<R: Real>(f: &[[R; 3]; 3]) -> R {
+    f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1])
+        - f[0][1] * (f[1][0] * f[2][2] - f[1][2] * f[2][0])
+        + f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0])
+}
+
+/// The principal invariants of `C = F^T F`, and `J`.
+#[derive(Clone, Copy, Debug)]
+pub struct Invariants<R> {
+    /// `I1 = tr C`.
+    pub first: R,
+    /// `I2 = (tr(C)^2 - tr(C^2)) / 2`.
+    pub second: R,
+    /// `I3 = det C`.
+    pub third: R,
+    /// `J = det F`.
+    pub jacobian: R,
+}
+
+impl DeformationGradient {
+    /// The undeformed state, `F = 1`.
+    pub fn identity() -> Self {
+        Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    }
+
+    /// A deformation gradient from its components, checked.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] when a component is not finite or `det F` is not a positive normal number.
+    pub fn new(components: [[f64; 3]; 3]) -> Result<Self, KinematicsError> {
+        if let Some(&value) = components.iter().flatten().find(|value| !value.is_finite()) {
+            return Err(KinematicsError::NotFinite { value });
+        }
+        let f = Self(components);
+        let jacobian = f.jacobian();
+        if !jacobian.is_finite() || (jacobian > 0.0 && !jacobian.is_normal()) {
+            return Err(KinematicsError::Extreme { jacobian });
+        }
+        if jacobian <= 0.0 {
+            return Err(KinematicsError::JacobianNotPositive { jacobian });
+        }
+        let inverse = f.matrix().try_inverse();
+        if !inverse.is_some_and(|inverse| inverse.iter().all(|value| value.is_finite())) {
+            return Err(KinematicsError::Extreme { jacobian });
+        }
+        Ok(f)
+    }
+
+    /// `F = diag(stretches)`.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] when a stretch is not positive and finite.
+    pub fn from_stretches(stretches: [f64; 3]) -> Result<Self, KinematicsError> {
+        for (index, &value) in stretches.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(KinematicsError::NotFinite { value });
+            }
+            if value <= 0.0 {
+                return Err(KinematicsError::StretchNotPositive { index: index + 1, value });
+            }
+        }
+        let mut components = [[0.0; 3]; 3];
+        for i in 0..3 {
+            components[i][i] = stretches[i];
+        }
+        Self::new(components)
+    }
+
+    /// Plane strain from the in-plane part `[[F11, F12], [F21, F22]]` and the stretch out of plane.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] as for [`DeformationGradient::new`].
+    pub fn plane_strain(f: [[f64; 2]; 2], out_of_plane: f64) -> Result<Self, KinematicsError> {
+        Self::new([[f[0][0], f[0][1], 0.0], [f[1][0], f[1][1], 0.0], [0.0, 0.0, out_of_plane]])
+    }
+
+    /// The volume ratio `J = det F`.
+    pub fn jacobian(&self) -> f64 {
+        self.determinant()
+    }
+
+    /// The components as a matrix, `F_iJ` in row `i`, column `J`.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| self.0[i][j])
+    }
+
+    /// The part of `F` that a `D`-dimensional discretization sees: the leading `D x D` block.
+    pub fn leading<const D: usize>(&self) -> SMatrix<f64, D, D> {
+        SMatrix::from_fn(|i, j| self.0[i][j])
+    }
+
+    /// Whether the directions beyond the `D`-th are decoupled from the first `D` ones, as plane
+    /// strain (`D = 2`) and uniaxial strain (`D = 1`) demand.
+    pub fn is_block_diagonal<const D: usize>(&self) -> bool {
+        (0..3).all(|i| (0..3).all(|j| (i < D) == (j < D) || self.0[i][j] == 0.0))
+    }
+
+    /// `F` with its leading `D x D` block replaced.
+    pub fn with_leading<const D: usize>(&self, block: &SMatrix<f64, D, D>) -> Self {
+        let mut f = *self;
+        for i in 0..D {
+            for j in 0..D {
+                f.0[i][j] = block[(i, j)];
+            }
+        }
+        f
+    }
+}
+
+/// A straight path of deformation gradients, `F(s) = (1 - s) F_from + s F_to`, `0 <= s <= 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StraightPath {
+    from: DeformationGradient,
+    to: DeformationGradient,
+}
+
+impl StraightPath {
+    /// The straight path between two states.
+    ///
+    /// # Errors
+    /// [`KinematicsError::EmptyPath`] when both are the same.
+    pub fn new(from: DeformationGradient, to: DeformationGradient) -> Result<Self, KinematicsError> {
+        if from == to { Err(KinematicsError::EmptyPath) } else { Ok(Self { from, to }) }
+    }
+
+    /// The state at the path parameter `s`.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where the path leaves `det F > 0`, which a straight path between two
+    /// admissible states can do when they are not both diagonal.
+    pub fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
+        // The end points are met exactly, not to rounding.
+        if s == 0.0 {
+            return Ok(self.from);
+        }
+        if s == 1.0 {
+            return Ok(self.to);
+        }
+        let mut components = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                components[i][j] = (1.0 - s) * self.from.0[i][j] + s * self.to.0[i][j];
+            }
+        }
+        DeformationGradient::new(components)
+    }
+}

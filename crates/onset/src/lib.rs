@@ -1,0 +1,40 @@
+//! Where a material and its particle discretization are stable, and to which of the two the first
+//! instability belongs.
+//!
+//! The crate is read the way the theory is: *material → continuum → particles → waves → verdict*.
+//!
+//! 1. [`real`]: numbers that an energy is written with; jets differentiate it exactly.
+//! 2. [`kinematics`]: the deformation gradient `F`, its invariants, straight paths.
+//! 3. [`material`]: a law is its strain energy `W(F)`; stress `P` and tangent `A` follow.
+//! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity, without sampling directions.
+//! 5. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
+//! 6. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
+//! 7. [`verdict`]: stable or not, why, and where along a path that changes.
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `F_iJ` | deformation gradient, first index spatial | - |
+//! | `P_iJ`, `A_iJkL` | first Piola-Kirchhoff stress `dW/dF`, tangent `dP/dF` | stress |
+//! | `sigma_ij` | Cauchy stress | stress |
+//! | `Q_ik(N)` | acoustic tensor `A_iJkL N_J N_L` | stress |
+//! | `k` | reference wave vector; in the deformed lattice `F^-T k` | 1/length |
+//! | `D(k)` | dynamical matrix, `D g = omega^2 g` | 1/time^2 |
+//! | `mu` | scaled measure `Re omega^2 / (c^2 \|k\|_h^2)` | - |
+//! | `V_q`, `V0`, `m` | volume of a quadrature point, of a cell; particle mass `rho0 V0` | |
+//! | `D_mx`, `R0` | support radius in spacings; support radius | -, length |
+//!
+//! Any consistent system of units will do: lengths in units of `spacing`, stresses in those of the
+//! material's parameters, densities in those of `density`.
+
+pub mod algebra;
+pub mod approximation;
+pub mod bloch;
+pub mod continuum;
+pub mod kernel;
+pub mod kinematics;
+pub mod lattice;
+pub mod material;
+pub mod method;
+pub mod quadrature;
+pub mod real;
+pub mod verdict;

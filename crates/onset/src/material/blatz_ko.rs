@@ -1,0 +1,43 @@
+//! The Blatz-Ko law.
+
+use super::{MaterialError, StrainEnergy};
+use crate::kinematics::DeformationGradient;
+use crate::real::Real;
+
+/// The law of Blatz and Ko for a foamed rubber, equation (56):
+///
+/// `W = mu/2 (I2 / J^2 + 2 J - 5)`
+///
+/// Stress-free in the reference state with shear modulus `mu` and Poisson's ratio 1/4. Loses strong
+/// ellipticity where a ratio of two principal stretches reaches `2 + sqrt 3` (Knowles and
+/// Sternberg, J. Elasticity 5 (1975) 341).
+///
+/// `mu` in units of stress; the default is the paper's 32 (psi). Source: Blatz and Ko,
+/// Trans. Soc. Rheol. 6 (1962) 223.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlatzKo {
+    mu: f64,
+}
+
+impl BlatzKo {
+    /// The law with shear modulus `mu`.
+    ///
+    /// # Errors
+    /// [`MaterialError::Parameter`] when `mu` is not positive and finite.
+    pub fn new(mu: f64) -> Result<Self, MaterialError> {
+        Ok(Self { mu: MaterialError::positive("mu", mu)? })
+    }
+}
+
+impl Default for BlatzKo {
+    fn default() -> Self {
+        Self { mu: 32.0 }
+    }
+}
+
+impl StrainEnergy for BlatzKo {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let i = f.invariants();
+        (i.second / i.third + i.jacobian * 2.0 - 5.0) * (0.5 * self.mu)
+    }
+}

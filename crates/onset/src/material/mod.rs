@@ -1,0 +1,114 @@
+//! What a material is: a strain energy, from which everything else follows.
+//!
+//! A law implements [`StrainEnergy`], one generic function; stress and tangent come from evaluating
+//! it with second-order jets, so a law cannot have a stress that does not belong to its energy. The
+//! rest of the program sees only the object-safe [`Hyperelastic`]. A material knows nothing of
+//! particles.
+
+mod blatz_ko;
+mod modified_mooney_rivlin;
+mod tensors;
+
+pub use blatz_ko::BlatzKo;
+pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
+pub use tensors::FourthOrder;
+
+use crate::kinematics::DeformationGradient;
+use crate::real::{Jet, Real};
+use nalgebra::Matrix3;
+use thiserror::Error;
+
+/// What can be wrong with a material or its response.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MaterialError {
+    /// A parameter is outside of what the law admits.
+    #[error("material parameter {name} is {value}; expected {expected}")]
+    Parameter {
+        /// The parameter's name, as in a study file.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What the law admits, in words.
+        expected: &'static str,
+    },
+    /// Energy, stress or tangent over- or underflow at this state.
+    #[error("the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})")]
+    NotFinite {
+        /// The volume ratio of the state.
+        jacobian: f64,
+    },
+}
+
+impl MaterialError {
+    /// Checks that a parameter is a finite number.
+    fn finite(name: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Self::Parameter { name, value, expected: "a finite number" })
+        }
+    }
+
+    /// Checks that a parameter is positive and finite.
+    fn positive(name: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(Self::Parameter { name, value, expected: "a positive finite number" })
+        }
+    }
+}
+
+/// A hyperelastic law, given by its energy alone.
+pub trait StrainEnergy {
+    /// The strain energy per reference volume, in units of stress.
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
+}
+
+/// A material as the rest of the program sees it.
+pub trait Hyperelastic: Send + Sync {
+    /// Energy, stress and tangent at a state.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] when one of them over- or underflows.
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
+}
+
+/// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
+///
+/// Equations: `P_iJ = dW/dF_iJ`, `A_iJkL = dP_iJ/dF_kL` (the paper's nominal stress is the transpose
+/// of `P`; its effective tangent (22) is [`Response::effective_tangent`]). Units of stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// The state.
+    pub deformation: DeformationGradient,
+    /// `W`, per reference volume.
+    pub energy: f64,
+    /// `P_iJ`, first index spatial.
+    pub first_piola: Matrix3<f64>,
+    /// `A_iJkL`, all 81 components.
+    pub tangent: FourthOrder,
+}
+
+impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let components = f.components();
+        let variables = Jet::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
+        let jets = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+        let energy = self.energy(&DeformationGradient::from_components(jets));
+        let response = Response {
+            deformation: *f,
+            energy: energy.value,
+            first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
+            tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
+        };
+        let finite = response.energy.is_finite()
+            && response.first_piola.iter().all(|value| value.is_finite())
+            && response.tangent.is_finite();
+        if finite {
+            Ok(response)
+        } else {
+            Err(MaterialError::NotFinite { jacobian: f.jacobian() })
+        }
+    }
+}

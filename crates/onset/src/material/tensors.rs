@@ -1,0 +1,128 @@
+//! The stress measures and elasticity tensors that follow from `P` and `A`.
+
+use super::Response;
+use nalgebra::Matrix3;
+use std::ops::{Index, IndexMut};
+
+/// A fourth-order tensor in three dimensions, indexed as written: `tensor[(i, j, k, l)]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FourthOrder([[[[f64; 3]; 3]; 3]; 3]);
+
+impl FourthOrder {
+    /// The tensor with components `component(i, j, k, l)`.
+    pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
+        let mut tensor = Self([[[[0.0; 3]; 3]; 3]; 3]);
+        for (i, j, k, l) in indices() {
+            tensor[(i, j, k, l)] = component(i, j, k, l);
+        }
+        tensor
+    }
+
+    /// Whether every component is a finite number.
+    pub fn is_finite(&self) -> bool {
+        self.0.as_flattened().as_flattened().as_flattened().iter().all(|value| value.is_finite())
+    }
+
+    /// All four indices transformed by the same matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
+    fn transformed(&self, m: &Matrix3<f64>) -> Self {
+        // One index at a time: 4 x 3^5 products instead of 3^8.
+        let first = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(i, a)] * self[(a, j, k, l)]).sum());
+        let second = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(j, a)] * first[(i, a, k, l)]).sum());
+        let third = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(k, a)] * second[(i, j, a, l)]).sum());
+        Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(l, a)] * third[(i, j, k, a)]).sum())
+    }
+}
+
+impl Index<(usize, usize, usize, usize)> for FourthOrder {
+    type Output = f64;
+    fn index(&self, (i, j, k, l): (usize, usize, usize, usize)) -> &f64 {
+        &self.0[i][j][k][l]
+    }
+}
+
+impl IndexMut<(usize, usize, usize, usize)> for FourthOrder {
+    fn index_mut(&mut self, (i, j, k, l): (usize, usize, usize, usize)) -> &mut f64 {
+        &mut self.0[i][j][k][l]
+    }
+}
+
+fn indices() -> impl Iterator<Item = (usize, usize, usize, usize)> {
+    (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3))
+}
+
+fn delta(i: usize, j: usize) -> f64 {
+    f64::from(u8::from(i == j))
+}
+
+impl Response {
+    /// The second Piola-Kirchhoff stress `S = F^-1 P`. Material indices, units of stress.
+    pub fn second_piola(&self) -> Matrix3<f64> {
+        self.inverse_deformation() * self.first_piola
+    }
+
+    /// The Cauchy stress `sigma = P F^T / J`, equation (13). Spatial indices, units of stress.
+    pub fn cauchy(&self) -> Matrix3<f64> {
+        self.first_piola * self.deformation.matrix().transpose() / self.deformation.jacobian()
+    }
+
+    /// The second elasticity tensor `C^SE_IJKL = dS_IJ/dE_KL`, equation (8), from
+    /// `A_iJkL = F_iR F_kP C^SE_RJPL + delta_ik S_JL`. Material indices, units of stress.
+    pub fn second_elasticity(&self) -> FourthOrder {
+        let g = self.inverse_deformation();
+        let s = self.second_piola();
+        let geometric_free =
+            FourthOrder::from_fn(|i, j, k, l| self.tangent[(i, j, k, l)] - delta(i, k) * s[(j, l)]);
+        let first = FourthOrder::from_fn(|r, j, k, l| {
+            (0..3).map(|i| g[(r, i)] * geometric_free[(i, j, k, l)]).sum()
+        });
+        FourthOrder::from_fn(|r, j, p, l| (0..3).map(|k| g[(p, k)] * first[(r, j, k, l)]).sum())
+    }
+
+    /// The fourth elasticity tensor `C^tau_ijkl = F_im F_jn F_kp F_lq C^SE_mnpq`, equation (10): the
+    /// convected rate of Kirchhoff stress per rate of deformation. Spatial indices, units of stress.
+    pub fn fourth_elasticity(&self) -> FourthOrder {
+        self.second_elasticity().transformed(&self.deformation.matrix())
+    }
+
+    /// The Truesdell tangent `C^sigmaT = C^tau / J`, equation (11). Spatial indices, units of stress.
+    pub fn truesdell_tangent(&self) -> FourthOrder {
+        let tau = self.fourth_elasticity();
+        let jacobian = self.deformation.jacobian();
+        FourthOrder::from_fn(|i, j, k, l| tau[(i, j, k, l)] / jacobian)
+    }
+
+    /// The paper's effective tangent (22): nominal stress per deformation gradient. With the
+    /// nominal stress `P^T` (first index material) its components are `C_jikl = A_iJkL`.
+    pub fn effective_tangent(&self) -> FourthOrder {
+        FourthOrder::from_fn(|j, i, k, l| self.tangent[(i, j, k, l)])
+    }
+
+    /// The spatial tangent `a_ijkl = F_jJ F_lL A_iJkL / J = C^sigmaT_ijkl + delta_ik sigma_jl`:
+    /// the acoustic tensor of a spatial direction `n` is `a_ijkl n_j n_l`. Units of stress.
+    pub fn spatial_tangent(&self) -> FourthOrder {
+        let f = self.deformation.matrix();
+        let jacobian = self.deformation.jacobian();
+        let pushed = FourthOrder::from_fn(|i, j, k, l| {
+            (0..3).map(|m| f[(j, m)] * self.tangent[(i, m, k, l)]).sum()
+        });
+        FourthOrder::from_fn(|i, j, k, l| {
+            (0..3).map(|m| f[(l, m)] * pushed[(i, j, k, m)]).sum::<f64>() / jacobian
+        })
+    }
+
+    /// The effective tangent (50): the Cauchy stress per displacement gradient,
+    /// `d sigma_ij / d u_k,l = a_ijkl - sigma_ij delta_kl + sigma_il delta_jk`.
+    /// Spatial indices, units of stress.
+    pub fn effective_cauchy_tangent(&self) -> FourthOrder {
+        let a = self.spatial_tangent();
+        let sigma = self.cauchy();
+        FourthOrder::from_fn(|i, j, k, l| {
+            a[(i, j, k, l)] - sigma[(i, j)] * delta(k, l) + sigma[(i, l)] * delta(j, k)
+        })
+    }
+
+    fn inverse_deformation(&self) -> Matrix3<f64> {
+        // The determinant of a checked deformation gradient is positive.
+        self.deformation.matrix().try_inverse().unwrap_or_else(Matrix3::zeros)
+    }
+}

@@ -1,0 +1,189 @@
+//! Quadrature points, neighbors and shape functions of a homogeneous state.
+
+use super::{Background, Frame, MAXIMUM_NEIGHBORS, Method, MethodError, SupportSize};
+use crate::approximation::{Approximation, Order, ShapeFunctions};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::determinant;
+use crate::quadrature::QuadraturePoint;
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// A quadrature point at a homogeneous state: what it sees, and the deformation that it carries.
+#[derive(Clone, Debug)]
+pub struct ConfiguredPoint<const D: usize> {
+    /// Reference volume `V_q`.
+    pub volume: f64,
+    /// Whether it is a particle.
+    pub is_node: bool,
+    /// Lattice coordinates of the neighbors, relative to the cell of the point.
+    pub cells: Vec<[i32; D]>,
+    /// Lattice coordinates of the point in its cell.
+    pub place: SVector<f64, D>,
+    /// Shape functions of the neighbors; derivatives in the coordinates of the kernel (material for
+    /// Lagrangian, spatial for Eulerian kernels).
+    pub shape: ShapeFunctions<D>,
+    /// The deformation gradient that the point carries.
+    pub deformation: DeformationGradient,
+}
+
+/// All quadrature points of one cell at a homogeneous state.
+#[derive(Clone, Debug)]
+pub struct Configuration<const D: usize> {
+    /// The points.
+    pub points: Vec<ConfiguredPoint<D>>,
+}
+
+/// How kernels are laid out at a state.
+struct Layout<const D: usize> {
+    /// Primitive vectors of the lattice that the kernels see, as columns.
+    vectors: SMatrix<f64, D, D>,
+    radius: f64,
+    /// Distances are measured as `|metric x|`.
+    metric: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Method<D> {
+    /// The quadrature points with their neighbors and shape functions at a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the support is too small or too large there, when `F` is not of the
+    /// discretization's dimension, or when the interpolated background is not admissible.
+    pub fn configuration(
+        &self,
+        f: &DeformationGradient,
+        order: Order,
+    ) -> Result<Configuration<D>, MethodError> {
+        if !f.is_block_diagonal::<D>() {
+            return Err(MethodError::NotPlanar { dimension: D });
+        }
+        let layout = self.layout(f);
+        let points = self.points.iter().map(|point| self.configured(point, &layout, f, order));
+        Ok(Configuration { points: points.collect::<Result<_, _>>()? })
+    }
+
+    fn layout(&self, f: &DeformationGradient) -> Layout<D> {
+        let radius = self.support_radius();
+        let eulerian = self.discretization.frame == Frame::Eulerian;
+        let support_size = if eulerian { self.discretization.support_size } else { SupportSize::Fixed };
+        let home = self.home_map(f);
+        let (radius, metric) = match support_size {
+            SupportSize::Fixed => (radius, SMatrix::identity()),
+            // The mean stretch within the dimensions of the lattice.
+            SupportSize::Scaled => {
+                (radius * determinant(&f.leading::<D>()).powf(1.0 / D as f64), SMatrix::identity())
+            }
+            // Convected with the particles: on the regular arrangement these have not moved.
+            SupportSize::Convected => (radius, inverted(&home)),
+        };
+        Layout { vectors: home * self.lattice.vectors(), radius, metric }
+    }
+
+    fn configured(
+        &self,
+        point: &QuadraturePoint<D>,
+        layout: &Layout<D>,
+        f: &DeformationGradient,
+        order: Order,
+    ) -> Result<ConfiguredPoint<D>, MethodError> {
+        let kind = if point.is_node { "particle" } else { "stress point" };
+        let cells = cells_in_support(&point.place, layout)?;
+        let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for cell in cells {
+            let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
+            let position = layout.vectors * fractional;
+            let kernel = self.discretization.kernel;
+            if let Some(weight) = kernel.weight(&position, layout.radius, &layout.metric) {
+                seen.push(cell);
+                positions.push(position);
+                weights.push(weight);
+            }
+        }
+        let needed = D + 1;
+        if seen.len() < needed {
+            return Err(MethodError::SupportTooSmall {
+                point: kind,
+                radius: layout.radius,
+                neighbors: seen.len(),
+                needed,
+                dimension: D,
+            });
+        }
+        let particle_volume = determinant(&layout.vectors).abs();
+        let kernel_integral =
+            self.discretization.kernel.integral::<D>(layout.radius) / determinant(&layout.metric).abs();
+        let approximation: Approximation = self.discretization.approximation;
+        let shape = approximation
+            .shape_functions(&positions, &weights, particle_volume / kernel_integral, layout.radius, order)
+            .map_err(|source| MethodError::SingularMoment { point: kind, neighbors: seen.len(), source })?;
+        let deformation = self.carried_deformation(f, &positions, &shape)?;
+        Ok(ConfiguredPoint {
+            volume: point.volume,
+            is_node: point.is_node,
+            cells: seen,
+            place: point.place,
+            shape,
+            deformation,
+        })
+    }
+
+    /// The deformation gradient that a quadrature point carries.
+    fn carried_deformation(
+        &self,
+        f: &DeformationGradient,
+        positions: &[SVector<f64, D>],
+        shape: &ShapeFunctions<D>,
+    ) -> Result<DeformationGradient, MethodError> {
+        if self.discretization.background == Background::Imposed {
+            return Ok(*f);
+        }
+        // sum_K y_K (x) grad phi_K: the identity for linearly complete functions.
+        let moment: SMatrix<f64, D, D> =
+            positions.iter().zip(&shape.gradients).map(|(y, gradient)| y * gradient.transpose()).sum();
+        let leading = f.leading::<D>();
+        let seen = match self.discretization.frame {
+            Frame::Lagrangian => leading * moment,
+            Frame::Eulerian => inverted(&moment) * leading,
+        };
+        let seen = *f.with_leading(&seen).components();
+        DeformationGradient::new(seen).map_err(MethodError::Background)
+    }
+}
+
+/// The inverse of a matrix of up to three rows; NaN where it is singular, which the checks of
+/// deformation gradients and dynamical matrices report.
+fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    match DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse() {
+        Some(inverse) => SMatrix::from_fn(|i, j| inverse[(i, j)]),
+        None => SMatrix::repeat(f64::NAN),
+    }
+}
+
+/// The cells whose particles can lie within the support around a place.
+fn cells_in_support<const D: usize>(
+    place: &SVector<f64, D>,
+    layout: &Layout<D>,
+) -> Result<Vec<[i32; D]>, MethodError> {
+    let map = layout.metric * layout.vectors;
+    let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
+    let neighbors = unit_ball * layout.radius.powi(D as i32) / determinant(&map).abs();
+    let inverse = inverted(&map);
+    // |map u| < radius implies |u_i| < radius |row i of map^-1|.
+    let reach: [f64; D] = std::array::from_fn(|i| layout.radius * inverse.row(i).norm());
+    let boxes: f64 = reach.iter().map(|r| 2.0 * r + 1.0).product();
+    // A thin ellipsoid can have a huge bounding box although it holds few particles.
+    let few = neighbors <= MAXIMUM_NEIGHBORS as f64 && boxes <= 1e3 * MAXIMUM_NEIGHBORS as f64;
+    if !few {
+        let limit = MAXIMUM_NEIGHBORS;
+        let neighbors = neighbors.max(boxes / 1e3);
+        return Err(MethodError::SupportTooLarge { radius: layout.radius, neighbors, limit });
+    }
+    let low: [i32; D] = std::array::from_fn(|i| (place[i] - reach[i]).floor() as i32);
+    let high: [i32; D] = std::array::from_fn(|i| (place[i] + reach[i]).ceil() as i32);
+    let mut cells = Vec::new();
+    let mut cell = low;
+    loop {
+        cells.push(cell);
+        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else { return Ok(cells) };
+        cell[..axis].copy_from_slice(&low[..axis]);
+        cell[axis] += 1;
+    }
+}

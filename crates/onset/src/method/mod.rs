@@ -1,0 +1,288 @@
+//! A particle method: lattice, kernel, approximation, quadrature and frame taken together.
+//!
+//! Given a homogeneous deformation, a method says where its quadrature points are, which particles
+//! they see, with which shape functions, and which deformation gradient they carry. It holds no
+//! material.
+
+mod configuration;
+
+pub use configuration::{Configuration, ConfiguredPoint};
+
+use crate::approximation::{Approximation, SingularMoment};
+use crate::kernel::Kernel;
+use crate::kinematics::{DeformationGradient, KinematicsError};
+use crate::lattice::{Arrangement, BravaisLattice, LatticeError};
+use crate::material::MaterialError;
+use crate::quadrature::{Quadrature, QuadraturePoint};
+use thiserror::Error;
+
+/// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
+/// square, and no method in use comes near.
+pub const MAXIMUM_NEIGHBORS: usize = 1000;
+
+/// In which coordinates the kernel is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Frame {
+    /// Kernels of material coordinates, `W(X - X_I)`: neighbors never change.
+    Lagrangian,
+    /// Kernels of current coordinates, `W(x - x_I(t))`, as in smoothed particle hydrodynamics.
+    Eulerian,
+}
+
+/// Which deformation gradient the quadrature points carry in the homogeneous state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Background {
+    /// `F` itself, everywhere (the paper).
+    Imposed,
+    /// What the shape functions make of the particles' positions: `F M_q` with Lagrangian kernels,
+    /// `m_q^-1 F` with Eulerian ones, where `M_q = sum_K X_K (x) grad phi_K(X_q)` in the reference
+    /// and `m_q` likewise in the current arrangement.
+    Interpolated,
+}
+
+/// Eulerian kernels: where the particles are in the homogeneous state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum CurrentLattice {
+    /// At `F X`.
+    Convected,
+    /// At the undeformed positions, carrying the stress of `F` (the paper's "letting the current
+    /// configuration be the reference configuration").
+    Regular,
+}
+
+/// Eulerian kernels: how large the support is in the homogeneous state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum SupportSize {
+    /// The radius `R0` in space, whatever the deformation.
+    Fixed,
+    /// `R0 J^(1/D)`: constant number of neighbors on average.
+    Scaled,
+    /// The reference sphere convected to an ellipsoid, `|F^-1 x| < R0`.
+    Convected,
+}
+
+/// Eulerian kernels: what moves when the particles are perturbed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Linearization {
+    /// Everything: the exact derivative of the discrete forces. Stress points move with the
+    /// interpolated displacement, and the normalization with all particles.
+    Exact,
+    /// Equation (49): `d(phi_I,j)(x_q) = phi_I,jt (u_q - u_I)`, which leaves out the motion of the
+    /// other particles through the normalization; a stress point moves with the plane wave itself,
+    /// which makes the dynamical matrix non-periodic.
+    Paper,
+    /// As exact, but stress points move with the plane wave.
+    ExactPlaneWave,
+    /// As paper, but stress points move with the interpolated displacement.
+    PaperInterpolated,
+    /// As paper, with the second derivative of the weight alone, its normalization held fixed.
+    FrozenNormalization,
+}
+
+impl Linearization {
+    /// Whether a stress point moves with the plane wave instead of the interpolated displacement.
+    pub fn moves_points_with_plane_wave(self) -> bool {
+        matches!(self, Self::Paper | Self::ExactPlaneWave | Self::FrozenNormalization)
+    }
+
+    /// Whether the motion of all particles through the normalization is kept.
+    pub fn is_exact_in_kernel(self) -> bool {
+        matches!(self, Self::Exact | Self::ExactPlaneWave)
+    }
+}
+
+/// Every choice that defines a particle method. The default is the paper's Lagrangian method with
+/// stress points on the hexagonal arrangement, `D_mx = 2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case", default, deny_unknown_fields))]
+pub struct Discretization {
+    /// Arrangement of the particles.
+    pub arrangement: Arrangement,
+    /// Distance of nearest particles in the reference state; length.
+    pub spacing: f64,
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Weight function.
+    pub kernel: Kernel,
+    /// Support radius in units of the spacing, `D_mx = R0 / spacing`.
+    pub support: f64,
+    /// Correction of the weights.
+    pub approximation: Approximation,
+    /// Quadrature points.
+    pub quadrature: Quadrature,
+    /// Coordinates of the kernel.
+    pub frame: Frame,
+    /// Deformation gradient of the quadrature points.
+    pub background: Background,
+    /// Eulerian kernels: positions of the particles.
+    pub lattice: CurrentLattice,
+    /// Eulerian kernels: size of the support.
+    pub support_size: SupportSize,
+    /// Eulerian kernels: what the perturbation moves.
+    pub linearization: Linearization,
+}
+
+impl Default for Discretization {
+    fn default() -> Self {
+        Self {
+            arrangement: Arrangement::Hexagonal,
+            spacing: 1.0,
+            density: 1.0,
+            kernel: Kernel::QuarticSpline,
+            support: 2.0,
+            approximation: Approximation::Shepard,
+            quadrature: Quadrature::StressPoints,
+            frame: Frame::Lagrangian,
+            background: Background::Imposed,
+            lattice: CurrentLattice::Convected,
+            support_size: SupportSize::Fixed,
+            linearization: Linearization::Exact,
+        }
+    }
+}
+
+/// Why a method cannot be set up or evaluated at a state.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MethodError {
+    /// A setting is not a positive finite number.
+    #[error("discretization.{name} is {value}; it must be a positive finite number")]
+    NotPositive {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quadrature point sees too few particles to determine a gradient.
+    #[error(
+        "a {point} has {neighbors} particle(s) within the support radius {radius} (in units of length); \
+         a gradient in {dimension}D needs at least {needed}"
+    )]
+    SupportTooSmall {
+        /// `particle` or `stress point`.
+        point: &'static str,
+        /// The support radius; length.
+        radius: f64,
+        /// How many particles it sees.
+        neighbors: usize,
+        /// How many are needed.
+        needed: usize,
+        /// Number of space dimensions.
+        dimension: usize,
+    },
+    /// The support holds more particles than the program admits.
+    #[error("the support radius {radius} holds about {neighbors:.0} particles; at most {limit} are admitted")]
+    SupportTooLarge {
+        /// The support radius; length.
+        radius: f64,
+        /// How many particles it would hold.
+        neighbors: f64,
+        /// How many are admitted.
+        limit: usize,
+    },
+    /// The neighbors of a quadrature point do not span space.
+    #[error("the {neighbors} neighbors of a {point} do not determine its shape functions: {source}")]
+    SingularMoment {
+        /// `particle` or `stress point`.
+        point: &'static str,
+        /// How many particles it sees.
+        neighbors: usize,
+        /// The condition of the moment matrix.
+        source: SingularMoment,
+    },
+    /// The deformation couples directions that the discretization has with those that it has not.
+    #[error(
+        "the deformation gradient couples the {dimension} dimension(s) of the arrangement with the others; \
+         expected plane strain (2D) or uniaxial strain (1D)"
+    )]
+    NotPlanar {
+        /// Number of space dimensions.
+        dimension: usize,
+    },
+    /// The homogeneous state that the discretization sees is not a deformation.
+    #[error("the interpolated deformation gradient is not admissible: {0}")]
+    Background(#[source] KinematicsError),
+    /// The dynamical matrix over- or underflows.
+    #[error("the dynamical matrix is not finite at this state")]
+    NotFinite,
+    /// The lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// The material.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+}
+
+/// A method on its lattice, ready to be evaluated at any state.
+#[derive(Clone, Debug)]
+pub struct Method<const D: usize> {
+    discretization: Discretization,
+    lattice: BravaisLattice<D>,
+    points: Vec<QuadraturePoint<D>>,
+}
+
+impl<const D: usize> Method<D> {
+    /// Sets up a method.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a setting is out of range or `D` is not the arrangement's dimension.
+    pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
+        let Discretization { arrangement, spacing, density, support, quadrature, .. } = discretization;
+        for (name, value) in [("spacing", spacing), ("density", density), ("support", support)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(MethodError::NotPositive { name, value });
+            }
+        }
+        let lattice = arrangement.lattice(spacing)?;
+        let points = quadrature.points(arrangement, &lattice)?;
+        Ok(Self { discretization, lattice, points })
+    }
+
+    /// The choices that define the method.
+    pub fn discretization(&self) -> &Discretization {
+        &self.discretization
+    }
+
+    /// The reference lattice of the particles.
+    pub fn lattice(&self) -> &BravaisLattice<D> {
+        &self.lattice
+    }
+
+    /// The quadrature points of one cell.
+    pub fn quadrature_points(&self) -> &[QuadraturePoint<D>] {
+        &self.points
+    }
+
+    /// The support radius in the reference state, `R0 = D_mx spacing`.
+    pub fn support_radius(&self) -> f64 {
+        self.discretization.support * self.discretization.spacing
+    }
+
+    /// The mass of a particle, `m = rho0 V0`.
+    pub fn particle_mass(&self) -> f64 {
+        self.discretization.density * self.lattice.cell_volume()
+    }
+
+    /// Whether plane-wave stress points make the dynamical matrix non-periodic in the wave vector.
+    pub fn is_periodic(&self) -> bool {
+        let Discretization { frame, linearization, quadrature, .. } = self.discretization;
+        frame == Frame::Lagrangian
+            || quadrature == Quadrature::Nodal
+            || !linearization.moves_points_with_plane_wave()
+    }
+
+    /// The lattice on which the kernels live at a state, and whose zone holds the wave vectors: the
+    /// reference lattice, or with Eulerian kernels on the convected arrangement the deformed one.
+    pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
+        let Discretization { frame, lattice, .. } = self.discretization;
+        match (frame, lattice) {
+            (Frame::Eulerian, CurrentLattice::Convected) => f.leading(),
+            _ => nalgebra::SMatrix::identity(),
+        }
+    }
+}

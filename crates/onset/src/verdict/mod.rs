@@ -1,0 +1,177 @@
+//! Stable? Why not? Material or method?
+//!
+//! A [`Verdict`] compares one state of the continuum with one of the discretization and is never
+//! given without its evidence, the [`Assessment`].
+
+mod path;
+
+pub use path::{Crossing, Onset, PathError, PathScan, Phase, scan_discretization, scan_material};
+
+use crate::bloch::{SpectrumSummary, ZoneSearch, dynamical_matrix, gradient_norm};
+use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::kinematics::DeformationGradient;
+use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::method::{Method, MethodError};
+
+/// A squared gradient norm (in units of `|k|_h^2`) below which a mode counts as free of energy.
+const ZERO_ENERGY: f64 = 1e-10;
+
+/// To whom the first instability belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Verdict {
+    /// Elliptic, and no mode of the discretization grows.
+    Stable,
+    /// Not elliptic, and the discretization says so for long waves too: a faithful answer.
+    Material,
+    /// Elliptic, but a mode of finite wavelength has no energy at any state.
+    RankDeficient,
+    /// The method's own instability: modes grow although the material is elliptic, or although its
+    /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign
+    /// of the mean stress.
+    Kernel,
+    /// Not elliptic, but the discretization is stable: it misses the material's instability.
+    Missed,
+}
+
+impl Verdict {
+    /// All verdicts, in the order of the table in the book.
+    pub const ALL: [Self; 5] =
+        [Self::Stable, Self::Material, Self::RankDeficient, Self::Kernel, Self::Missed];
+
+    /// The word used in files, on the command line and in legends.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Material => "material",
+            Self::RankDeficient => "rank-deficient",
+            Self::Kernel => "kernel",
+            Self::Missed => "missed",
+        }
+    }
+}
+
+/// What the continuum does at a state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialAssessment<const D: usize> {
+    /// Energy, stress and tangent.
+    pub response: Response,
+    /// Whether every acoustic tensor is positive definite.
+    pub is_elliptic: bool,
+    /// The smallest acoustic eigenvalue over all directions; units of stress.
+    pub minimum: AcousticMinimum<D>,
+}
+
+impl<const D: usize> MaterialAssessment<D> {
+    /// Assesses the continuum for perturbations in the first `D` dimensions.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the response over- or underflows.
+    pub fn new(material: &dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
+        let response = material.response(f)?;
+        let stiffness = Stiffness::<D>::of(&response);
+        let (is_elliptic, minimum) = (stiffness.is_strongly_elliptic(), stiffness.minimum());
+        Ok(Self { response, is_elliptic, minimum })
+    }
+
+    /// The mean Cauchy stress within the `D` dimensions; positive in tension.
+    pub fn mean_stress(&self) -> f64 {
+        let cauchy = self.response.cauchy();
+        (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64
+    }
+}
+
+/// A verdict with its evidence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assessment<const D: usize> {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The continuum.
+    pub material: MaterialAssessment<D>,
+    /// The discretization.
+    pub spectrum: SpectrumSummary<D>,
+    /// The squared norm of the discrete gradient of the softest mode over `|k|_h^2`: near one for long
+    /// waves, zero for a zero-energy mode.
+    pub gradient_norm: f64,
+}
+
+/// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the
+/// reference density. Length^2/time^2.
+///
+/// # Errors
+/// [`MaterialError`] when the response of the undeformed material is not finite.
+pub fn speed_squared<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+) -> Result<f64, MaterialError> {
+    let reference = material.response(&DeformationGradient::identity())?;
+    Ok(Stiffness::<D>::of(&reference).maximum_eigenvalue() / method.discretization().density)
+}
+
+/// Assesses a material and a method at a homogeneous state.
+///
+/// # Errors
+/// [`MethodError`] when one of them cannot be evaluated there.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::method::{Discretization, Frame, Method};
+/// use onset::verdict::{Verdict, assess};
+///
+/// let material = ModifiedMooneyRivlin::default();
+/// let state = DeformationGradient::from_stretches([1.2, 1.0, 1.0])?;
+/// let lagrangian = Method::<2>::new(Discretization::default())?;
+/// assert_eq!(assess(&lagrangian, &material, &state)?.verdict, Verdict::Stable);
+///
+/// let sph = Discretization { frame: Frame::Eulerian, ..Discretization::default() };
+/// let eulerian = Method::<2>::new(sph)?;
+/// assert_eq!(assess(&eulerian, &material, &state)?.verdict, Verdict::Kernel);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn assess<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<Assessment<D>, MethodError> {
+    let continuum = MaterialAssessment::new(material, f)?;
+    let search = zone_search(method, material, f)?;
+    let spectrum = search.summary(&dynamical_matrix(method, material, f)?);
+
+    let softest = &spectrum.softest;
+    let norm = gradient_norm(method, f)?;
+    let gradient_norm = if softest.is_long_wave {
+        // The long-wave limit of the squared norm in the softest direction.
+        let direction = softest.wave_vector;
+        let limit = norm.long_wave_stiffness().acoustic_tensor(&direction)[(0, 0)];
+        limit / direction.dot(&(method.lattice().long_wave_metric() * direction))
+    } else {
+        norm.at(&softest.wave_vector)[(0, 0)].re / method.lattice().laplacian(&softest.wave_vector)
+    };
+
+    let has_zero_mode = !softest.is_long_wave
+        && softest.scaled.abs() <= spectrum.tolerance
+        && gradient_norm <= ZERO_ENERGY;
+    let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
+    let verdict = match (continuum.is_elliptic, spectrum.is_stable()) {
+        (true, true) if has_zero_mode => Verdict::RankDeficient,
+        (true, true) => Verdict::Stable,
+        (false, true) => Verdict::Missed,
+        (false, false) if long_waves_grow => Verdict::Material,
+        _ => Verdict::Kernel,
+    };
+    Ok(Assessment { verdict, material: continuum, spectrum, gradient_norm })
+}
+
+/// The zone search of a method at a state, with the material's scale of wave speeds.
+///
+/// # Errors
+/// [`MethodError`] when the undeformed material or the deformed lattice is not finite.
+pub fn zone_search<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<ZoneSearch<D>, MethodError> {
+    let speed_squared = speed_squared(method, material)?;
+    ZoneSearch::new(method, f, speed_squared).ok_or(MethodError::NotFinite)
+}

@@ -1,0 +1,234 @@
+//! Where stability is lost, and regained, along a straight path of deformations.
+
+use super::zone_search;
+use crate::bloch::dynamical_matrix;
+use crate::continuum::Stiffness;
+use crate::kinematics::{KinematicsError, StraightPath};
+use crate::material::Hyperelastic;
+use crate::method::{Method, MethodError};
+use thiserror::Error;
+
+/// Intervals in which a path is first looked at. Within an interval, dips of the stability measure that
+/// do not change its sign at the ends are followed too.
+const INTERVALS: usize = 256;
+/// Evaluations spent on the bottom of a dip.
+const DIP_STEPS: usize = 40;
+
+/// Stable, unstable, or not defined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Phase {
+    /// No perturbation grows.
+    Stable,
+    /// Some perturbation grows.
+    Unstable,
+    /// The method cannot be evaluated: too few (or too many) neighbors in the support.
+    Undefined,
+}
+
+/// A change of phase between two parameters of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Phase before.
+    pub from: Phase,
+    /// Phase behind.
+    pub to: Phase,
+    /// The last parameter known to be in the phase `from`.
+    pub before: f64,
+    /// The first parameter known to be in the phase `to`.
+    pub behind: f64,
+}
+
+impl Crossing {
+    /// A parameter that lies in the unstable phase (or else behind the crossing), at which the critical mode
+    /// can be evaluated.
+    pub fn witness(&self) -> f64 {
+        if self.from == Phase::Unstable { self.before } else { self.behind }
+    }
+
+    /// The parameter of the crossing, the middle of its bracket.
+    pub fn parameter(&self) -> f64 {
+        0.5 * (self.before + self.behind)
+    }
+}
+
+/// All changes of phase along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathScan {
+    /// Phase at the start.
+    pub start: Phase,
+    /// Crossings by increasing parameter.
+    pub crossings: Vec<Crossing>,
+}
+
+/// The first instability of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onset {
+    /// The start is unstable already.
+    AtStart,
+    /// At a crossing.
+    At(Crossing),
+}
+
+impl PathScan {
+    /// The first instability, if there is one.
+    pub fn onset(&self) -> Option<Onset> {
+        if self.start == Phase::Unstable {
+            return Some(Onset::AtStart);
+        }
+        self.crossings.iter().find(|crossing| crossing.to == Phase::Unstable).copied().map(Onset::At)
+    }
+}
+
+/// Why a path cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PathError {
+    /// It leaves the admissible deformations.
+    #[error("the path leaves the admissible deformations at s = {parameter}: {source}")]
+    Kinematics {
+        /// The parameter.
+        parameter: f64,
+        /// What is wrong there.
+        source: KinematicsError,
+    },
+    /// The method or the material fails there for a reason that is no change of stability.
+    #[error("at s = {parameter}: {source}")]
+    Method {
+        /// The parameter.
+        parameter: f64,
+        /// What is wrong there.
+        source: MethodError,
+    },
+}
+
+/// A phase with a continuous measure whose sign it is, where there is one.
+type Probe = (Phase, f64);
+
+/// All losses and returns of strong ellipticity along a path, for perturbations in `D` dimensions.
+///
+/// # Errors
+/// [`PathError`] when a state of the path cannot be evaluated.
+pub fn scan_material<const D: usize>(
+    material: &dyn Hyperelastic,
+    path: &StraightPath,
+) -> Result<PathScan, PathError> {
+    scan(&|s| {
+        let f = path.at(s).map_err(|source| PathError::Kinematics { parameter: s, source })?;
+        let response = material
+            .response(&f)
+            .map_err(|source| PathError::Method { parameter: s, source: source.into() })?;
+        let minimum = Stiffness::<D>::of(&response).minimum().eigenvalue.re;
+        Ok((if minimum > 0.0 { Phase::Stable } else { Phase::Unstable }, minimum))
+    })
+}
+
+/// All losses and returns of the stability of a discretization along a path.
+///
+/// # Errors
+/// [`PathError`] when a state cannot be evaluated for another reason than its support.
+pub fn scan_discretization<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+    path: &StraightPath,
+) -> Result<PathScan, PathError> {
+    scan(&|s| {
+        let f = path.at(s).map_err(|source| PathError::Kinematics { parameter: s, source })?;
+        let stability = || {
+            let search = zone_search(method, material, &f)?;
+            let matrix = dynamical_matrix(method, material, &f)?;
+            Ok((search.is_stable(&matrix), search.softest(&matrix).scaled))
+        };
+        match stability() {
+            Ok((true, measure)) => Ok((Phase::Stable, measure)),
+            Ok((false, measure)) => Ok((Phase::Unstable, measure)),
+            Err(
+                MethodError::SupportTooSmall { .. }
+                | MethodError::SupportTooLarge { .. }
+                | MethodError::SingularMoment { .. },
+            ) => Ok((Phase::Undefined, f64::NAN)),
+            Err(source) => Err(PathError::Method { parameter: s, source }),
+        }
+    })
+}
+
+fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, PathError> {
+    let parameter = |n: usize| n as f64 / INTERVALS as f64;
+    let probes: Vec<Probe> = (0..=INTERVALS).map(|n| probe(parameter(n))).collect::<Result<_, _>>()?;
+    let mut knots: Vec<(f64, Phase)> =
+        probes.iter().enumerate().map(|(n, probe)| (parameter(n), probe.0)).collect();
+    for n in 1..INTERVALS {
+        let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
+        if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
+            // A stable stretch can dip below zero between the knots, an unstable one rise above.
+            let sign = if middle.0 == Phase::Stable { 1.0 } else { -1.0 };
+            if sign * middle.1 <= sign * left.1 && sign * middle.1 <= sign * right.1 {
+                let found = extremum(probe, sign, parameter(n - 1), parameter(n + 1))?;
+                if found.1 != middle.0 {
+                    knots.push(found);
+                }
+            }
+        }
+    }
+    knots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut crossings = Vec::new();
+    for pair in knots.windows(2) {
+        if pair[0].1 != pair[1].1 {
+            refine(probe, pair[0], pair[1], &mut crossings)?;
+        }
+    }
+    Ok(PathScan { start: probes[0].0, crossings })
+}
+
+/// The parameter in an interval at which `sign * measure` is smallest (golden section), or the first one
+/// met that changes the phase.
+fn extremum(
+    probe: &impl Fn(f64) -> Result<Probe, PathError>,
+    sign: f64,
+    mut low: f64,
+    mut high: f64,
+) -> Result<(f64, Phase), PathError> {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let own = if sign > 0.0 { Phase::Stable } else { Phase::Unstable };
+    for _ in 0..DIP_STEPS {
+        let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
+        let (at_a, at_b) = (probe(a)?, probe(b)?);
+        for (s, found) in [(a, at_a), (b, at_b)] {
+            if found.0 != own {
+                return Ok((s, found.0));
+            }
+        }
+        if sign * at_a.1 <= sign * at_b.1 {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    Ok((0.5 * (low + high), own))
+}
+
+/// Bisection down to neighboring floating-point parameters (or 1e-15 apart). A third phase met on the
+/// way splits the bracket.
+fn refine(
+    probe: &impl Fn(f64) -> Result<Probe, PathError>,
+    (mut before, from): (f64, Phase),
+    (mut behind, to): (f64, Phase),
+    crossings: &mut Vec<Crossing>,
+) -> Result<(), PathError> {
+    while behind - before > 1e-15 {
+        let middle = 0.5 * (before + behind);
+        if middle <= before || middle >= behind {
+            break;
+        }
+        let phase = probe(middle)?.0;
+        if phase == from {
+            before = middle;
+        } else if phase == to {
+            behind = middle;
+        } else {
+            refine(probe, (before, from), (middle, phase), crossings)?;
+            return refine(probe, (middle, phase), (behind, to), crossings);
+        }
+    }
+    crossings.push(Crossing { from, to, before, behind });
+    Ok(())
+}
