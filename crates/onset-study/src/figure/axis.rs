@@ -176,14 +176,17 @@ fn linear_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let step = factor * 10f64.powi(power);
     let first = (low / step - 1e-9).ceil();
     let last = (high / step + 1e-9).floor();
-    let largest = low.abs().max(high.abs());
+    let largest = (first * step).abs().max((last * step).abs());
     let scientific = largest >= 99_999.5 || power < -4;
+    // One exponent for all, so that the labels compare at a glance.
+    let exponent =
+        (scientific && largest > 0.0).then(|| (largest * (1.0 + 1e-9)).log10().floor() as i32);
     (0..=(last - first).clamp(0.0, 100.0) as i32)
         .map(|i| (first + f64::from(i)) * step)
         .map(|at| at.clamp(low, high))
         .map(|at| {
             let at = if at.abs() < 1e-6 * step { 0.0 } else { at };
-            Tick::major(at, number_label(at, power, scientific))
+            Tick::major(at, number_label(at, power, exponent))
         })
         .collect()
 }
@@ -217,29 +220,29 @@ fn log_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
         .map(|(factor, exponent)| (factor * 10f64.powi(exponent), exponent))
         .filter(|&(at, _)| inside(at))
         .map(|(at, power)| {
-            let scientific = !(-4..5).contains(&power);
-            Tick::major(clamp(at), number_label(at, power, scientific))
+            let exponent = (!(-4..5).contains(&power)).then_some(power);
+            Tick::major(clamp(at), number_label(at, power, exponent))
         })
         .collect();
-    if marks.len() > 1 {
+    if marks.len() > 2 {
         return marks;
     }
     linear_marks(10f64.powf(low), 10f64.powf(high), target)
 }
 
-/// The number with as many digits as ticks `10^power` apart need, with a true minus sign.
-fn number_label(at: f64, power: i32, scientific: bool) -> String {
-    let label = if scientific && at != 0.0 {
-        let mut exponent = at.abs().log10().floor() as i32;
-        if at.abs() / 10f64.powi(exponent) >= 10.0 - 1e-9 {
-            exponent += 1;
+/// The number with as many digits as ticks `10^power` apart need, and with a true minus sign; over `10^exponent` if given.
+fn number_label(at: f64, power: i32, exponent: Option<i32>) -> String {
+    let label = match exponent {
+        Some(_) if at == 0.0 => "0".to_string(),
+        Some(exponent) => {
+            let digits = (exponent - power).clamp(0, 15) as usize;
+            let mantissa = at / 10f64.powi(exponent);
+            format!("{mantissa:.digits$}×10{}", superscript(exponent))
         }
-        let digits = (exponent - power).clamp(0, 15) as usize;
-        let mantissa = at / 10f64.powi(exponent);
-        format!("{mantissa:.digits$}×10{}", superscript(exponent))
-    } else {
-        let digits = (-power).max(0) as usize;
-        format!("{at:.digits$}")
+        None => {
+            let digits = (-power).max(0) as usize;
+            format!("{at:.digits$}")
+        }
     };
     label.replace('-', "−")
 }
@@ -274,7 +277,10 @@ mod tests {
             labels(&axis(0.0, 4.5e6)),
             ["0", "1×10⁶", "2×10⁶", "3×10⁶", "4×10⁶"]
         );
-        assert_eq!(labels(&axis(0.0, 2.4e-7))[1], "5×10⁻⁸");
+        assert_eq!(
+            labels(&axis(-1e-7, 1e-7)),
+            ["−1.0×10⁻⁷", "−0.5×10⁻⁷", "0", "0.5×10⁻⁷", "1.0×10⁻⁷"]
+        );
     }
 
     #[test]

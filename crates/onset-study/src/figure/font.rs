@@ -1,4 +1,4 @@
-//! The one font of all figures, embedded: DejaVu Sans (Bitstream Vera licence, changes in the public domain).
+//! The one font of all figures, embedded: DejaVu Sans, free under the terms in `DejaVu-LICENSE.txt` beside this file.
 
 use std::sync::OnceLock;
 use tiny_skia::{Path, PathBuilder};

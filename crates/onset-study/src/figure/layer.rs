@@ -4,7 +4,8 @@ use super::{Color, ColorMap, palette};
 
 /// One thing drawn in a [`Panel`](super::Panel), over the layers before it.
 ///
-/// Numbers that are not finite are never drawn. Everything is clipped to the panel.
+/// Numbers that are not finite are never drawn. Everything is clipped to the panel. What lies over a map gets a white rim, so that it
+/// shows on every color.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layer {
     /// A categorical map.

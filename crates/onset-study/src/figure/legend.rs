@@ -1,6 +1,14 @@
 //! The shared legend: words outside the panels.
 
-use super::{Color, Dash, Direction, Layer, Marker, Panel};
+use super::pen::{CAPITAL, NUMBERS, Pen, marker, pixels, polygon, rectangle, segment};
+use super::scene::{Anchor, Paint};
+use super::{Color, Dash, Direction, Layer, Marker, Panel, font, palette};
+use tiny_skia::PathBuilder;
+
+/// White after a symbol and after a name, distance of rows.
+const SYMBOL_GAP: f64 = 7.0;
+const ENTRY_GAP: f64 = 24.0;
+const LEGEND_ROW: f64 = 21.0;
 
 /// A symbol and what it means.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,4 +116,128 @@ pub(super) fn collect(panels: &[Panel]) -> Vec<LegendEntry> {
         }
     }
     entries
+}
+
+fn symbol_width(symbol: Symbol) -> f64 {
+    match symbol {
+        Symbol::Patch(_) => 20.0,
+        Symbol::Line {
+            direction: Direction::Vertical,
+            ..
+        } => 6.0,
+        Symbol::Marker { .. } => 10.0,
+        Symbol::Line { .. } | Symbol::Arrow(_) => 26.0,
+    }
+}
+
+pub(super) fn entry_width(entry: &LegendEntry) -> f64 {
+    symbol_width(entry.symbol) + SYMBOL_GAP + font::width(&entry.name, NUMBERS)
+}
+
+/// Entries in rows no wider than `available`, with the width of each row.
+fn legend_rows(entries: &[LegendEntry], available: f64) -> Vec<(f64, Vec<&LegendEntry>)> {
+    let mut rows: Vec<(f64, Vec<&LegendEntry>)> = Vec::new();
+    for entry in entries {
+        let more = ENTRY_GAP + entry_width(entry);
+        match rows.last_mut() {
+            Some((used, row)) if *used + more <= available => {
+                *used += more;
+                row.push(entry);
+            }
+            _ => rows.push((entry_width(entry), vec![entry])),
+        }
+    }
+    rows
+}
+
+/// Draw the entries in centered rows between left and right; returns where the legend ends.
+pub(super) fn draw(
+    pen: &mut Pen,
+    entries: &[LegendEntry],
+    (left, right): (f64, f64),
+    top: f64,
+) -> f64 {
+    let mut available = right - left;
+    let mut rows = legend_rows(entries, available);
+    // As narrow as it goes without one row more, so that the rows are about equal.
+    while available > 0.0 {
+        available -= 8.0;
+        let narrower = legend_rows(entries, available);
+        if narrower.len() > rows.len() {
+            break;
+        }
+        rows = narrower;
+    }
+    let mut y = top;
+    for (used, row) in rows {
+        let mut x = (left + right - used) / 2.0;
+        let middle = (y + LEGEND_ROW / 2.0).round() + 0.5;
+        for entry in row {
+            draw_symbol(pen, entry.symbol, x, middle);
+            let place = (
+                x + symbol_width(entry.symbol) + SYMBOL_GAP,
+                middle + 0.5 * CAPITAL * NUMBERS,
+            );
+            pen.words(entry.name.clone(), place, Anchor::Start, NUMBERS);
+            x += entry_width(entry) + ENTRY_GAP;
+        }
+        y += LEGEND_ROW;
+    }
+    y
+}
+
+fn draw_symbol(pen: &mut Pen, symbol: Symbol, left: f64, middle: f64) {
+    let width = symbol_width(symbol);
+    let (right, center) = (left + width, left + width / 2.0);
+    let mut outline = PathBuilder::new();
+    match symbol {
+        Symbol::Patch(color) => {
+            let left = left.round() + 0.5;
+            rectangle(
+                &mut outline,
+                (left, middle - 7.0),
+                (left + width, middle + 7.0),
+            );
+            let mut paint = Paint::stroke(palette::GREY, 0.75, Dash::Solid);
+            paint.fill = Some(color);
+            pen.outline(outline, paint);
+        }
+        Symbol::Line {
+            color,
+            width,
+            dash,
+            direction,
+        } => {
+            match direction {
+                Direction::Horizontal => segment(&mut outline, (left, middle), (right, middle)),
+                Direction::Vertical => {
+                    segment(&mut outline, (center, middle - 8.0), (center, middle + 8.0));
+                }
+            }
+            let width = pixels(width).min(8.0);
+            pen.outline(outline, Paint::stroke(color, width, dash));
+        }
+        Symbol::Marker {
+            color,
+            marker: shape,
+            filled,
+        } => {
+            let (outline, paint) = marker(shape, 8.0, color, filled);
+            pen.stamps(outline, vec![(center, middle)], paint);
+        }
+        Symbol::Arrow(color) => {
+            let (neck, inner, half) = (right - 8.0, right - 6.4, 2.9);
+            let corners = [
+                (right, middle),
+                (neck, middle + half),
+                (inner, middle + 0.65),
+                (left, middle + 0.65),
+                (left, middle - 0.65),
+                (inner, middle - 0.65),
+                (neck, middle - half),
+            ];
+            polygon(&mut outline, &corners);
+            pen.outline(outline, Paint::fill(color));
+        }
+    }
 }

@@ -30,8 +30,10 @@ mod draw;
 mod font;
 mod grid;
 mod layer;
+mod layout;
 mod legend;
 pub mod palette;
+mod pen;
 mod scene;
 
 pub use axis::{Axis, Scale};
@@ -52,7 +54,7 @@ pub struct Figure {
     pub caption: String,
     /// The panels, row after row.
     pub panels: Vec<Panel>,
-    /// Panels in a row.
+    /// Panels in a row; 0 counts as 1.
     pub columns: usize,
     /// The legend below the panels; collected from the layers if empty.
     pub legend: Vec<LegendEntry>,
@@ -140,7 +142,7 @@ impl Figure {
 
     /// The picture as an SVG document.
     pub fn to_svg(&self) -> String {
-        draw::scene(self).to_svg()
+        layout::scene(self).to_svg()
     }
 
     /// The same picture as a PNG, two device pixels a pixel.
@@ -148,7 +150,7 @@ impl Figure {
     /// # Errors
     /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
-        draw::scene(self).to_png()
+        layout::scene(self).to_png()
     }
 
     /// Write `name.svg` and `name.png`, and the directory if it is missing; returns the paths of the two.
@@ -160,7 +162,7 @@ impl Figure {
             let path = path.to_path_buf();
             |source| FigureError::Write { path, source }
         };
-        let scene = draw::scene(self);
+        let scene = layout::scene(self);
         let png = scene.to_png()?;
         std::fs::create_dir_all(directory).map_err(failed(directory))?;
         let paths = ["svg", "png"].map(|format| directory.join(format!("{name}.{format}")));

@@ -33,7 +33,7 @@ pub const SERIES: [Color; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLA
 /// The lightness differs from each to each, so a greyscale print or a color-blind reader can still tell them apart.
 pub const VERDICTS: [(&str, Color); 6] = [
     ("stable", Color::hex(0xe4f1f7)),
-    ("material", Color::hex(0x1f6bb0)),
+    ("material", Color::hex(0x17548f)),
     ("kernel", Color::hex(0xe69500)),
     ("rank-deficient", Color::hex(0xb4648f)),
     ("missed", Color::hex(0x2a0f26)),

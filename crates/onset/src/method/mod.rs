@@ -243,6 +243,13 @@ impl<const D: usize> Method<D> {
         Ok(Self { discretization, lattice, points })
     }
 
+    /// The same method with quadrature points of one's own in place of `discretization.quadrature`.
+    /// Their volumes are taken as they are.
+    pub fn with_quadrature_points(mut self, points: Vec<QuadraturePoint<D>>) -> Self {
+        self.points = points;
+        self
+    }
+
     /// The choices that define the method.
     pub fn discretization(&self) -> &Discretization {
         &self.discretization
@@ -270,9 +277,9 @@ impl<const D: usize> Method<D> {
 
     /// Whether plane-wave stress points make the dynamical matrix non-periodic in the wave vector.
     pub fn is_periodic(&self) -> bool {
-        let Discretization { frame, linearization, quadrature, .. } = self.discretization;
+        let Discretization { frame, linearization, .. } = self.discretization;
         frame == Frame::Lagrangian
-            || quadrature == Quadrature::Nodal
+            || self.points.iter().all(|point| point.is_node)
             || !linearization.moves_points_with_plane_wave()
     }
 

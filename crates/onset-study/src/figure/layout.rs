@@ -1,0 +1,428 @@
+//! From a figure to a scene: measure the panels, line them up, draw them with their axes.
+
+use super::axis::{Scale, Tick};
+use super::draw::{Frame, LEVELS, field_range, level_color, shown_values};
+use super::pen::{CAPITAL, INK, NUMBERS, Pen, crisp, polygon, rectangle, segment};
+use super::scene::{Anchor, Paint, Scene};
+use super::{Axis, Dash, Field, Figure, Layer, Panel, font, legend};
+use tiny_skia::PathBuilder;
+
+/// Sizes of type, in pixels.
+const TITLE: f64 = 16.0;
+const WORDS: f64 = 13.0;
+/// Baseline to baseline, in sizes of type.
+const LEADING: f64 = 1.3;
+/// White around the figure, and between its parts.
+const PADDING: f64 = 14.0;
+const GAP: f64 = 18.0;
+/// Length of a tick, and the white to its label.
+const TICK: f64 = 5.0;
+const TICK_GAP: f64 = 4.0;
+/// White between the tick labels and the label of the axis.
+const LABEL_GAP: f64 = 8.0;
+/// The color bar: white before it, and its width.
+const BAR_GAP: f64 = 12.0;
+const BAR: f64 = 13.0;
+
+/// Draw the whole figure.
+pub(super) fn scene(figure: &Figure) -> Scene {
+    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let box_width = if columns == 1 { 420.0 } else { 300.0 };
+    let panels: Vec<Measured> = figure
+        .panels
+        .iter()
+        .map(|panel| Measured::new(panel, box_width))
+        .collect();
+
+    let column = |index: usize, size: fn(&Measured) -> f64| {
+        let members = panels.iter().skip(index).step_by(columns);
+        members.map(size).fold(0.0, f64::max)
+    };
+    let row = |index: usize, size: fn(&Measured) -> f64| {
+        let members = panels.iter().skip(index * columns).take(columns);
+        members.map(size).fold(0.0, f64::max)
+    };
+    let widths: Vec<[f64; 3]> = (0..columns)
+        .map(|i| {
+            [
+                column(i, |p| p.left),
+                column(i, |p| p.width),
+                column(i, |p| p.right),
+            ]
+        })
+        .collect();
+    let gaps = GAP * (columns - 1) as f64;
+    let content = widths.iter().flatten().sum::<f64>() + gaps;
+
+    let entries = figure.legend_entries();
+    let widest = entries
+        .iter()
+        .map(legend::entry_width)
+        .fold(260.0, f64::max);
+    let width = (content.max(widest) + 2.0 * PADDING).ceil();
+
+    let mut pen = Pen::default();
+    let mut y = PADDING;
+    for line in font::wrap(&figure.title, TITLE, width - 2.0 * PADDING) {
+        y += TITLE * LEADING;
+        pen.words(line, (width / 2.0, y - 0.3 * TITLE), Anchor::Middle, TITLE);
+    }
+    if !figure.title.trim().is_empty() {
+        y += 4.0;
+    }
+    for index in 0..panels.len().div_ceil(columns) {
+        if index > 0 {
+            y += GAP;
+        }
+        // Half pixels, so that thin lines fill whole device pixels.
+        let top = (y + row(index, |p| p.top)).round() + 0.5;
+        let mut x = (width - content) / 2.0;
+        for (panel, [left, slot, right]) in panels.iter().skip(index * columns).zip(&widths) {
+            let start = (x + left + (slot - panel.width) / 2.0).round() + 0.5;
+            panel.draw(&mut pen, start, top);
+            x += left + slot + right + GAP;
+        }
+        y = top + row(index, |p| p.height) + row(index, |p| p.bottom);
+    }
+    if !entries.is_empty() {
+        y = legend::draw(&mut pen, &entries, (PADDING, width - PADDING), y + 10.0);
+    }
+    let caption = font::wrap(&figure.caption, NUMBERS, width - 2.0 * PADDING);
+    if !caption.is_empty() {
+        y += 6.0;
+    }
+    for line in caption {
+        y += NUMBERS * LEADING;
+        pen.words(line, (PADDING, y - 0.3 * NUMBERS), Anchor::Start, NUMBERS);
+    }
+    Scene {
+        width,
+        height: (y + PADDING).ceil(),
+        title: figure.title.clone(),
+        description: figure.caption.clone(),
+        shapes: pen.shapes,
+    }
+}
+
+/// A panel and the sizes of its parts.
+struct Measured<'a> {
+    panel: &'a Panel,
+    /// Size of the box between the axes.
+    width: f64,
+    height: f64,
+    /// What sticks out of the box.
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    title: Vec<String>,
+    x_label: Vec<String>,
+    y_label: Vec<String>,
+    x_marks: Vec<Tick>,
+    y_marks: Vec<Tick>,
+    bars: Vec<Bar<'a>>,
+}
+
+/// A color bar.
+struct Bar<'a> {
+    field: &'a Field,
+    axis: Axis,
+    marks: Vec<Tick>,
+    label: Vec<String>,
+    width: f64,
+}
+
+impl<'a> Measured<'a> {
+    fn new(panel: &'a Panel, box_width: f64) -> Self {
+        let (width, height) = box_size(panel, box_width);
+        let title = font::wrap(&panel.title, WORDS, width + 50.0);
+        let x_label = font::wrap(&panel.x.label, WORDS, width + 50.0);
+        let y_label = font::wrap(&panel.y.label, WORDS, height + 10.0);
+        let x_marks = spaced_marks(&panel.x, width);
+        let y_marks = panel.y.marks(match panel.y.scale {
+            Scale::Linear => mark_target(height, 42.0),
+            // Every decade, while there is room.
+            Scale::Log10 => mark_target(height, 22.0),
+        });
+        let bars: Vec<Bar> = panel
+            .layers
+            .iter()
+            .filter_map(|layer| match layer {
+                Layer::Field(field) => Some(Bar::new(field, height)),
+                _ => None,
+            })
+            .collect();
+
+        let lines = |lines: &[String]| lines.len() as f64 * WORDS * LEADING;
+        let gap = |lines: &[String]| if lines.is_empty() { 0.0 } else { LABEL_GAP };
+        // Words centered on the box may be wider than it.
+        let overhang = title
+            .iter()
+            .chain(&x_label)
+            .map(|line| font::width(line, WORDS));
+        let overhang = overhang
+            .map(|words| (words - width) / 2.0)
+            .fold(0.0, f64::max);
+        let mark_overhang = |tick: &Tick, at_end: bool| {
+            let place = width * panel.x.fraction(tick.at).unwrap_or(0.5);
+            let half = font::width(&tick.label, NUMBERS) / 2.0;
+            if at_end {
+                place + half - width
+            } else {
+                half - place
+            }
+        };
+        let end = x_marks
+            .iter()
+            .map(|t| mark_overhang(t, true))
+            .fold(0.0, f64::max);
+        let start = x_marks
+            .iter()
+            .map(|t| mark_overhang(t, false))
+            .fold(0.0, f64::max);
+        let axis = TICK + TICK_GAP + widest(&y_marks) + gap(&y_label) + lines(&y_label);
+        let top = if title.is_empty() {
+            8.0
+        } else {
+            lines(&title) + 6.0
+        };
+        Self {
+            panel,
+            width,
+            height,
+            left: axis.max(start).max(overhang),
+            right: bars
+                .iter()
+                .map(|bar| bar.width)
+                .sum::<f64>()
+                .max(end)
+                .max(overhang)
+                .max(6.0),
+            top,
+            bottom: TICK + TICK_GAP + NUMBERS + gap(&x_label) / 2.0 + lines(&x_label),
+            title,
+            x_label,
+            y_label,
+            x_marks,
+            y_marks,
+            bars,
+        }
+    }
+
+    fn draw(&self, pen: &mut Pen, left: f64, top: f64) {
+        let frame = Frame {
+            panel: self.panel,
+            left,
+            top,
+            width: self.width,
+            height: self.height,
+        };
+        for layer in &self.panel.layers {
+            frame.draw(pen, layer);
+            pen.rims |= matches!(layer, Layer::Regions(_) | Layer::Field(_));
+        }
+        pen.rims = false;
+        let (right, bottom) = (left + self.width, top + self.height);
+        let mut axes = PathBuilder::new();
+        rectangle(&mut axes, (left, top), (right, bottom));
+        for mark in &self.x_marks {
+            let Some(x) = frame.x(mark.at) else { continue };
+            let length = if mark.minor { 0.6 * TICK } else { TICK };
+            segment(&mut axes, (x, bottom), (x, bottom + length));
+            let place = (x, bottom + TICK + TICK_GAP + CAPITAL * NUMBERS);
+            pen.words(mark.label.clone(), place, Anchor::Middle, NUMBERS);
+        }
+        for mark in &self.y_marks {
+            let Some(y) = frame.y(mark.at) else { continue };
+            let length = if mark.minor { 0.6 * TICK } else { TICK };
+            segment(&mut axes, (left - length, y), (left, y));
+            let place = (left - TICK - TICK_GAP, y + 0.5 * CAPITAL * NUMBERS);
+            pen.words(mark.label.clone(), place, Anchor::End, NUMBERS);
+        }
+        pen.outline(axes, Paint::stroke(INK, 1.0, Dash::Solid));
+
+        let line = WORDS * LEADING;
+        let center = left + self.width / 2.0;
+        for (i, words) in self.title.iter().rev().enumerate() {
+            let place = (center, top - 9.0 - i as f64 * line);
+            pen.words(words.clone(), place, Anchor::Middle, WORDS);
+        }
+        let below = bottom + TICK + TICK_GAP + NUMBERS + LABEL_GAP / 2.0;
+        for (i, words) in self.x_label.iter().enumerate() {
+            let place = (center, below + (i as f64 + 0.78) * line);
+            pen.words(words.clone(), place, Anchor::Middle, WORDS);
+        }
+        let before = left - TICK - TICK_GAP - widest(&self.y_marks) - LABEL_GAP;
+        for (i, words) in self.y_label.iter().rev().enumerate() {
+            let place = (before - (i as f64 + 0.22) * line, top + self.height / 2.0);
+            pen.words_upward(words.clone(), place, WORDS);
+        }
+        let mut start = right;
+        for bar in &self.bars {
+            bar.draw(pen, (start + BAR_GAP).round() + 0.5, top, self.height);
+            start += bar.width;
+        }
+    }
+}
+
+/// The size of the box between the axes.
+fn box_size(panel: &Panel, width: f64) -> (f64, f64) {
+    let length = |axis: &Axis| {
+        let (start, end) = axis.limits();
+        (end - start).abs()
+    };
+    if !panel.equal_aspect || panel.x.scale != panel.y.scale {
+        return (width, (0.75 * width).round());
+    }
+    // Beyond a shape of 1 to 8 a panel is a line; there the longer side is cut rather than the figure.
+    let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);
+    let highest = 1.2 * width;
+    if ratio * width <= highest {
+        (width, ratio * width)
+    } else {
+        (highest / ratio, highest)
+    }
+}
+
+fn mark_target(length: f64, spacing: f64) -> usize {
+    (length / spacing).floor().clamp(1.0, 9.0) as usize
+}
+
+/// Marks of a horizontal axis whose labels do not touch.
+fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
+    let clear = |marks: &[Tick]| {
+        let mut ends: Vec<(f64, f64)> = marks
+            .iter()
+            .filter(|mark| !mark.label.is_empty())
+            .filter_map(|mark| {
+                let half = font::width(&mark.label, NUMBERS) / 2.0;
+                let place = width * axis.fraction(mark.at)?;
+                Some((place - half, place + half))
+            })
+            .collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ends.windows(2).all(|pair| pair[0].1 + 6.0 <= pair[1].0)
+    };
+    let mut target = mark_target(width, 48.0);
+    let mut marks = axis.marks(target);
+    while target > 1 && !clear(&marks) {
+        target -= 1;
+        marks = axis.marks(target);
+    }
+    // Named marks cannot be thinned by asking for fewer: keep the tick, drop the label that touches.
+    for i in 1..=marks.len() {
+        if !clear(&marks[..i]) {
+            marks[i - 1].label.clear();
+        }
+    }
+    marks
+}
+
+fn widest(marks: &[Tick]) -> f64 {
+    let widths = marks.iter().map(|mark| font::width(&mark.label, NUMBERS));
+    widths.fold(0.0, f64::max)
+}
+
+impl<'a> Bar<'a> {
+    fn new(field: &'a Field, height: f64) -> Self {
+        let axis = Axis::linear(field.label.clone(), field_range(field));
+        let marks = axis.marks(mark_target(height, 42.0));
+        let label = font::wrap(&field.label, WORDS, height + 10.0);
+        let lines = label.len() as f64 * WORDS * LEADING;
+        let width = BAR_GAP + BAR + TICK + TICK_GAP + widest(&marks) + LABEL_GAP + lines;
+        Self {
+            field,
+            axis,
+            marks,
+            label,
+            width,
+        }
+    }
+
+    fn draw(&self, pen: &mut Pen, left: f64, top: f64, height: f64) {
+        let range = self.axis.limits();
+        let (right, bottom) = (left + BAR, top + height);
+        let colors = (0..LEVELS).map(|level| level_color(self.field.map, level, range));
+        for (level, color) in colors.enumerate() {
+            let edge = |level: usize| bottom - height * level as f64 / f64::from(LEVELS);
+            let mut patch = PathBuilder::new();
+            rectangle(&mut patch, (left, edge(level)), (right, edge(level + 1)));
+            pen.outline(patch, crisp(color));
+        }
+        let mut frame = PathBuilder::new();
+        rectangle(&mut frame, (left, top), (right, bottom));
+        for mark in &self.marks {
+            let Some(fraction) = self.axis.fraction(mark.at) else {
+                continue;
+            };
+            let y = bottom - height * fraction;
+            segment(&mut frame, (right, y), (right + TICK, y));
+            let place = (right + TICK + TICK_GAP, y + 0.5 * CAPITAL * NUMBERS);
+            pen.words(mark.label.clone(), place, Anchor::Start, NUMBERS);
+        }
+        pen.outline(frame, Paint::stroke(INK, 1.0, Dash::Solid));
+        // Points at the ends say that the map holds numbers beyond them.
+        let shown = shown_values(self.field);
+        let (low, high) = (range.0.min(range.1), range.0.max(range.1));
+        let ends = [
+            (shown.clone().any(|v| v > high), top, -9.0, high),
+            (shown.clone().any(|v| v < low), bottom, 9.0, low),
+        ];
+        for (beyond, base, rise, end) in ends {
+            if beyond {
+                let mut point = PathBuilder::new();
+                let corners = [(left, base), (left + BAR / 2.0, base + rise), (right, base)];
+                polygon(&mut point, &corners);
+                let mut paint = Paint::stroke(INK, 1.0, Dash::Solid);
+                paint.fill = Some(self.field.map.color(end, range));
+                pen.outline(point, paint);
+            }
+        }
+        let line = WORDS * LEADING;
+        let after = right + TICK + TICK_GAP + widest(&self.marks) + LABEL_GAP;
+        for (i, words) in self.label.iter().enumerate() {
+            let place = (after + (i as f64 + 0.78) * line, top + height / 2.0);
+            pen.words_upward(words.clone(), place, WORDS);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_aspect_is_truly_equal() {
+        for (x, y) in [
+            ((0.0, 1.0), (0.0, 1.0)),
+            ((0.0, 1.0), (0.0, 5.0)),
+            ((2.0, -2.0), (0.0, 1.0)),
+        ] {
+            let panel = Panel::new("", Axis::linear("", x), Axis::linear("", y)).equal_aspect();
+            let (width, height) = box_size(&panel, 300.0);
+            let (in_x, in_y) = (width / (x.1 - x.0).abs(), height / (y.1 - y.0).abs());
+            assert!(
+                (in_x - in_y).abs() < 1e-9,
+                "{in_x} and {in_y} pixels a unit"
+            );
+            assert!(width <= 300.0 && height <= 360.0 + 1e-9);
+        }
+    }
+
+    #[test]
+    fn labels_of_a_horizontal_axis_do_not_touch() {
+        for range in [(0.0, 1e6), (-1e-7, 1e-7), (1000.001, 1000.009), (-0.5, 2.5)] {
+            for width in [60.0, 150.0, 300.0] {
+                let axis = Axis::linear("", range);
+                let marks = spaced_marks(&axis, width);
+                let mut end = f64::NEG_INFINITY;
+                for mark in marks.iter().filter(|mark| !mark.label.is_empty()) {
+                    let half = font::width(&mark.label, NUMBERS) / 2.0;
+                    let place = axis.fraction(mark.at).unwrap() * width;
+                    assert!(place - half > end, "{marks:?} at {width}");
+                    end = place + half;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The paper and its independent reference numbers, claim by claim.
+
+mod anchors;
+mod reference;

@@ -1,0 +1,96 @@
+//! The reference numbers of `validation/anchors.json` and the methods that their keys name.
+
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
+use onset::approximation::Approximation;
+use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize};
+use onset::quadrature::Quadrature;
+use serde_json::Value;
+
+/// The reference numbers.
+pub fn anchors() -> Value {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/anchors.json");
+    let text = std::fs::read_to_string(path).expect("the reference numbers can be read");
+    serde_json::from_str(&text).expect("the reference numbers are JSON")
+}
+
+/// Asserts that a number is met to a relative tolerance, absolute where the reference is zero. References
+/// below 1e-13 are the rounding errors of zeros.
+#[track_caller]
+pub fn assert_meets(what: &str, computed: f64, reference: f64, tolerance: f64) {
+    let error = (computed - reference).abs();
+    let scale = if reference.abs() < 1e-13 { 1.0 } else { reference.abs() };
+    assert!(error <= tolerance * scale, "{what}: computed {computed:e}, reference {reference:e}");
+}
+
+pub fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// `mooney`, `blatzko1`, `blatzko32`.
+pub fn material(name: &str) -> Box<dyn Hyperelastic> {
+    match name {
+        "mooney" => Box::new(ModifiedMooneyRivlin::default()),
+        "blatzko1" => Box::new(BlatzKo::new(1.0).expect("a positive modulus")),
+        "blatzko32" => Box::new(BlatzKo::new(32.0).expect("a positive modulus")),
+        _ => panic!("unknown material {name}"),
+    }
+}
+
+/// A Lagrangian discretization: `hex` or `square`, `nodal` or `sp`.
+pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> Discretization {
+    Discretization {
+        arrangement: match arrangement {
+            "hex" => Arrangement::Hexagonal,
+            "square" => Arrangement::Square,
+            _ => panic!("unknown arrangement {arrangement}"),
+        },
+        quadrature: match quadrature {
+            "nodal" => Quadrature::Nodal,
+            "sp" => Quadrature::StressPoints,
+            _ => panic!("unknown quadrature {quadrature}"),
+        },
+        support,
+        ..Discretization::default()
+    }
+}
+
+/// `lagrange`, `lagrange_mls`, or `euler` with geometry (`fixed-stretched`, ...) and linearization.
+pub fn with_frame(base: Discretization, frame: &str, geometry: &str, linearization: &str) -> Discretization {
+    match frame {
+        "lagrange" => base,
+        "lagrange_mls" => Discretization { approximation: Approximation::Mls, ..base },
+        "euler" => {
+            let (support_size, lattice) = match geometry {
+                "fixed-stretched" | "stretched" => (SupportSize::Fixed, CurrentLattice::Convected),
+                "sqrtJ-stretched" => (SupportSize::Scaled, CurrentLattice::Convected),
+                "elliptic-stretched" => (SupportSize::Convected, CurrentLattice::Convected),
+                "fixed-regular" | "regular" => (SupportSize::Fixed, CurrentLattice::Regular),
+                _ => panic!("unknown geometry {geometry}"),
+            };
+            let linearization = match linearization {
+                "paper" => Linearization::Paper,
+                "exact" => Linearization::Exact,
+                "paper_interp" => Linearization::PaperInterpolated,
+                "exact_pw" => Linearization::ExactPlaneWave,
+                "frozenS" => Linearization::FrozenNormalization,
+                _ => panic!("unknown linearization {linearization}"),
+            };
+            Discretization { frame: Frame::Eulerian, support_size, lattice, linearization, ..base }
+        }
+        _ => panic!("unknown frame {frame}"),
+    }
+}
+
+pub fn method(discretization: Discretization) -> Method<2> {
+    Method::new(discretization).expect("an admissible method")
+}
+
+pub fn stretched(l1: f64, l2: f64) -> DeformationGradient {
+    DeformationGradient::from_stretches([l1, l2, 1.0]).expect("positive stretches")
+}
