@@ -1,3 +1,10 @@
-//! Studies on top of the `onset` core.
+//! Studies, answers, figures and reports on top of the `onset` core.
+//!
+//! [`settings`] are what a user sets; an [`answers::Problem`] is made of them; [`answers`] to single questions are
+//! serializable structures; [`reproduce`] runs the paper from end to end; [`figure`] draws.
 
+pub mod answers;
 pub mod figure;
+pub mod json;
+pub mod reproduce;
+pub mod settings;

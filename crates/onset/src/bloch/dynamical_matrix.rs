@@ -17,6 +17,8 @@ pub struct DynamicalMatrix<const D: usize> {
     rigid: SMatrix<f64, D, D>,
     /// Whether `Phi(-R) = Phi(R)`, which makes `D` real.
     centrosymmetric: bool,
+    /// Whether `Phi(-R) = Phi(R)^T`, which makes `D` Hermitian.
+    hermitian: bool,
     /// Rounding error to expect in an entry.
     noise: f64,
 }
@@ -102,7 +104,12 @@ impl<const D: usize> ForceConstants<D> {
             rigid.fill(0.0);
         }
         let centrosymmetric = terms.iter().all(|term| term.odd.amax() <= 16.0 * noise);
-        DynamicalMatrix { terms, rigid, centrosymmetric, noise }
+        // D(k) = rigid + sum (cos - 1) even + i sin odd: Hermitian for symmetric even, antisymmetric odd parts.
+        let asymmetry = |term: &Term<D>| {
+            (term.even - term.even.transpose()).amax() + (term.odd + term.odd.transpose()).amax()
+        };
+        let hermitian = terms.iter().all(|term| asymmetry(term) <= 16.0 * noise);
+        DynamicalMatrix { terms, rigid, centrosymmetric, hermitian, noise }
     }
 }
 
@@ -197,6 +204,11 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// Whether `D(k)` is real for every wave vector.
     pub fn is_centrosymmetric(&self) -> bool {
         self.centrosymmetric
+    }
+
+    /// Whether `D(k)` is Hermitian for every wave vector, as the second derivative of an energy is.
+    pub fn is_hermitian(&self) -> bool {
+        self.hermitian
     }
 
     /// Whether all entries are finite.

@@ -11,8 +11,8 @@ use crate::lattice::{BravaisLattice, BrillouinZone};
 use crate::method::Method;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-/// Scaled measures of smaller magnitude count as zero, beside the rounding error of the matrix.
-const ZERO: f64 = 1e-12;
+/// Scaled measures within this multiple of the rounding error of the matrix count as zero.
+const ROUNDING: f64 = 4.0;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
 /// Distinct wells of the grid that are followed to their bottom.
@@ -80,6 +80,9 @@ enum Objective {
     Lowest,
     /// `-Re omega^2` of the highest branch.
     Highest,
+    /// The discriminant `((D11 - D22)/2)^2 + D12 D21`, negative where `omega^2` is complex. Unlike the imaginary
+    /// part of `omega^2` it is smooth. (In three dimensions minus the growth rate of complex pairs.)
+    Discriminant,
 }
 
 /// The search over the zone of one method at one state.
@@ -116,20 +119,20 @@ impl<const D: usize> ZoneSearch<D> {
         let grid = self.grid(matrix);
         let long_wave = self.long_wave_limit(matrix);
         let softest = self
-            .bottom(matrix, &grid, Objective::Scaled)
+            .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
         let rest = self.rest(matrix);
         let lowest = self
-            .bottom(matrix, &grid, Objective::Lowest)
+            .bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re)
             .map(|bottom| self.mode(matrix, &bottom.1))
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -self.tolerance(matrix))
             .unwrap_or(rest);
-        let fluttering = self.fastest_flutter(matrix, &grid);
+        let fluttering = self.flutter(matrix, &grid).map(|mode| self.fastest_flutter(matrix, &mode));
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
-        let highest = self.bottom(matrix, &grid, Objective::Highest).map_or(0.0, |bottom| -bottom.0);
+        let highest = self.bottom(matrix, &grid, Objective::Highest, f64::INFINITY).map_or(0.0, |bottom| -bottom.0);
         SpectrumSummary {
             softest,
             long_wave,
@@ -141,29 +144,23 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Whether no mode grows: the same answer as [`SpectrumSummary::is_stable`], without the modes.
-    pub fn is_stable(&self, matrix: &DynamicalMatrix<D>) -> bool {
+    /// Whether no mode grows: the same answer as [`SpectrumSummary::is_stable`], without the modes; with a
+    /// measure that is negative where one grows and bounds the smallest scaled measure from above.
+    pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (bool, f64) {
         let tolerance = self.tolerance(matrix);
-        if self.long_wave_limit(matrix).scaled < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
-            return false;
-        }
         let grid = self.grid(matrix);
+        let sampled = grid.points.iter().map(|point| point.scaled).fold(f64::INFINITY, f64::min);
+        let measure = sampled.min(self.long_wave_limit(matrix).scaled);
         // One witness is enough, and most unstable states have one on the grid.
-        if grid.points.iter().any(|point| point.scaled < -tolerance) {
-            return false;
+        if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
+            return (false, measure);
         }
-        if self.fastest_flutter(matrix, &grid).is_some() {
-            return false;
+        if let Some(mode) = self.flutter(matrix, &grid) {
+            return (false, -mode.omega_squared.im.abs() / self.speed_squared);
         }
-        self.bottom(matrix, &grid, Objective::Scaled).is_none_or(|bottom| bottom.0 >= -tolerance)
-    }
-
-    /// The smallest scaled measure over the zone and the long-wave limit, with its mode.
-    pub fn softest(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
-        let long_wave = self.long_wave_limit(matrix);
-        self.bottom(matrix, &self.grid(matrix), Objective::Scaled)
-            .filter(|bottom| bottom.0 < long_wave.scaled)
-            .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1))
+        let bottom = self.bottom(matrix, &grid, Objective::Scaled, -tolerance);
+        let measure = bottom.map_or(measure, |bottom| bottom.0.min(measure));
+        (measure >= -tolerance, measure)
     }
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
@@ -208,7 +205,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
-        ZERO.max(64.0 * matrix.long_wave_noise() / self.speed_squared)
+        ROUNDING * matrix.long_wave_noise() / self.speed_squared
     }
 
     /// The reference wave vector of one of the searched zone.
@@ -216,12 +213,31 @@ impl<const D: usize> ZoneSearch<D> {
         self.home.transpose() * k
     }
 
-    fn value(&self, objective: Objective, k: &SVector<f64, D>, omega_squared: &[Complex; D]) -> f64 {
+    fn value(
+        &self,
+        objective: Objective,
+        k: &SVector<f64, D>,
+        d: &SMatrix<Complex, D, D>,
+        omega_squared: &[Complex; D],
+    ) -> f64 {
         match objective {
             Objective::Scaled => omega_squared[0].re / (self.speed_squared * self.reference.laplacian(k)),
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
+            Objective::Discriminant => match D {
+                1 => 0.0,
+                2 => {
+                    let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
+                    (half * half + d[(0, 1)] * d[(1, 0)]).re
+                }
+                _ => -complex_growth(omega_squared),
+            },
         }
+    }
+
+    fn value_at(&self, matrix: &DynamicalMatrix<D>, objective: Objective, k: &SVector<f64, D>) -> f64 {
+        let d = matrix.at(k);
+        self.value(objective, k, &d, &eigenvalues(&d, matrix.noise()))
     }
 
     // ---- the grid ------------------------------------------------------------------------------
@@ -249,37 +265,35 @@ impl<const D: usize> ZoneSearch<D> {
                 None => matrix.at(&k),
             };
             let omega_squared = eigenvalues(&d, matrix.noise());
-            let growth = omega_squared
-                .iter()
-                .filter(|value| value.im != 0.0)
-                .map(|value| growth_rate(*value))
-                .fold(0.0, f64::max);
-            let value = |objective| self.value(objective, &k, &omega_squared);
-            let scaled = if index == 0 { f64::INFINITY } else { value(Objective::Scaled) };
-            let (lowest, highest) = (value(Objective::Lowest), value(Objective::Highest));
-            points.push(GridPoint { k, scaled, lowest, highest, growth });
+            let value = |objective| self.value(objective, &k, &d, &omega_squared);
+            points.push(GridPoint {
+                k,
+                scaled: if index == 0 { f64::INFINITY } else { value(Objective::Scaled) },
+                lowest: value(Objective::Lowest),
+                highest: value(Objective::Highest),
+                discriminant: value(Objective::Discriminant),
+            });
         }
         Grid { resolution, points }
     }
 
-    /// The bottom of the deepest well.
+    /// The bottom of the deepest well. A well that is not going to reach below `floor` is left early.
     fn bottom(
         &self,
         matrix: &DynamicalMatrix<D>,
         grid: &Grid<D>,
         objective: Objective,
+        floor: f64,
     ) -> Option<Candidate<D>> {
-        let mut candidates = grid.wells(objective);
-        if !self.is_periodic {
-            candidates.extend(self.boundary_minima(matrix, objective));
-            candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-        }
-        let inside = |k: &SVector<f64, D>| self.is_admissible(k);
-        candidates
+        // On the boundary of a zone that does not repeat, the minimum need not be stationary.
+        let boundary =
+            if self.is_periodic { Vec::new() } else { self.boundary_minima(matrix, objective) };
+        grid.wells(objective)
             .into_iter()
             .take(WELLS)
-            .map(|start| self.descend(matrix, objective, start))
-            .filter(|(value, k)| value.is_finite() && inside(k))
+            .map(|start| self.descend(matrix, objective, start, floor))
+            .filter(|(value, k)| value.is_finite() && self.is_admissible(k))
+            .chain(boundary)
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
@@ -301,7 +315,7 @@ impl<const D: usize> ZoneSearch<D> {
         let corners = self.zone.corners();
         let at = |k: &SVector<f64, D>| {
             let k = self.to_reference(k);
-            (self.value(objective, &k, &matrix.omega_squared(&k)), k)
+            (self.value_at(matrix, objective, &k), k)
         };
         let mut minima: Vec<Candidate<D>> = corners.iter().map(at).collect();
         if D != 2 {
@@ -322,27 +336,38 @@ impl<const D: usize> ZoneSearch<D> {
         minima
     }
 
-    /// The fastest growing mode with a complex `omega^2`, if it grows noticeably.
-    fn fastest_flutter(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Option<Mode<D>> {
-        let start = grid.points.iter().max_by(|a, b| a.growth.total_cmp(&b.growth))?;
-        let spacing = self.reference.vectors().column(0).norm();
-        let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
-        if start.growth <= threshold {
+    /// A mode with complex `omega^2` that grows noticeably, if there is one.
+    fn flutter(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Option<Mode<D>> {
+        // A Hermitian matrix has real eigenvalues.
+        if D == 1 || matrix.is_hermitian() {
             return None;
         }
-        let fastest = |k: &SVector<f64, D>| {
-            let omega_squared = matrix.omega_squared(k);
-            omega_squared.into_iter().filter(|value| value.im != 0.0).map(growth_rate).fold(0.0, f64::max)
+        let largest = grid.points.iter().map(|point| point.highest.abs()).fold(0.0, f64::max);
+        let (_, k) = self.bottom(matrix, grid, Objective::Discriminant, -matrix.noise() * largest)?;
+        let mode = self.fluttering_mode(matrix, &k)?;
+        let spacing = self.reference.vectors().column(0).norm();
+        let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
+        (growth_rate(mode.omega_squared) > threshold).then_some(mode)
+    }
+
+    /// The fastest growing mode with a complex `omega^2`, from one that flutters.
+    fn fastest_flutter(&self, matrix: &DynamicalMatrix<D>, start: &Mode<D>) -> Mode<D> {
+        let step = 0.05 * self.reference.reciprocal().column(0).norm();
+        let slowness = |k: &SVector<f64, D>| {
+            if self.is_admissible(k) { -complex_growth(&matrix.omega_squared(k)) } else { 0.0 }
         };
-        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
-        let objective = |k: &SVector<f64, D>| if self.is_admissible(k) { -fastest(k) } else { 0.0 };
-        let (_, k) = coordinate_search(&objective, start.k, step);
-        let d = matrix.at(&k);
+        let (_, k) = coordinate_search(&slowness, start.wave_vector, step);
+        self.fluttering_mode(matrix, &k).unwrap_or(*start)
+    }
+
+    /// The fastest growing mode with a complex `omega^2` at a wave vector.
+    fn fluttering_mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Option<Mode<D>> {
+        let d = matrix.at(k);
         let omega_squared = eigenvalues(&d, matrix.noise())
             .into_iter()
             .filter(|value| value.im != 0.0)
             .max_by(|a, b| growth_rate(*a).total_cmp(&growth_rate(*b)))?;
-        Some(Mode { omega_squared, polarization: eigenvector(&d, omega_squared), ..self.mode(matrix, &k) })
+        Some(Mode { omega_squared, polarization: eigenvector(&d, omega_squared), ..self.mode(matrix, k) })
     }
 
     // ---- descent -------------------------------------------------------------------------------
@@ -354,6 +379,7 @@ impl<const D: usize> ZoneSearch<D> {
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         start: Candidate<D>,
+        floor: f64,
     ) -> Candidate<D> {
         let longest = self.reference.reciprocal().column_iter().map(|b| b.norm()).fold(0.0, f64::max);
         let at = |k: &SVector<f64, D>| {
@@ -361,12 +387,20 @@ impl<const D: usize> ZoneSearch<D> {
             if objective == Objective::Scaled && k.norm() < LONG_WAVE * longest {
                 f64::INFINITY
             } else {
-                self.value(objective, k, &matrix.omega_squared(k))
+                self.value_at(matrix, objective, k)
             }
         };
         let (mut value, mut k) = start;
         for _ in 0..4 {
-            (value, k) = self.newton(matrix, objective, (value, k), longest, &at);
+            (value, k) = self.newton(matrix, objective, (value, k), longest, floor, &at);
+            // Two branches cross in a point where the discriminant is zero and stationary. It is a saddle where
+            // the branches beside it are complex, which by symmetry its gradient may not show.
+            if objective == Objective::Discriminant && value.abs() <= 1e-6 * start.0.abs() {
+                return coordinate_search(&at, k, 1e-3 * longest);
+            }
+            if value > floor {
+                return (value, k);
+            }
             let around = coordinate_search(&at, k, 1e-4 * longest);
             if around.0 >= value - 1e-9 * value.abs() {
                 return if around.0 < value { around } else { (value, k) };
@@ -382,6 +416,7 @@ impl<const D: usize> ZoneSearch<D> {
         objective: Objective,
         start: Candidate<D>,
         longest: f64,
+        floor: f64,
         at: &impl Fn(&SVector<f64, D>) -> f64,
     ) -> Candidate<D> {
         let (mut value, mut k) = start;
@@ -391,9 +426,13 @@ impl<const D: usize> ZoneSearch<D> {
                 break;
             }
             let step = self.newton_step(matrix, objective, &k, &gradient, longest);
+            // A quadratic well falls by half of the linear decrease; eight times as much is on the safe side.
+            if value + 4.0 * gradient.dot(&step) > floor {
+                break;
+            }
             let mut length = 1.0;
             let mut moved = false;
-            for _ in 0..30 {
+            for _ in 0..12 {
                 let trial = k + step * length;
                 let trial_value = at(&trial);
                 if trial_value < value {
@@ -451,6 +490,15 @@ impl<const D: usize> ZoneSearch<D> {
         k: &SVector<f64, D>,
     ) -> SVector<f64, D> {
         let d = matrix.at(k);
+        let derivatives = matrix.gradient_at(k);
+        if objective == Objective::Discriminant {
+            return SVector::from_fn(|a, _| {
+                let slope = &derivatives[a];
+                let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
+                let product = slope[(0, 1)] * d[(1, 0)] + d[(0, 1)] * slope[(1, 0)];
+                if D == 2 { (half * (slope[(0, 0)] - slope[(1, 1)]) + product).re } else { f64::NAN }
+            });
+        }
         let branch = if objective == Objective::Highest { D - 1 } else { 0 };
         let eigenvalue = eigenvalues(&d, matrix.noise())[branch];
         let (right, left) = (eigenvector(&d, eigenvalue), left_eigenvector(&d, eigenvalue));
@@ -458,13 +506,12 @@ impl<const D: usize> ZoneSearch<D> {
             a.iter().zip(b.iter()).map(|(a, b)| a * b).sum::<Complex>()
         };
         let norm = product(&left, &right);
-        let derivatives = matrix.gradient_at(k);
         let slope = SVector::<f64, D>::from_fn(|a, _| {
             let image = derivatives[a] * right;
             (product(&left, &image) / norm).re
         });
         match objective {
-            Objective::Lowest => slope,
+            Objective::Lowest | Objective::Discriminant => slope,
             Objective::Highest => -slope,
             Objective::Scaled => {
                 let laplacian = self.reference.laplacian(k);
@@ -488,8 +535,7 @@ struct GridPoint<const D: usize> {
     scaled: f64,
     lowest: f64,
     highest: f64,
-    /// Fastest growth of a mode with complex `omega^2`.
-    growth: f64,
+    discriminant: f64,
 }
 
 impl<const D: usize> Grid<D> {
@@ -501,6 +547,7 @@ impl<const D: usize> Grid<D> {
                 Objective::Scaled => point.scaled,
                 Objective::Lowest => point.lowest,
                 Objective::Highest => point.highest,
+                Objective::Discriminant => point.discriminant,
             }
         };
         let mut wells: Vec<Candidate<D>> = Vec::new();
@@ -528,6 +575,11 @@ impl<const D: usize> Grid<D> {
     }
 }
 
+/// The fastest growth among complex eigenvalues.
+fn complex_growth(omega_squared: &[Complex]) -> f64 {
+    omega_squared.iter().filter(|value| value.im != 0.0).map(|value| growth_rate(*value)).fold(0.0, f64::max)
+}
+
 fn opposite_index<const D: usize>(index: usize, resolution: usize) -> usize {
     grid_coordinates::<D>(index, resolution)
         .into_iter()
@@ -552,7 +604,7 @@ fn golden_section(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
     let (mut fa, mut fb) = (f(a), f(b));
-    for _ in 0..60 {
+    for _ in 0..40 {
         if fa <= fb {
             (high, b, fb) = (b, a, fa);
             a = high - ratio * (high - low);

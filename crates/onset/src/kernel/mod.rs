@@ -65,7 +65,8 @@ impl Kernel {
     ) -> Option<Weight<D>> {
         let y = metric * x / radius;
         let q = y.norm();
-        if q >= 1.0 {
+        // Where rounding decides, a particle on the rim, whose weight is zero, does not count as a neighbor.
+        if q >= 1.0 - 1e-12 {
             return None;
         }
         let profile = self.profile(q);

@@ -138,10 +138,10 @@ impl<const D: usize> Method<D> {
         // sum_K y_K (x) grad phi_K: the identity for linearly complete functions.
         let moment: SMatrix<f64, D, D> =
             positions.iter().zip(&shape.gradients).map(|(y, gradient)| y * gradient.transpose()).sum();
-        let leading = f.leading::<D>();
+        let (leading, one) = (f.leading::<D>(), SMatrix::<f64, D, D>::identity());
         let seen = match self.discretization.frame {
-            Frame::Lagrangian => leading * moment,
-            Frame::Eulerian => inverted(&moment) * leading,
+            Frame::Lagrangian => one + (leading - one) * moment,
+            Frame::Eulerian => inverted(&(one - (one - inverted(&leading)) * moment)),
         };
         let seen = *f.with_leading(&seen).components();
         DeformationGradient::new(seen).map_err(MethodError::Background)

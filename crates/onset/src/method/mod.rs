@@ -36,9 +36,9 @@ pub enum Frame {
 pub enum Background {
     /// `F` itself, everywhere (the paper).
     Imposed,
-    /// What the shape functions make of the particles' positions: `F M_q` with Lagrangian kernels,
-    /// `m_q^-1 F` with Eulerian ones, where `M_q = sum_K X_K (x) grad phi_K(X_q)` in the reference
-    /// and `m_q` likewise in the current arrangement.
+    /// What the shape functions make of the particles' displacements. Lagrangian kernels: `F_q = 1 +
+    /// (F - 1) M_q`, `M_q = sum_K X_K (x) grad phi_K(X_q)`. Eulerian kernels: `F_q^-1 = 1 - (1 - F^-1) m_q`
+    /// with `m_q` likewise in the current arrangement. The undeformed body stays free of stress.
     Interpolated,
 }
 

@@ -12,7 +12,7 @@ use thiserror::Error;
 /// do not change its sign at the ends are followed too.
 const INTERVALS: usize = 256;
 /// Evaluations spent on the bottom of a dip.
-const DIP_STEPS: usize = 40;
+const DIP_STEPS: usize = 30;
 
 /// Stable, unstable, or not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,7 +136,7 @@ pub fn scan_discretization<const D: usize>(
         let stability = || {
             let search = zone_search(method, material, &f)?;
             let matrix = dynamical_matrix(method, material, &f)?;
-            Ok((search.is_stable(&matrix), search.softest(&matrix).scaled))
+            Ok(search.stability(&matrix))
         };
         match stability() {
             Ok((true, measure)) => Ok((Phase::Stable, measure)),
@@ -160,8 +160,10 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
             // A stable stretch can dip below zero between the knots, an unstable one rise above.
+            // It is followed when its bottom can be that far below the middle, by the slopes beside it.
             let sign = if middle.0 == Phase::Stable { 1.0 } else { -1.0 };
-            if sign * middle.1 <= sign * left.1 && sign * middle.1 <= sign * right.1 {
+            let (down, up) = (sign * (left.1 - middle.1), sign * (right.1 - middle.1));
+            if down >= 0.0 && up >= 0.0 && sign * middle.1 <= down.max(up) {
                 let found = extremum(probe, sign, parameter(n - 1), parameter(n + 1))?;
                 if found.1 != middle.0 {
                     knots.push(found);
@@ -189,18 +191,22 @@ fn extremum(
 ) -> Result<(f64, Phase), PathError> {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let own = if sign > 0.0 { Phase::Stable } else { Phase::Unstable };
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut at_a, mut at_b) = (probe(a)?, probe(b)?);
     for _ in 0..DIP_STEPS {
-        let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        let (at_a, at_b) = (probe(a)?, probe(b)?);
         for (s, found) in [(a, at_a), (b, at_b)] {
             if found.0 != own {
                 return Ok((s, found.0));
             }
         }
         if sign * at_a.1 <= sign * at_b.1 {
-            high = b;
+            (high, b, at_b) = (b, a, at_a);
+            a = high - ratio * (high - low);
+            at_a = probe(a)?;
         } else {
-            low = a;
+            (low, a, at_a) = (a, b, at_b);
+            b = low + ratio * (high - low);
+            at_b = probe(b)?;
         }
     }
     Ok((0.5 * (low + high), own))

@@ -6,13 +6,12 @@ use crate::reference::{
 use nalgebra::{Vector2, vector};
 use onset::algebra::Complex;
 use onset::approximation::Order;
-use onset::bloch::{ZoneSearch, dynamical_matrix, gradient_norm};
-use onset::continuum::Stiffness;
+use onset::bloch::{dynamical_matrix, gradient_norm, growth_rate};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::lattice::BrillouinZone;
-use onset::method::{Background, CurrentLattice, Discretization, Method};
+use onset::method::{Background, Discretization};
 use onset::quadrature::QuadraturePoint;
-use onset::verdict::{Onset, Phase, scan_discretization, scan_material, speed_squared, zone_search};
+use onset::verdict::{Onset, assess, scan_discretization, scan_material, zone_search};
 use std::f64::consts::{PI, TAU};
 
 #[test]
@@ -217,29 +216,39 @@ fn long_wave_shear_stiffness_of_eulerian_kernels() {
         let f = stretched(stretch, stretch);
         let matrix = dynamical_matrix(&method(discretization), &*material("mooney"), &f).expect("a matrix");
         let shear = matrix.long_wave_stiffness().acoustic_tensor(&vector![1.0, 0.0])[(1, 1)];
-        // The reference divides a finite k of 0.01 by k^2.
-        let at_finite = matrix.omega_squared(&vector![0.01, 0.0])[0].re / 1e-4;
-        let transverse = matrix.at(&vector![0.01, 0.0])[(1, 1)].re / 1e-4;
-        let nearest = if (at_finite - number(reference)).abs() < (transverse - number(reference)).abs() {
-            at_finite
-        } else {
-            transverse
-        };
-        assert_meets(key, shear, number(reference), 2e-3);
-        println!("{key} {:e} {:e}", shear / number(reference) - 1.0, nearest / number(reference) - 1.0);
+        // The reference took the limit at a small finite wave number.
+        assert_meets(key, shear, number(reference), 2e-6);
     }
 }
 
 #[test]
 fn equibiaxial_onset_with_the_interpolated_background() {
     for (support, reference) in anchors()["pointwiseF_equibiaxial"].as_object().expect("a table") {
-        let support: f64 = support.parse().expect("a support");
+        let (support, reference) = (support.parse::<f64>().expect("a support"), number(reference));
         let base = lagrangian("hex", "sp", support);
         let method = method(Discretization { background: Background::Interpolated, ..base });
+        let material = material("mooney");
+        // The reference is the onset of long waves: their measure vanishes there.
+        let measure = |stretch: f64| {
+            let f = stretched(stretch, stretch);
+            let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
+            zone_search(&method, &*material, &f).expect("a search").long_wave_limit(&matrix).scaled
+        };
+        let slope = (measure(reference + 1e-4) - measure(reference - 1e-4)) / 2e-4;
+        assert!((measure(reference) / slope).abs() < 1e-9 * reference, "D_mx {support}");
+
         let path = StraightPath::new(stretched(1.5, 1.5), stretched(1.8, 1.8)).expect("a path");
-        let scan = scan_discretization(&method, &*material("mooney"), &path).expect("a scan");
+        let scan = scan_discretization(&method, &*material, &path).expect("a scan");
         let onset = 1.5 + 0.3 * scan.crossings[0].parameter();
-        assert_meets(&format!("D_mx {support}"), onset, number(reference), 1e-9);
+        // Shorter waves can be unstable before: where the stress points carry a larger stretch than the
+        // nodes, they reach the limit of the material first, and at K the nodes do not resist.
+        let alpha = |place: &str| number(&anchors()["kernel"][format!("hex_{support:.1}")][place]);
+        let witness = if alpha("alpha_sp") > alpha("alpha_node") {
+            1.0 + (number(&anchors()["pde_equibiaxial_mooney"]) - 1.0) / alpha("alpha_sp")
+        } else {
+            reference
+        };
+        assert_meets(&format!("D_mx {support}"), onset, witness, 1e-9);
     }
 }
 
@@ -343,6 +352,7 @@ fn minima_over_the_zone_are_met_or_beaten() {
 fn eulerian_onsets_along_paths_are_met_or_come_earlier() {
     let anchors = anchors();
     let table = anchors["euler_critical"].as_object().expect("a table");
+    let (mut met, mut earlier) = (0, Vec::new());
     for (key, reference) in table {
         let parts: Vec<&str> = key.split('|').collect();
         let base = lagrangian(parts[1], if parts[3] == "True" { "sp" } else { "nodal" }, parts[2].parse().expect("a support"));
@@ -363,8 +373,28 @@ fn eulerian_onsets_along_paths_are_met_or_come_earlier() {
             Some(Onset::AtStart) => Some(1.0),
             None => None,
         };
-        println!("{key}: {onset:?} reference {reference}  {:?}", scan.crossings.iter().map(|c| (c.to, 1.0 + (far - 1.0) * c.parameter())).take(3).collect::<Vec<_>>());
+        let Some(onset) = onset else {
+            assert!(reference.is_null(), "{key}: no onset");
+            continue;
+        };
+        if reference.as_f64().is_some_and(|reference| (onset - reference).abs() <= 1e-9 * reference) {
+            met += 1;
+            continue;
+        }
+        // Nearer to the undeformed state, with a growing mode to show for it.
+        let distance = |stretch: f64| (stretch - 1.0).abs();
+        assert!(reference.is_null() || distance(onset) < distance(number(reference)), "{key}: {onset}");
+        let inside = 1.0 + (onset - 1.0) * (1.0 + 1e-6);
+        let f = stretched(inside, if uniaxial { 1.0 } else { inside });
+        let summary = assess(&method(discretization), &*material, &f).expect("an assessment").spectrum;
+        let mode = summary.fastest_growing;
+        let matrix = dynamical_matrix(&method(discretization), &*material, &f).expect("a matrix");
+        let residual = matrix.at(&mode.wave_vector) * mode.polarization - mode.polarization * mode.omega_squared;
+        assert!(growth_rate(mode.omega_squared) > 0.0 && residual.norm() < 1e-9, "{key}: no witness");
+        earlier.push(format!("{key}: {onset:.10} (reference {reference}), omega^2 = {}", mode.omega_squared));
     }
+    // Recorded in validation/README.md: complex omega^2, which the reference did not look for, and two
+    // pockets between its samples.
+    println!("{}", earlier.join("\n"));
+    assert_eq!((met, earlier.len()), (60, 10), "{}", earlier.join("\n"));
 }
-#[allow(unused)]
-fn keep(_: (ZoneSearch<2>, CurrentLattice, Phase, Method<2>, Stiffness<2>)) { let _ = speed_squared::<2>; }

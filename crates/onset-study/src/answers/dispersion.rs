@@ -1,0 +1,214 @@
+//! The answer to: how do waves travel through the particles, and through the continuum?
+
+use super::in_dimension_of;
+use super::problem::{Problem, ProblemError, Strain, numbers};
+use super::sentence;
+use super::state::ComplexNumber;
+use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use nalgebra::SVector;
+use onset::algebra::{Complex, eigenvalues};
+use onset::bloch::{dynamical_matrix, growth_rate};
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
+use serde::Serialize;
+use thiserror::Error;
+
+/// The waves of one wave vector.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DispersionAnswer {
+    /// Reference wave vector.
+    pub wave_vector: Vec<f64>,
+    /// `omega^2` of the discretization, by increasing real part.
+    pub omega_squared: Vec<ComplexNumber>,
+    /// `omega^2` of the continuum, the eigenvalues of `Q(k) / rho0`.
+    pub continuum_omega_squared: Vec<f64>,
+    /// `D(k)`.
+    pub dynamical_matrix: Vec<Vec<ComplexNumber>>,
+}
+
+/// Frequencies along a path through the zone.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Diagram {
+    /// The corners of the path: name, reference wave vector, and place along the path.
+    pub corners: Vec<Corner>,
+    /// The samples.
+    pub samples: Vec<DispersionAnswer>,
+    /// Length along the path of each sample.
+    pub lengths: Vec<f64>,
+}
+
+/// A corner of a path through the zone.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Corner {
+    /// Its name.
+    pub name: &'static str,
+    /// Its reference wave vector.
+    pub wave_vector: Vec<f64>,
+    /// Its place along the path.
+    pub length: f64,
+}
+
+/// Why a diagram cannot be drawn.
+#[derive(Debug, Error)]
+pub enum DiagramError {
+    /// The problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The files.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+}
+
+/// Samples on each leg of a path.
+const SAMPLES: usize = 120;
+
+impl DispersionAnswer {
+    /// The waves of one reference wave vector, given as text.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when it has another dimension or the state cannot be evaluated.
+    pub fn new(problem: &Problem, strain: &Strain, wave_vector: &str) -> Result<Self, ProblemError> {
+        in_dimension_of!(problem, at_wave_vector(problem, &strain.0, wave_vector))
+    }
+}
+
+impl Diagram {
+    /// The usual path through the zone of the arrangement.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the state cannot be evaluated.
+    pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
+        in_dimension_of!(problem, along_path(problem, &strain.0))
+    }
+
+    /// The diagram as a figure: frequencies upward, growth rates downward.
+    pub fn figure(&self, title: &str) -> Figure {
+        let end = self.lengths.last().copied().unwrap_or(1.0);
+        let branches = self.samples.first().map_or(0, |sample| sample.omega_squared.len());
+        let line = |value: &dyn Fn(&DispersionAnswer) -> f64| -> Vec<(f64, f64)> {
+            self.lengths.iter().zip(&self.samples).map(|(x, sample)| (*x, value(sample))).collect()
+        };
+        let mut lines = Vec::new();
+        for n in 0..branches {
+            let continuum =
+                Line::new(line(&|sample| signed_frequency(Complex::new(sample.continuum_omega_squared[n], 0.0))))
+                    .color(palette::GREY)
+                    .dashed();
+            let particles = Line::new(line(&|sample| {
+                let value = sample.omega_squared[n];
+                signed_frequency(Complex::new(value.re, value.im))
+            }))
+            .color(palette::BLUE);
+            lines.push(if n == 0 { continuum.named("continuum, √(eig Q(k)/ρ₀)") } else { continuum });
+            lines.push(if n == 0 { particles.named("particles") } else { particles });
+        }
+        // The continuum's branches leave the picture: the particles' range decides.
+        let heights = lines.iter().skip(1).step_by(2).flat_map(|line| line.points.iter().map(|point| point.1));
+        let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
+        let margin = if high > low { 0.15 * (high - low) } else { 1.0 };
+        let y = Axis::linear(
+            "frequency ω (1/time); growth rate shown negative",
+            (if low < 0.0 { low - margin } else { 0.0 }, high + margin),
+        );
+        let x = Axis::linear("reference wave vector k", (0.0, end))
+            .ticks(self.corners.iter().map(|corner| (corner.length, corner.name)));
+        let mut panel = Panel::new("", x, y);
+        for corner in &self.corners {
+            panel = panel.with(Rule::vertical(corner.length).color(palette::GREY).dotted());
+        }
+        panel = panel.with(Rule::horizontal(0.0).color(palette::BLACK));
+        for line in lines {
+            panel = panel.with(line);
+        }
+        Figure::new(title).with(panel)
+    }
+}
+
+/// `omega` of a wave, with the growth rate of an unstable one as a negative number.
+fn signed_frequency(omega_squared: Complex) -> f64 {
+    let growth = growth_rate(omega_squared);
+    if omega_squared.re < 0.0 || growth > omega_squared.sqrt().re {
+        -growth
+    } else {
+        omega_squared.sqrt().re
+    }
+}
+
+fn at_wave_vector<const D: usize>(
+    problem: &Problem,
+    f: &DeformationGradient,
+    text: &str,
+) -> Result<DispersionAnswer, ProblemError> {
+    let components = numbers("the wave vector", text)?;
+    if components.len() != D {
+        return Err(ProblemError::Numbers {
+            what: "the wave vector",
+            given: components.len(),
+            expected: D.to_string(),
+        });
+    }
+    let waves = waves::<D>(problem, f)?;
+    Ok(waves(&SVector::from_fn(|i, _| components[i])))
+}
+
+fn waves<const D: usize>(
+    problem: &Problem,
+    f: &DeformationGradient,
+) -> Result<impl Fn(&SVector<f64, D>) -> DispersionAnswer, ProblemError> {
+    let method = problem.method::<D>()?;
+    let matrix = dynamical_matrix(&method, &*problem.material, f)?;
+    let response = problem.material.response(f).map_err(MethodError::from)?;
+    let stiffness = Stiffness::<D>::of(&response);
+    let density = method.discretization().density;
+    Ok(move |k: &SVector<f64, D>| {
+        let d = matrix.at(k);
+        let continuum = stiffness.acoustic_tensor(k).map(|entry| Complex::new(entry / density, 0.0));
+        DispersionAnswer {
+            wave_vector: k.iter().copied().collect(),
+            omega_squared: matrix.omega_squared(k).map(ComplexNumber::from).to_vec(),
+            continuum_omega_squared: eigenvalues(&continuum, 0.0).iter().map(|value| value.re).collect(),
+            dynamical_matrix: (0..D).map(|i| (0..D).map(|j| d[(i, j)].into()).collect()).collect(),
+        }
+    })
+}
+
+fn along_path<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<Diagram, ProblemError> {
+    let method = problem.method::<D>()?;
+    let waves = waves::<D>(problem, f)?;
+    let corners: Vec<(&'static str, SVector<f64, D>)> = method
+        .discretization()
+        .arrangement
+        .zone_path::<D>()
+        .into_iter()
+        .map(|(name, fractional)| (name, method.lattice().reciprocal() * fractional))
+        .collect();
+    let mut diagram = Diagram { corners: Vec::new(), samples: Vec::new(), lengths: Vec::new() };
+    let mut length = 0.0;
+    for (n, (name, k)) in corners.iter().enumerate() {
+        diagram.corners.push(Corner { name, wave_vector: k.iter().copied().collect(), length });
+        let Some((_, next)) = corners.get(n + 1) else {
+            diagram.samples.push(waves(k));
+            diagram.lengths.push(length);
+            break;
+        };
+        for sample in 0..SAMPLES {
+            let t = sample as f64 / SAMPLES as f64;
+            diagram.samples.push(waves(&(k + (next - k) * t)));
+            diagram.lengths.push(length + t * (next - k).norm());
+        }
+        length += (next - k).norm();
+    }
+    Ok(diagram)
+}
+
+impl std::fmt::Display for DispersionAnswer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(formatter, "reference wave vector  {}", sentence::vector(&self.wave_vector))?;
+        for (value, continuum) in self.omega_squared.iter().zip(&self.continuum_omega_squared) {
+            let imaginary = if value.im == 0.0 { String::new() } else { format!(" {:+.12} i", value.im) };
+            writeln!(formatter, "omega^2                {:.12}{imaginary}   (continuum {continuum:.12})", value.re)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,23 @@
+//! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
+
+mod dispersion;
+mod path;
+mod problem;
+mod sentence;
+mod state;
+
+pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
+pub use path::{CrossingAnswer, MaterialOnset, DiscretizationOnset, PathAnswer};
+pub use problem::{Problem, ProblemError, Strain};
+pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
+
+/// Calls a function that is generic in the dimension with the dimension of an arrangement.
+macro_rules! in_dimension_of {
+    ($problem:expr, $function:ident($($argument:expr),*)) => {
+        match $problem.settings.discretization.arrangement.dimension() {
+            1 => $function::<1>($($argument),*),
+            _ => $function::<2>($($argument),*),
+        }
+    };
+}
+pub(crate) use in_dimension_of;

@@ -1,0 +1,262 @@
+//! The answer to: where along this path is stability lost, and regained?
+
+use super::in_dimension_of;
+use super::problem::{Problem, ProblemError, Strain};
+use super::sentence;
+use super::state::{ComplexNumber, critical_mode, finite_wave_vector, list, rows, spatial};
+use onset::kinematics::{DeformationGradient, StraightPath};
+use onset::verdict::{
+    Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization, scan_material,
+};
+use serde::Serialize;
+
+/// Everything about a straight path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PathAnswer {
+    /// `F_iJ` at the start.
+    pub from: [[f64; 3]; 3],
+    /// `F_iJ` at the end.
+    pub to: [[f64; 3]; 3],
+    /// First loss of strong ellipticity, `null` if there is none.
+    pub material_onset: Option<MaterialOnset>,
+    /// First instability of the discretization, `null` if there is none.
+    pub discretization_onset: Option<DiscretizationOnset>,
+    /// Every loss and return of strong ellipticity.
+    pub material_crossings: Vec<CrossingAnswer>,
+    /// Every loss and return of the stability of the discretization.
+    pub discretization_crossings: Vec<CrossingAnswer>,
+}
+
+/// A change between stable and unstable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrossingAnswer {
+    /// Path parameter, 0 at the start, 1 at the end.
+    pub parameter: f64,
+    /// `[F11, F22]` there (`[F11]` in one dimension): the stretches of a path without shear.
+    pub stretch: Vec<f64>,
+    /// Phase before.
+    pub from: Phase,
+    /// Phase behind.
+    pub to: Phase,
+    /// Half of the length of the bracket of `parameter`.
+    pub tolerance: f64,
+}
+
+/// The first loss of strong ellipticity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialOnset {
+    /// Where; the start itself when it is not elliptic.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Reference direction of the critical wave.
+    pub direction: Vec<f64>,
+    /// Its polarization.
+    pub polarization: Vec<f64>,
+}
+
+/// The first instability of the discretization.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiscretizationOnset {
+    /// Where; the start itself when it is unstable.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Whether the critical wave is infinitely long.
+    pub long_wave: bool,
+    /// Reference wave vector of the critical mode; zero in the limit of long waves.
+    pub wave_vector: Vec<f64>,
+    /// The same in the deformed lattice.
+    pub spatial_wave_vector: Vec<f64>,
+    /// Reference direction of the critical wave.
+    pub direction: Vec<f64>,
+    /// Its polarization, real part.
+    pub polarization: Vec<f64>,
+    /// Its `omega^2`: zero, unless the instability is flutter or the start is unstable.
+    pub omega_squared: ComplexNumber,
+}
+
+/// A state on a path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// Path parameter.
+    pub parameter: f64,
+    /// `[F11, F22]` there (`[F11]` in one dimension).
+    pub stretch: Vec<f64>,
+    /// `F_iJ`.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// Cauchy stress.
+    pub cauchy: [[f64; 3]; 3],
+    /// Half of the length of the bracket of `parameter`; zero at the start.
+    pub tolerance: f64,
+}
+
+impl PathAnswer {
+    /// Follows the straight path between two states.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the ends are the same or a state on the way cannot be evaluated.
+    pub fn new(problem: &Problem, from: &Strain, to: &Strain) -> Result<Self, ProblemError> {
+        in_dimension_of!(problem, answer(problem, &from.0, &to.0))
+    }
+}
+
+fn answer<const D: usize>(
+    problem: &Problem,
+    from: &DeformationGradient,
+    to: &DeformationGradient,
+) -> Result<PathAnswer, ProblemError> {
+    let path = StraightPath::new(*from, *to)?;
+    let method = problem.method::<D>()?;
+    // A state that the discretization cannot have is refused, rather than called undefined all along.
+    assess(&method, &*problem.material, from)?;
+    let continuum = scan_material::<D>(&*problem.material, &path)?;
+    let particles = scan_discretization(&method, &*problem.material, &path)?;
+
+    let material_onset = match onset(&continuum) {
+        Some((parameter, witness, tolerance)) => {
+            let critical = MaterialAssessment::<D>::new(&*problem.material, &path.at(witness)?)
+                .map_err(onset::method::MethodError::from)?;
+            Some(MaterialOnset {
+                place: place::<D>(problem, &path, parameter, tolerance)?,
+                direction: list(&critical.minimum.direction),
+                polarization: list(&critical.minimum.polarization),
+            })
+        }
+        None => None,
+    };
+    let discretization_onset = match onset(&particles) {
+        Some((parameter, witness, tolerance)) => {
+            let f = path.at(witness)?;
+            let assessment = assess(&method, &*problem.material, &f)?;
+            let spectrum = &assessment.spectrum;
+            // Just behind the onset nothing grows measurably yet: the softest mode is the critical one.
+            let mode = if spectrum.flutters || witness == 0.0 { critical_mode(&assessment) } else { &spectrum.softest };
+            let wave_vector = finite_wave_vector(mode);
+            Some(DiscretizationOnset {
+                place: place::<D>(problem, &path, parameter, tolerance)?,
+                long_wave: mode.is_long_wave,
+                wave_vector: list(&wave_vector),
+                spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
+                direction: list(&mode.wave_vector.try_normalize(0.0).unwrap_or(mode.wave_vector)),
+                polarization: list(&mode.polarization.map(|component| component.re)),
+                omega_squared: mode.omega_squared.into(),
+            })
+        }
+        None => None,
+    };
+    Ok(PathAnswer {
+        from: *from.components(),
+        to: *to.components(),
+        material_onset,
+        discretization_onset,
+        material_crossings: crossings::<D>(&path, &continuum)?,
+        discretization_crossings: crossings::<D>(&path, &particles)?,
+    })
+}
+
+/// Parameter, witness and tolerance of the first instability.
+fn onset(scan: &PathScan) -> Option<(f64, f64, f64)> {
+    scan.onset().map(|onset| match onset {
+        Onset::AtStart => (0.0, 0.0, 0.0),
+        Onset::At(crossing) => (crossing.parameter(), crossing.witness(), tolerance(&crossing)),
+    })
+}
+
+fn tolerance(crossing: &Crossing) -> f64 {
+    0.5 * (crossing.behind - crossing.before)
+}
+
+fn stretch<const D: usize>(f: &DeformationGradient) -> Vec<f64> {
+    (0..D).map(|i| f.components()[i][i]).collect()
+}
+
+fn place<const D: usize>(
+    problem: &Problem,
+    path: &StraightPath,
+    parameter: f64,
+    tolerance: f64,
+) -> Result<Place, ProblemError> {
+    let f = path.at(parameter)?;
+    let response = problem.material.response(&f).map_err(onset::method::MethodError::from)?;
+    Ok(Place {
+        parameter,
+        stretch: stretch::<D>(&f),
+        deformation_gradient: *f.components(),
+        cauchy: rows(&response.cauchy()),
+        tolerance,
+    })
+}
+
+fn crossings<const D: usize>(path: &StraightPath, scan: &PathScan) -> Result<Vec<CrossingAnswer>, ProblemError> {
+    let answer = |crossing: &Crossing| {
+        Ok(CrossingAnswer {
+            parameter: crossing.parameter(),
+            stretch: stretch::<D>(&path.at(crossing.parameter())?),
+            from: crossing.from,
+            to: crossing.to,
+            tolerance: tolerance(crossing),
+        })
+    };
+    scan.crossings.iter().map(answer).collect()
+}
+
+impl std::fmt::Display for PathAnswer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.material_onset {
+            Some(onset) => writeln!(
+                formatter,
+                "The material loses ellipticity at {} for waves along N = {}.",
+                at(&onset.place),
+                sentence::vector(&onset.direction)
+            )?,
+            None => writeln!(formatter, "The material stays strongly elliptic along the whole path.")?,
+        }
+        match &self.discretization_onset {
+            Some(onset) if onset.long_wave => writeln!(
+                formatter,
+                "The particles become unstable at {} for long waves along {}.",
+                at(&onset.place),
+                sentence::vector(&onset.direction)
+            )?,
+            Some(onset) => writeln!(
+                formatter,
+                "The particles become unstable at {} with the wave vector {} (reference).",
+                at(&onset.place),
+                sentence::vector(&onset.wave_vector)
+            )?,
+            None => writeln!(formatter, "The particles are not unstable anywhere on the path.")?,
+        }
+        for (name, crossings) in
+            [("material", &self.material_crossings), ("particles", &self.discretization_crossings)]
+        {
+            for crossing in crossings {
+                writeln!(
+                    formatter,
+                    "  {name:<9} {:<9} -> {:<9} at {} (s = {:.12})",
+                    phase(crossing.from),
+                    phase(crossing.to),
+                    stretches(&crossing.stretch),
+                    crossing.parameter
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Stable => "stable",
+        Phase::Unstable => "unstable",
+        Phase::Undefined => "undefined",
+    }
+}
+
+fn stretches(stretch: &[f64]) -> String {
+    let one = |value: &f64| format!("{value:.12}");
+    format!("({})", stretch.iter().map(one).collect::<Vec<_>>().join(", "))
+}
+
+fn at(place: &Place) -> String {
+    let start = if place.parameter == 0.0 { ", the start," } else { "" };
+    format!("stretch {}{start} (s11 = {:.6}, s22 = {:.6})", stretches(&place.stretch), place.cauchy[0][0], place.cauchy[1][1])
+}

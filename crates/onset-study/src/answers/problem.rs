@@ -1,0 +1,191 @@
+//! A problem: settings made into a material and a method, and deformations made from numbers.
+
+use crate::settings::{SettingError, Settings};
+use onset::kinematics::{DeformationGradient, KinematicsError};
+use onset::material::Hyperelastic;
+use onset::method::{Method, MethodError};
+use onset::verdict::PathError;
+use thiserror::Error;
+
+/// Why a question cannot be answered. Always the input's fault, and said so.
+#[derive(Debug, Error)]
+pub enum ProblemError {
+    /// A setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The numbers of a deformation.
+    #[error("{what} has {given} number(s); expected {expected}")]
+    Numbers {
+        /// Which argument.
+        what: &'static str,
+        /// How many there are.
+        given: usize,
+        /// How many are expected, in words.
+        expected: String,
+    },
+    /// A number that is none.
+    #[error("{what}: `{text}` is not a number")]
+    NotANumber {
+        /// Which argument.
+        what: &'static str,
+        /// What was typed.
+        text: String,
+    },
+    /// A number that is not finite.
+    #[error("{what} holds {value}; all its numbers must be finite")]
+    NotFinite {
+        /// Which argument.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// The deformation.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// The method or the material at the state.
+    #[error("{source}{}", hint(source))]
+    Method {
+        /// What is wrong.
+        #[from]
+        source: MethodError,
+    },
+    /// A path.
+    #[error("{source}{}", path_hint(source))]
+    Path {
+        /// What is wrong.
+        #[from]
+        source: PathError,
+    },
+}
+
+fn hint(error: &MethodError) -> &'static str {
+    match error {
+        MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
+            "\n  hint: enlarge discretization.support, or let the support follow the particles with \
+             discretization.support-size=scaled or convected"
+        }
+        MethodError::SupportTooLarge { .. } => {
+            "\n  hint: reduce discretization.support; supports of 1.2 to 4 spacings are usual"
+        }
+        MethodError::NotPlanar { .. } => "\n  hint: give in-plane components only",
+        MethodError::Material(_) | MethodError::NotFinite => "\n  hint: choose a less extreme deformation",
+        _ => "",
+    }
+}
+
+fn path_hint(error: &PathError) -> &'static str {
+    match error {
+        PathError::Method { source, .. } => hint(source),
+        PathError::Kinematics { .. } => "",
+    }
+}
+
+/// A deformation as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strain(pub DeformationGradient);
+
+impl Strain {
+    /// Principal stretches along the axes: as many as the arrangement has dimensions, and optionally those
+    /// out of them (1 unless given).
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the numbers are too few, too many, or no stretches.
+    pub fn of_stretches(text: &str, dimension: usize) -> Result<Self, ProblemError> {
+        let numbers = numbers("the list of stretches", text)?;
+        if !(dimension..=3).contains(&numbers.len()) {
+            return Err(ProblemError::Numbers {
+                what: "the list of stretches",
+                given: numbers.len(),
+                expected: format!("{dimension} (one for each dimension of the arrangement) to 3"),
+            });
+        }
+        let mut stretches = [1.0; 3];
+        stretches[..numbers.len()].copy_from_slice(&numbers);
+        Ok(Self(DeformationGradient::from_stretches(stretches)?))
+    }
+
+    /// The components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when their number is another, or `det F` is not positive.
+    pub fn of_components(text: &str, dimension: usize) -> Result<Self, ProblemError> {
+        let numbers = numbers("the deformation gradient", text)?;
+        let side = match numbers.len() {
+            9 => 3,
+            count if count == dimension * dimension => dimension,
+            given => {
+                let expected = match dimension {
+                    2 => "4 (F11,F12,F21,F22) or 9".to_owned(),
+                    other => format!("{} or 9", other * other),
+                };
+                return Err(ProblemError::Numbers { what: "the deformation gradient", given, expected });
+            }
+        };
+        let mut components = *DeformationGradient::identity().components();
+        for (index, value) in numbers.into_iter().enumerate() {
+            components[index / side][index % side] = value;
+        }
+        Ok(Self(DeformationGradient::new(components)?))
+    }
+
+    /// Stretches, or the four components of `F`: the end of a path.
+    ///
+    /// # Errors
+    /// As for the two other constructors.
+    pub fn of_either(text: &str, dimension: usize) -> Result<Self, ProblemError> {
+        if text.split(',').count() > 3 {
+            Self::of_components(text, dimension)
+        } else {
+            Self::of_stretches(text, dimension)
+        }
+    }
+}
+
+/// A list of finite numbers separated by commas.
+pub(super) fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError> {
+    let number = |item: &str| {
+        let value: f64 = item
+            .trim()
+            .parse()
+            .map_err(|_| ProblemError::NotANumber { what, text: item.trim().to_owned() })?;
+        if value.is_finite() { Ok(value) } else { Err(ProblemError::NotFinite { what, value }) }
+    };
+    text.split(',').map(number).collect()
+}
+
+/// A material with a discretization.
+pub struct Problem {
+    /// As set.
+    pub settings: Settings,
+    /// The law.
+    pub material: Box<dyn Hyperelastic>,
+}
+
+impl Problem {
+    /// Builds the material and checks the method.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when one of them is not admissible.
+    pub fn new(settings: Settings) -> Result<Self, ProblemError> {
+        let material = settings.material.build().map_err(MethodError::from)?;
+        let problem = Self { settings, material };
+        match problem.dimension() {
+            1 => problem.method::<1>().map(drop)?,
+            _ => problem.method::<2>().map(drop)?,
+        }
+        Ok(problem)
+    }
+
+    /// The number of space dimensions.
+    pub fn dimension(&self) -> usize {
+        self.settings.discretization.arrangement.dimension()
+    }
+
+    /// The method.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when a setting is out of range.
+    pub fn method<const D: usize>(&self) -> Result<Method<D>, ProblemError> {
+        Ok(Method::new(self.settings.discretization)?)
+    }
+}

@@ -1,0 +1,106 @@
+//! Verdicts in plain English.
+
+use super::state::{critical_mode, finite_wave_vector, spatial};
+use nalgebra::SVector;
+use onset::kinematics::DeformationGradient;
+use onset::method::{Discretization, Frame, Method};
+use onset::verdict::{Assessment, Verdict};
+use crate::settings::word_of;
+
+/// A gradient norm below which a discretization that is not deficient is called weak.
+const WEAK: f64 = 0.05;
+
+/// The sentence of an assessment.
+pub(super) fn of<const D: usize>(
+    method: &Method<D>,
+    assessment: &Assessment<D>,
+    f: &DeformationGradient,
+) -> String {
+    let spectrum = &assessment.spectrum;
+    let mode = critical_mode(assessment);
+    let k = spatial(method, f, &finite_wave_vector(mode));
+    let wave = wave(&k);
+    let growth = growth(spectrum.growth_rate());
+    let tension = if assessment.material.mean_stress() >= 0.0 { "tensile" } else { "compressive" };
+    match assessment.verdict {
+        Verdict::Stable => {
+            let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
+                format!(
+                    " The softest mode, {wave}, is weak: its gradients are {:.2} % of what they should be.",
+                    100.0 * assessment.gradient_norm.max(0.0).sqrt()
+                )
+            } else {
+                String::new()
+            };
+            format!(
+                "Stable: the material is strongly elliptic and no plane wave of the particles grows.{weak}"
+            )
+        }
+        Verdict::Material => format!(
+            "Unstable, and rightly so: the material itself has lost ellipticity, for waves along N = {}, and the \
+             particles follow it; their fastest mode, {wave}, {growth}.",
+            vector(assessment.material.minimum.direction.as_slice())
+        ),
+        Verdict::RankDeficient => format!(
+            "Not usable as it is although the material is stable: the quadrature is rank-deficient, a wave of \
+             {wave} has no energy, at any state."
+        ),
+        Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(
+            "Unstable although the material is stable: flutter of the kernel ({tension} mean stress), {wave}, {growth}."
+        ),
+        Verdict::Kernel if !assessment.material.is_elliptic => format!(
+            "Unstable, but not as the material is: the material has lost ellipticity, while the particles are stable \
+             for long waves and unstable by the method's own {tension} instability, {wave}, {growth}."
+        ),
+        Verdict::Kernel => format!(
+            "Unstable although the material is stable: {tension} instability of the kernel, {wave}, {growth}."
+        ),
+        Verdict::Missed => format!(
+            "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
+             do not show it.",
+            vector(assessment.material.minimum.direction.as_slice())
+        ),
+    }
+}
+
+fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
+    let norm = k.norm();
+    if norm == 0.0 {
+        "infinitely long waves".to_owned()
+    } else {
+        let direction = k / norm;
+        format!("wavelength {:.4} along {}", std::f64::consts::TAU / norm, vector(direction.as_slice()))
+    }
+}
+
+fn growth(rate: f64) -> String {
+    if rate > 0.0 {
+        format!("grows e-fold in {:.4} time units", 1.0 / rate)
+    } else {
+        "grows the faster the shorter the wave".to_owned()
+    }
+}
+
+/// A vector with four decimals.
+pub(super) fn vector(components: &[f64]) -> String {
+    let one = |component: &f64| format!("{:.4}", if component.abs() < 5e-5 { 0.0 } else { *component });
+    format!("({})", components.iter().map(one).collect::<Vec<_>>().join(", "))
+}
+
+/// A discretization in a line.
+pub(super) fn settings(d: &Discretization) -> String {
+    let mut words = vec![
+        word_of(&d.arrangement),
+        word_of(&d.quadrature),
+        word_of(&d.approximation),
+        format!("D_mx {}", d.support),
+        word_of(&d.frame),
+    ];
+    if d.frame == Frame::Eulerian {
+        words.push(format!("{} lattice", word_of(&d.lattice)));
+        words.push(format!("{} support", word_of(&d.support_size)));
+        words.push(format!("{} linearization", word_of(&d.linearization)));
+    }
+    words.push(format!("{} background", word_of(&d.background)));
+    words.join(", ")
+}

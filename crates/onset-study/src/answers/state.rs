@@ -1,0 +1,268 @@
+//! The answer to: is this state stable, and if not, whose instability is it?
+
+use super::in_dimension_of;
+use super::problem::{Problem, ProblemError, Strain};
+use super::sentence;
+use crate::settings::Settings;
+use nalgebra::{SMatrix, SVector};
+use onset::algebra::Complex;
+use onset::bloch::Mode;
+use onset::kinematics::DeformationGradient;
+use onset::method::{Discretization, Method};
+use onset::verdict::{Assessment, Verdict, assess};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A complex number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ComplexNumber {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+impl From<Complex> for ComplexNumber {
+    fn from(value: Complex) -> Self {
+        Self { re: value.re, im: value.im }
+    }
+}
+
+/// Everything about one state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StateAnswer {
+    /// To whom the first instability belongs.
+    pub verdict: Verdict,
+    /// The verdict in plain English.
+    pub sentence: String,
+    /// `F_iJ`.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// The continuum.
+    pub material: MaterialAnswer,
+    /// The particles.
+    pub discretization: DiscretizationAnswer,
+}
+
+/// The continuum at a state. Stresses in units of the material's parameters.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialAnswer {
+    /// The law.
+    pub model: &'static str,
+    /// Its parameters.
+    pub parameters: BTreeMap<&'static str, f64>,
+    /// Cauchy stress `sigma_ij`.
+    pub cauchy: [[f64; 3]; 3],
+    /// First Piola-Kirchhoff stress `P_iJ`, first index spatial.
+    pub first_piola: [[f64; 3]; 3],
+    /// Tangent `A_iJkL = dP_iJ/dF_kL`, nested in the order of its indices.
+    pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
+    /// Whether the state is strongly elliptic.
+    pub elliptic: bool,
+    /// Smallest eigenvalue of the acoustic tensor over all directions.
+    pub minimum_acoustic_eigenvalue: f64,
+    /// Reference direction of that wave.
+    pub direction: Vec<f64>,
+    /// Its polarization.
+    pub polarization: Vec<f64>,
+}
+
+/// The discretization at a state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiscretizationAnswer {
+    /// All settings.
+    pub settings: Discretization,
+    /// Whether no mode grows.
+    pub stable: bool,
+    /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
+    pub minimum_omega_squared: ComplexNumber,
+    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit.
+    pub minimum_scaled: f64,
+    /// Reference wave vector of the fastest growing mode; of the softest mode when stable. Zero in the limit
+    /// of long waves.
+    pub wave_vector: Vec<f64>,
+    /// The same in the deformed lattice, `F^-T k`.
+    pub spatial_wave_vector: Vec<f64>,
+    /// Its polarization, real part.
+    pub polarization: Vec<f64>,
+    /// Its polarization, imaginary part.
+    pub polarization_imaginary: Vec<f64>,
+    /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable.
+    pub growth_rate: f64,
+    /// Whether modes grow with a complex `omega^2`.
+    pub flutter: bool,
+    /// Largest frequency.
+    pub maximum_omega: f64,
+    /// Critical time step of central differences, `2 / maximum_omega`; `null` where no mode oscillates.
+    pub critical_time_step: Option<f64>,
+    /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
+    pub minimum_scaled_wave_vector: Vec<f64>,
+    /// Smallest scaled measure of the long-wave limit.
+    pub long_wave_minimum_scaled: f64,
+    /// Its reference direction.
+    pub long_wave_direction: Vec<f64>,
+    /// Squared norm of the discrete gradient of the softest mode over `|k|_h^2`; zero for a zero-energy mode.
+    pub gradient_norm: f64,
+}
+
+impl StateAnswer {
+    /// Answers for one state.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method or the material cannot be evaluated there.
+    pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
+        in_dimension_of!(problem, answer(problem, &strain.0))
+    }
+}
+
+fn answer<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<StateAnswer, ProblemError> {
+    let method = problem.method::<D>()?;
+    let assessment = assess(&method, &*problem.material, f)?;
+    Ok(StateAnswer {
+        verdict: assessment.verdict,
+        sentence: sentence::of(&method, &assessment, f),
+        deformation_gradient: *f.components(),
+        material: material_answer(&problem.settings, &assessment),
+        discretization: discretization_answer(&method, &assessment, f),
+    })
+}
+
+fn material_answer<const D: usize>(settings: &Settings, assessment: &Assessment<D>) -> MaterialAnswer {
+    let continuum = &assessment.material;
+    let response = &continuum.response;
+    let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
+    MaterialAnswer {
+        model: settings.material.model.name(),
+        parameters: settings.material.values().into_iter().collect(),
+        cauchy: rows(&response.cauchy()),
+        first_piola: rows(&response.first_piola),
+        tangent: (0..3)
+            .map(|i| (0..3).map(|j| (0..3).map(|k| tangent(i, j, k)).collect()).collect())
+            .collect(),
+        elliptic: continuum.is_elliptic,
+        minimum_acoustic_eigenvalue: continuum.minimum.eigenvalue.re,
+        direction: list(&continuum.minimum.direction),
+        polarization: list(&continuum.minimum.polarization),
+    }
+}
+
+fn discretization_answer<const D: usize>(
+    method: &Method<D>,
+    assessment: &Assessment<D>,
+    f: &DeformationGradient,
+) -> DiscretizationAnswer {
+    let spectrum = &assessment.spectrum;
+    let mode = critical_mode(assessment);
+    let wave_vector = finite_wave_vector(mode);
+    DiscretizationAnswer {
+        settings: *method.discretization(),
+        stable: spectrum.is_stable(),
+        minimum_omega_squared: spectrum.lowest.omega_squared.into(),
+        minimum_scaled: spectrum.softest.scaled,
+        wave_vector: list(&wave_vector),
+        spatial_wave_vector: list(&spatial(method, f, &wave_vector)),
+        polarization: list(&mode.polarization.map(|component| component.re)),
+        polarization_imaginary: list(&mode.polarization.map(|component| component.im)),
+        growth_rate: spectrum.growth_rate(),
+        flutter: spectrum.flutters,
+        maximum_omega: spectrum.maximum_omega,
+        critical_time_step: Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        minimum_scaled_wave_vector: list(&finite_wave_vector(&spectrum.softest)),
+        long_wave_minimum_scaled: spectrum.long_wave.scaled,
+        long_wave_direction: list(&spectrum.long_wave.wave_vector),
+        gradient_norm: assessment.gradient_norm,
+    }
+}
+
+/// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
+pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode<D> {
+    let spectrum = &assessment.spectrum;
+    let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;
+    if grows && !spectrum.is_stable() { &spectrum.fastest_growing } else { &spectrum.softest }
+}
+
+/// The wave vector, zero for the limit of long waves.
+pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64, D> {
+    if mode.is_long_wave { SVector::zeros() } else { mode.wave_vector }
+}
+
+/// The wave vector in the lattice on which the kernels live, `F^-T k`. With Lagrangian kernels the
+/// particles sit on the deformed lattice too.
+pub(super) fn spatial<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+    k: &SVector<f64, D>,
+) -> SVector<f64, D> {
+    use onset::method::{CurrentLattice, Frame};
+    let Discretization { frame, lattice, .. } = *method.discretization();
+    if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
+        return *k;
+    }
+    let map = f.leading::<D>();
+    let solved = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(j, i)])
+        .lu()
+        .solve(&nalgebra::DVector::from_fn(D, |i, _| k[i]));
+    solved.map_or(*k, |solved| SVector::from_fn(|i, _| solved[i]))
+}
+
+pub(super) fn list<const D: usize>(vector: &SVector<f64, D>) -> Vec<f64> {
+    vector.iter().copied().collect()
+}
+
+pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
+}
+
+impl std::fmt::Display for StateAnswer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let material = &self.material;
+        let d = &self.discretization;
+        let stress = |i: usize, j: usize| material.cauchy[i][j];
+        writeln!(formatter, "{}\n", self.sentence)?;
+        writeln!(formatter, "verdict                 {}", self.verdict.name())?;
+        writeln!(formatter, "material                {} ({})", material.model, parameters(material))?;
+        writeln!(
+            formatter,
+            "  Cauchy stress         s11 {:.6}, s22 {:.6}, s12 {:.6}, s33 {:.6}",
+            stress(0, 0),
+            stress(1, 1),
+            stress(0, 1),
+            stress(2, 2)
+        )?;
+        writeln!(formatter, "  strongly elliptic     {}", if material.elliptic { "yes" } else { "no" })?;
+        writeln!(
+            formatter,
+            "  smallest eigenvalue   {:.9} along N = {}",
+            material.minimum_acoustic_eigenvalue,
+            sentence::vector(&material.direction)
+        )?;
+        writeln!(formatter, "discretization          {}", sentence::settings(&d.settings))?;
+        writeln!(formatter, "  smallest omega^2      {}", complex(d.minimum_omega_squared))?;
+        writeln!(formatter, "  scaled minimum        {:.6e}", d.minimum_scaled)?;
+        writeln!(
+            formatter,
+            "  critical wave vector  {} (reference), {} (deformed)",
+            sentence::vector(&d.wave_vector),
+            sentence::vector(&d.spatial_wave_vector)
+        )?;
+        writeln!(formatter, "  polarization          {}", sentence::vector(&d.polarization))?;
+        writeln!(formatter, "  growth rate           {:.6}", d.growth_rate)?;
+        write!(formatter, "  largest frequency     {:.6}", d.maximum_omega)?;
+        match d.critical_time_step {
+            Some(step) => write!(formatter, "; central differences need a time step below {step:.6}"),
+            None => Ok(()),
+        }
+    }
+}
+
+fn parameters(material: &MaterialAnswer) -> String {
+    let one = |(name, value): (&&str, &f64)| format!("{name} = {value}");
+    material.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn complex(value: ComplexNumber) -> String {
+    if value.im == 0.0 {
+        format!("{:.9}", value.re)
+    } else {
+        format!("{:.9} {:+.9} i", value.re, value.im)
+    }
+}

@@ -1,0 +1,1 @@
+//! The paper from end to end.

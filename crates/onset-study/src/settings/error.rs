@@ -1,0 +1,86 @@
+//! Errors of settings: where, what, and what to do.
+
+use super::Value;
+use thiserror::Error;
+
+/// Where a setting was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// On the command line: the argument as typed.
+    CommandLine(String),
+    /// In a study file.
+    File {
+        /// Its name.
+        name: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column, counted from 1.
+        column: usize,
+    },
+    /// Nowhere in particular: a default or a combination.
+    Combination,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::CommandLine(argument) => write!(formatter, "{argument}: "),
+            Self::File { name, line, column } => write!(formatter, "{name}:{line}:{column}: "),
+            Self::Combination => Ok(()),
+        }
+    }
+}
+
+/// A setting that cannot be accepted.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub struct SettingError {
+    /// Where it was made.
+    pub origin: Origin,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub hint: Option<String>,
+}
+
+impl std::fmt::Display for SettingError {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}{}", self.origin, self.message)?;
+        match &self.hint {
+            Some(hint) => write!(formatter, "\n  hint: {hint}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl SettingError {
+    /// An error without a hint.
+    pub fn new(origin: Origin, message: impl Into<String>) -> Self {
+        Self { origin, message: message.into(), hint: None }
+    }
+
+    /// The same with a hint.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// Names the word nearest to the one typed, where words are expected.
+    pub(super) fn nearest_word(mut self, value: &Value, expects: &str) -> Self {
+        if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
+            && let Some(nearest) = nearest(word, expects.split(" | "))
+            && expects.contains(" | ")
+        {
+            hint.push_str(&format!("; did you mean `{nearest}`?"));
+        }
+        self
+    }
+}
+
+/// The most similar of some names, if any is similar.
+pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}

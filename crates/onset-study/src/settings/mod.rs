@@ -1,0 +1,270 @@
+//! What a user sets: material and discretization, by dotted keys, from the command line or a study file.
+//!
+//! Every key is defined once, in the table [`KEYS`]; parsing, suggestions and documentation follow from it.
+
+mod error;
+mod file;
+mod material;
+
+pub use error::{Origin, SettingError};
+pub use file::Study;
+pub use material::{MaterialSettings, Model};
+
+use onset::approximation::Approximation;
+use onset::kernel::Kernel;
+use onset::lattice::Arrangement;
+use onset::method::{
+    Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
+};
+use onset::quadrature::Quadrature;
+use serde::de::DeserializeOwned;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+
+/// A key that can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its dotted name.
+    pub name: &'static str,
+    /// What it expects, in words.
+    pub expects: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+const fn key(name: &'static str, expects: &'static str, meaning: &'static str) -> Key {
+    Key { name, expects, meaning }
+}
+
+/// Every key, in the order of the documentation.
+pub const KEYS: &[Key] = &[
+    key("material.model", "modified-mooney-rivlin | blatz-ko", "the law"),
+    key("material.c1", "a number (stress)", "first constant of modified-mooney-rivlin"),
+    key("material.c2", "a number (stress)", "second constant of modified-mooney-rivlin"),
+    key("material.lambda", "a number (stress)", "volumetric constant of modified-mooney-rivlin"),
+    key("material.mu", "a positive number (stress)", "shear modulus of blatz-ko"),
+    key("discretization.arrangement", "square | hexagonal | chain", "arrangement of the particles"),
+    key("discretization.spacing", "a positive number (length)", "distance of nearest particles"),
+    key("discretization.density", "a positive number (mass/volume)", "reference density"),
+    key("discretization.kernel", "quartic-spline", "weight function"),
+    key("discretization.support", "a positive number", "support radius in spacings, D_mx"),
+    key("discretization.approximation", "raw | shepard | mls", "correction of the weights"),
+    key("discretization.quadrature", "nodal | stress-points | stress-points-only", "quadrature points"),
+    key("discretization.frame", "lagrangian | eulerian", "coordinates of the kernel"),
+    key("discretization.background", "imposed | interpolated", "deformation that the quadrature points carry"),
+    key("discretization.lattice", "convected | regular", "Eulerian kernels: positions of the particles"),
+    key("discretization.support-size", "fixed | scaled | convected", "Eulerian kernels: size of the support"),
+    key(
+        "discretization.linearization",
+        "exact | paper | exact-plane-wave | paper-interpolated | frozen-normalization",
+        "Eulerian kernels: what the perturbation moves",
+    ),
+];
+
+/// Material and discretization, as set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// The material.
+    pub material: MaterialSettings,
+    /// The discretization.
+    pub discretization: Discretization,
+}
+
+impl Settings {
+    /// The defaults, changed by assignments such as `discretization.support=1.6`, in order.
+    ///
+    /// # Errors
+    /// [`SettingError`] for an unknown key, a value of the wrong kind, or a parameter that the model does not
+    /// have.
+    pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
+        let mut settings = Self::default();
+        for assignment in assignments {
+            settings.assign(assignment.as_ref())?;
+        }
+        settings.material.check()?;
+        Ok(settings)
+    }
+
+    /// Applies one assignment `key=value`.
+    ///
+    /// # Errors
+    /// As [`Settings::from_assignments`]; whether parameters fit the model is checked at the end only.
+    pub fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
+        let origin = Origin::CommandLine(format!("--set {assignment}"));
+        let Some((name, text)) = assignment.split_once('=') else {
+            return Err(SettingError::new(origin, format!("`{assignment}` is not an assignment"))
+                .hint("write --set key=value, for example --set discretization.support=1.6"));
+        };
+        self.set(name.trim(), &Value::of_text(text.trim()), origin)
+    }
+
+    /// Sets one key.
+    ///
+    /// # Errors
+    /// [`SettingError`] for an unknown key or a value of the wrong kind.
+    pub fn set(&mut self, name: &str, value: &Value, origin: Origin) -> Result<(), SettingError> {
+        let Some(key) = KEYS.iter().find(|key| key.name == name) else {
+            return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
+        };
+        let wrong = |origin: Origin| {
+            SettingError::new(origin, format!("`{name}` cannot be {value}"))
+                .hint(format!("expected {} ({})", key.expects, key.meaning))
+                .nearest_word(value, key.expects)
+        };
+        let number = value.number();
+        let discretization = &mut self.discretization;
+        let done = match name {
+            "discretization.spacing" => assign(&mut discretization.spacing, number),
+            "discretization.density" => assign(&mut discretization.density, number),
+            "discretization.support" => assign(&mut discretization.support, number),
+            "discretization.arrangement" => assign(&mut discretization.arrangement, value.word::<Arrangement>()),
+            "discretization.kernel" => assign(&mut discretization.kernel, value.word::<Kernel>()),
+            "discretization.approximation" => {
+                assign(&mut discretization.approximation, value.word::<Approximation>())
+            }
+            "discretization.quadrature" => assign(&mut discretization.quadrature, value.word::<Quadrature>()),
+            "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
+            "discretization.background" => assign(&mut discretization.background, value.word::<Background>()),
+            "discretization.lattice" => assign(&mut discretization.lattice, value.word::<CurrentLattice>()),
+            "discretization.support-size" => {
+                assign(&mut discretization.support_size, value.word::<SupportSize>())
+            }
+            "discretization.linearization" => {
+                assign(&mut discretization.linearization, value.word::<Linearization>())
+            }
+            "material.model" => assign(&mut self.material.model, value.word()),
+            _ => match (name.strip_prefix("material."), number) {
+                (Some(parameter), Some(number)) => {
+                    self.material.set_parameter(parameter, number, origin.clone());
+                    true
+                }
+                _ => false,
+            },
+        };
+        if done { Ok(()) } else { Err(wrong(origin)) }
+    }
+}
+
+/// Assigns what could be read; tells whether it could.
+fn assign<T>(target: &mut T, read: Option<T>) -> bool {
+    let done = read.is_some();
+    if let Some(value) = read {
+        *target = value;
+    }
+    done
+}
+
+/// A value as typed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Word(String),
+}
+
+impl Value {
+    /// The value that a text on the command line stands for.
+    fn of_text(text: &str) -> Self {
+        text.parse().map_or_else(|_| Self::Word(text.trim_matches('"').to_owned()), Self::Number)
+    }
+
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Word(_) => None,
+        }
+    }
+
+    /// The named choice, by the one name that serialization uses too.
+    fn word<T: DeserializeOwned>(&self) -> Option<T> {
+        match self {
+            Self::Number(_) => None,
+            Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
+        }
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(formatter, "{number}"),
+            Self::Word(word) => write!(formatter, "\"{word}\""),
+        }
+    }
+}
+
+/// The error for a key that does not exist, with the nearest one that does.
+fn unknown_key<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone, origin: Origin) -> SettingError {
+    let error = SettingError::new(origin, format!("unknown key `{name}`"));
+    match error::nearest(name, known.clone()) {
+        Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
+        None => error.hint(format!("known keys: {}", known.collect::<Vec<_>>().join(", "))),
+    }
+}
+
+/// The name under which a choice is written.
+pub fn word_of<T: serde::Serialize>(choice: &T) -> String {
+    match serde_json::to_value(choice) {
+        Ok(serde_json::Value::String(word)) => word,
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error_of(assignment: &str) -> String {
+        Settings::from_assignments(&[assignment]).expect_err("a wrong assignment").to_string()
+    }
+
+    #[test]
+    fn every_key_can_be_set_with_every_word_that_it_expects() {
+        for key in KEYS {
+            let words: Vec<&str> = if key.expects.starts_with('a') {
+                vec!["1.5"]
+            } else {
+                key.expects.split(" | ").collect()
+            };
+            for word in words {
+                let mut settings = Settings::default();
+                settings.assign(&format!("{}={word}", key.name)).expect("a documented value");
+            }
+        }
+    }
+
+    #[test]
+    fn assigned_words_are_the_names_that_serialization_uses() {
+        let settings = Settings::from_assignments(&[
+            "discretization.frame=eulerian",
+            "discretization.support-size=scaled",
+            "discretization.linearization=paper",
+            "discretization.quadrature=stress-points-only",
+        ])
+        .expect("valid");
+        let json = serde_json::to_value(settings.discretization).expect("serializable");
+        assert_eq!(json["support-size"], "scaled");
+        assert_eq!(json["quadrature"], "stress-points-only");
+        assert_eq!(word_of(&settings.discretization.quadrature), settings.discretization.quadrature.name());
+        let keys: Vec<&str> =
+            KEYS.iter().filter_map(|key| key.name.strip_prefix("discretization.")).collect();
+        let fields: Vec<&str> = json.as_object().expect("a table").keys().map(String::as_str).collect();
+        assert_eq!(fields, keys, "the table of keys is the structure");
+    }
+
+    #[test]
+    fn unknown_keys_and_words_name_the_nearest_known_one() {
+        assert!(error_of("discretization.suport=2").contains("did you mean `discretization.support`?"));
+        assert!(error_of("material.modle=blatz-ko").contains("`material.model`"));
+        assert!(error_of("discretization.frame=lagrangan").contains("`lagrangian`"));
+        assert!(error_of("discretization.support=wide").contains("expected a positive number"));
+        assert!(error_of("discretization.support").contains("not an assignment"));
+        assert!(error_of("zzz=1").contains("known keys"));
+    }
+
+    #[test]
+    fn parameters_of_another_model_are_refused() {
+        assert!(error_of("material.mu=3").contains("modified-mooney-rivlin has no parameter `mu`"));
+        assert!(Settings::from_assignments(&["material.mu=3", "material.model=blatz-ko"]).is_ok());
+    }
+}

@@ -1,0 +1,129 @@
+//! Kernels of current coordinates, linearized exactly: particles, stress points and normalization move.
+
+use crate::brute::{Patch, assert_agrees, state};
+use crate::law::Law;
+use nalgebra::{Complex, DMatrix};
+use onset::approximation::Approximation;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::method::{Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize};
+use onset::quadrature::Quadrature;
+
+const DIAGONAL: [[f64; 2]; 2] = [[1.15, 0.0], [0.0, 0.9]];
+const SHEARED: [[f64; 2]; 2] = [[1.05, 0.25], [-0.1, 0.92]];
+
+fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> Discretization {
+    Discretization {
+        arrangement,
+        quadrature,
+        // No distance in the states of this file is on the rim of the support, where the derivative of
+        // the forces has a kink that differences would smear.
+        support: if arrangement == Arrangement::Square { 1.9 } else { 1.6 },
+        frame: Frame::Eulerian,
+        linearization: Linearization::Exact,
+        ..Discretization::default()
+    }
+}
+
+#[test]
+fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
+    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+            let choices = eulerian(arrangement, quadrature);
+            assert_agrees::<2>(choices, Law::MooneyRivlin, &state(DIAGONAL, 1.0));
+            assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
+        }
+    }
+}
+
+#[test]
+fn every_correction_of_the_weights_agrees() {
+    for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+            let choices = Discretization { approximation, ..eulerian(Arrangement::Hexagonal, quadrature) };
+            assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
+        }
+    }
+}
+
+#[test]
+fn every_support_and_every_arrangement_of_the_particles_agrees() {
+    for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
+        for support_size in [SupportSize::Fixed, SupportSize::Scaled, SupportSize::Convected] {
+            for (arrangement, approximation) in
+                [(Arrangement::Hexagonal, Approximation::Shepard), (Arrangement::Square, Approximation::Raw)]
+            {
+                let choices = Discretization {
+                    lattice,
+                    support_size,
+                    approximation,
+                    ..eulerian(arrangement, Quadrature::StressPoints)
+                };
+                assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_interpolated_background_agrees() {
+    for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
+        for (approximation, law) in
+            [(Approximation::Shepard, Law::MooneyRivlin), (Approximation::Raw, Law::BlatzKo)]
+        {
+            for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+                let choices = Discretization {
+                    lattice,
+                    approximation,
+                    background: Background::Interpolated,
+                    ..eulerian(Arrangement::Hexagonal, quadrature)
+                };
+                assert_agrees::<2>(choices, law, &state(SHEARED, 1.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_chain_agrees() {
+    for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+        for (approximation, lattice, support_size) in [
+            (Approximation::Raw, CurrentLattice::Convected, SupportSize::Fixed),
+            (Approximation::Shepard, CurrentLattice::Convected, SupportSize::Fixed),
+            (Approximation::Shepard, CurrentLattice::Regular, SupportSize::Scaled),
+            (Approximation::Mls, CurrentLattice::Convected, SupportSize::Convected),
+        ] {
+            let choices = Discretization {
+                support: 2.3,
+                approximation,
+                lattice,
+                support_size,
+                background: Background::Interpolated,
+                ..eulerian(Arrangement::Chain, quadrature)
+            };
+            let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
+            assert_agrees::<1>(choices, Law::MooneyRivlin, &f);
+        }
+    }
+}
+
+/// Sums of powers decide whether two sets of complex numbers are equal, without an order among them.
+#[test]
+fn the_power_sums_of_the_spectrum_are_those_of_the_commensurate_waves() {
+    let f = state(SHEARED, 1.0);
+    let choices = eulerian(Arrangement::Hexagonal, Quadrature::StressPoints);
+    let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
+    let stiffness = patch.stiffness();
+    let asymmetry = (&stiffness - stiffness.transpose()).amax() / stiffness.amax();
+    assert!(asymmetry > 1e-4, "the rate form has no potential, but the asymmetry is {asymmetry:e}");
+    let mut power = DMatrix::<f64>::identity(stiffness.nrows(), stiffness.ncols());
+    let waves: Vec<_> = patch.commensurate().iter().map(|k| patch.dynamical_matrix(&f, k)).collect();
+    let mut powers = vec![nalgebra::Matrix2::<Complex<f64>>::identity(); waves.len()];
+    for exponent in 1..=6 {
+        power *= &stiffness;
+        powers.iter_mut().zip(&waves).for_each(|(power, d)| *power *= d);
+        let expected: Complex<f64> = powers.iter().map(|power| power.trace()).sum();
+        let error = (power.trace() - expected).norm() / expected.norm();
+        assert!(error < 1e-8, "power {exponent}: relative error {error:e}");
+    }
+}

@@ -1,0 +1,97 @@
+//! Kernels of material coordinates.
+
+use crate::brute::{Patch, assert_agrees, state};
+use crate::law::Law;
+use onset::algebra::eigenvalues;
+use onset::approximation::Approximation;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::method::{Background, Discretization, Frame};
+use onset::quadrature::Quadrature;
+
+const DIAGONAL: [[f64; 2]; 2] = [[1.2, 0.0], [0.0, 0.9]];
+const SHEARED: [[f64; 2]; 2] = [[1.1, 0.35], [-0.2, 0.85]];
+
+fn lagrangian(
+    arrangement: Arrangement,
+    quadrature: Quadrature,
+    approximation: Approximation,
+    background: Background,
+) -> Discretization {
+    let support = if arrangement == Arrangement::Square { 1.9 } else { 1.6 };
+    Discretization {
+        arrangement,
+        quadrature,
+        approximation,
+        background,
+        support,
+        frame: Frame::Lagrangian,
+        ..Discretization::default()
+    }
+}
+
+#[test]
+fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
+    use Approximation::{Mls, Raw, Shepard};
+    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+            for (approximation, background, law, f) in [
+                (Shepard, Background::Imposed, Law::MooneyRivlin, DIAGONAL),
+                (Shepard, Background::Interpolated, Law::MooneyRivlin, SHEARED),
+                (Mls, Background::Imposed, Law::BlatzKo, SHEARED),
+                (Raw, Background::Interpolated, Law::BlatzKo, DIAGONAL),
+            ] {
+                let choices = lagrangian(arrangement, quadrature, approximation, background);
+                assert_agrees::<2>(choices, law, &state(f, 1.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stretch_out_of_plane_and_units_of_length_and_mass_are_respected() {
+    let choices = Discretization {
+        spacing: 0.013,
+        density: 1130.0,
+        ..lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, Approximation::Shepard, Background::Imposed)
+    };
+    assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.3));
+}
+
+#[test]
+fn a_chain_agrees() {
+    for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+        for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+            let choices = Discretization {
+                support: 2.3,
+                ..lagrangian(Arrangement::Chain, quadrature, approximation, Background::Interpolated)
+            };
+            let f = DeformationGradient::from_stretches([1.3, 0.9, 1.1]).expect("a state");
+            assert_agrees::<1>(choices, Law::MooneyRivlin, &f);
+        }
+    }
+}
+
+#[test]
+fn the_spectrum_of_the_patch_is_the_union_over_the_commensurate_waves() {
+    let f = state(SHEARED, 1.0);
+    let choices =
+        lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, Approximation::Shepard, Background::Imposed);
+    let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
+    let stiffness = patch.stiffness();
+    let symmetric = (&stiffness + stiffness.transpose()) * 0.5;
+    assert!((&stiffness - &symmetric).amax() < 1e-9 * stiffness.amax(), "the forces have a potential");
+    let mut of_patch: Vec<f64> = symmetric.symmetric_eigenvalues().iter().copied().collect();
+    let mut of_waves: Vec<f64> = patch
+        .commensurate()
+        .iter()
+        .flat_map(|k| eigenvalues(&patch.dynamical_matrix(&f, k), 0.0).map(|value| value.re))
+        .collect();
+    of_patch.sort_by(f64::total_cmp);
+    of_waves.sort_by(f64::total_cmp);
+    assert_eq!(of_patch.len(), of_waves.len());
+    let largest = of_waves[of_waves.len() - 1];
+    for (a, b) in of_patch.iter().zip(&of_waves) {
+        assert!((a - b).abs() < 1e-9 * largest, "{a} against {b}");
+    }
+}
