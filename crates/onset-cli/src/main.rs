@@ -1,3 +1,21 @@
-//! The `onset` command.
+//! The `onset` command: where a material and its particle discretization are stable.
+//!
+//! Thin: arguments become a problem, the answer is printed. Exit codes: 0 done, 1 a claim of the paper is not
+//! what is recorded or a file cannot be written, 2 the input is wrong.
 
-fn main() {}
+mod arguments;
+mod commands;
+
+use arguments::Arguments;
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match commands::run(Arguments::parse()) {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("error: {}", failure.message);
+            ExitCode::from(failure.code)
+        }
+    }
+}

@@ -246,6 +246,7 @@ impl std::fmt::Display for PathAnswer {
 fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Stable => "stable",
+        Phase::Flutter => "flutter",
         Phase::Unstable => "unstable",
         Phase::Undefined => "undefined",
     }

@@ -13,6 +13,12 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub struct DynamicalMatrix<const D: usize> {
     terms: Vec<Term<D>>,
+    /// Primitive vectors of the reference lattice, as columns.
+    vectors: SMatrix<f64, D, D>,
+    /// Where in its cell a vector ends: the lattice points first, then the places of plane-wave stress points.
+    sites: Vec<SVector<f64, D>>,
+    /// Largest lattice coordinate of a vector.
+    reach: usize,
     /// `D(0) = sum_R Phi(R)`; zero where a translation costs no energy.
     rigid: SMatrix<f64, D, D>,
     /// Whether `Phi(-R) = Phi(R)`, which makes `D` real.
@@ -28,8 +34,10 @@ pub struct DynamicalMatrix<const D: usize> {
 struct Term<const D: usize> {
     /// `R`, in the reference state.
     vector: SVector<f64, D>,
-    /// Its lattice coordinates, when they are integers.
-    cell: Option<[i32; D]>,
+    /// Its cell, `R = cell + site` in lattice coordinates.
+    cell: [i32; D],
+    /// Its place in the cell, an index of `sites`.
+    site: usize,
     /// `Phi(R) + Phi(-R)`.
     even: SMatrix<f64, D, D>,
     /// `Phi(R) - Phi(-R)`.
@@ -71,33 +79,40 @@ impl<const D: usize> ForceConstants<D> {
     /// The sum over all vectors, with `R` and `-R` taken together.
     pub(super) fn finish(mut self, lattice: &BravaisLattice<D>) -> DynamicalMatrix<D> {
         let side = (2 * self.reach + 1) as usize;
+        let mut sites = vec![SVector::zeros()];
         let mut pairs = Vec::new();
         let middle = self.blocks.len() / 2;
         let mut rigid = self.blocks[middle];
         for index in middle + 1..self.blocks.len() {
             let opposite = self.blocks.len() - 1 - index;
-            let (forward, backward) = (self.blocks[index], self.blocks[opposite]);
             let mut rest = index;
             let mut cell = [0; D];
             for i in (0..D).rev() {
                 cell[i] = (rest % side) as i32 - self.reach;
                 rest /= side;
             }
-            let fractional = SVector::from_fn(|i, _| f64::from(cell[i]));
-            pairs.push((fractional, Some(cell), forward, backward));
+            pairs.push((cell, 0, self.blocks[index], self.blocks[opposite]));
         }
         while let Some((_, (fractional, forward))) = self.loose.pop_first() {
             let backward = self.loose.remove(&rounded(&-fractional)).map_or(SMatrix::zeros(), |b| b.1);
-            pairs.push((fractional, None, forward, backward));
+            let cell = std::array::from_fn(|i| (fractional[i] + 0.5 / LOOSE_RESOLUTION).floor() as i32);
+            let place = fractional - SVector::from(cell.map(f64::from));
+            let known = sites.iter().position(|site| (site - place).amax() < 1.0 / LOOSE_RESOLUTION);
+            let site = known.unwrap_or_else(|| {
+                sites.push(place);
+                sites.len() - 1
+            });
+            pairs.push((cell, site, forward, backward));
         }
         let magnitude = pairs.iter().map(|(_, _, f, b)| f.amax() + b.amax()).sum::<f64>() + rigid.amax();
         let noise = f64::EPSILON * magnitude;
         let mut terms = Vec::new();
-        for (fractional, cell, forward, backward) in pairs {
+        for (cell, site, forward, backward) in pairs {
             let (even, odd) = (forward + backward, forward - backward);
             rigid += even;
             if even.amax() > 0.0 || odd.amax() > 0.0 {
-                terms.push(Term { vector: lattice.vectors() * fractional, cell, even, odd });
+                let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);
+                terms.push(Term { vector, cell, site, even, odd });
             }
         }
         if rigid.amax() <= 16.0 * noise {
@@ -109,7 +124,10 @@ impl<const D: usize> ForceConstants<D> {
             (term.even - term.even.transpose()).amax() + (term.odd + term.odd.transpose()).amax()
         };
         let hermitian = terms.iter().all(|term| asymmetry(term) <= 16.0 * noise);
-        DynamicalMatrix { terms, rigid, centrosymmetric, hermitian, noise }
+        let coordinates = terms.iter().flat_map(|term| term.cell);
+        let reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
+        let vectors = *lattice.vectors();
+        DynamicalMatrix { terms, vectors, sites, reach, rigid, centrosymmetric, hermitian, noise }
     }
 }
 
@@ -123,11 +141,12 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// Evaluated as `D(0) + sum (cos - 1) even + i sin odd`, so that long waves keep their relative accuracy.
     pub fn at(&self, k: &SVector<f64, D>) -> SMatrix<Complex, D, D> {
         let (mut real, mut imaginary) = (self.rigid, SMatrix::<f64, D, D>::zeros());
+        let phases = HalfPhases::new(self, k);
         for term in &self.terms {
-            let (sine, cosine) = (0.5 * k.dot(&term.vector)).sin_cos();
-            real -= term.even * (2.0 * sine * sine);
+            let half = phases.of(term);
+            real -= term.even * (2.0 * half.im * half.im);
             if !self.centrosymmetric {
-                imaginary += term.odd * (2.0 * sine * cosine);
+                imaginary += term.odd * (2.0 * half.im * half.re);
             }
         }
         real.zip_map(&imaginary, Complex::new)
@@ -137,8 +156,10 @@ impl<const D: usize> DynamicalMatrix<D> {
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
         let mut real = [SMatrix::<f64, D, D>::zeros(); D];
         let mut imaginary = real;
+        let phases = HalfPhases::new(self, k);
         for term in &self.terms {
-            let (sine, cosine) = k.dot(&term.vector).sin_cos();
+            let half = phases.of(term);
+            let (sine, cosine) = (2.0 * half.im * half.re, 1.0 - 2.0 * half.im * half.im);
             for a in 0..D {
                 real[a] -= term.even * (sine * term.vector[a]);
                 if !self.centrosymmetric {
@@ -159,8 +180,10 @@ impl<const D: usize> DynamicalMatrix<D> {
                 (-2.0 * sine * sine, 2.0 * sine * cosine)
             })
             .collect();
-        let cells: Vec<[i64; D]> =
-            self.terms.iter().map(|term| term.cell.map(|cell| cell.map(i64::from))).collect::<Option<_>>()?;
+        if self.sites.len() > 1 {
+            return None;
+        }
+        let cells: Vec<[i64; D]> = self.terms.iter().map(|term| term.cell.map(i64::from)).collect();
         let total = resolution.pow(D as u32);
         let count = if half { total / 2 + 1 } else { total };
         let mut grid = Vec::with_capacity(count);
@@ -229,9 +252,43 @@ impl<const D: usize> DynamicalMatrix<D> {
     }
 
     /// Largest lattice coordinate of a force constant: how fast `D(k)` can vary over the zone.
-    pub(super) fn reach(&self, lattice: &BravaisLattice<D>) -> usize {
-        let coordinates = lattice.reciprocal().transpose() / std::f64::consts::TAU;
-        self.terms.iter().map(|term| (coordinates * term.vector).amax().round() as usize).max().unwrap_or(1)
+    pub(super) fn reach(&self) -> usize {
+        self.reach.max(1)
+    }
+}
+
+/// The phases `exp(i k.R / 2)` of all vectors from those of the primitive vectors: a sine and cosine for each
+/// primitive vector and site, a product for each vector.
+struct HalfPhases<const D: usize> {
+    /// `exp(i n k.a_d / 2)` at `[n][d]`, `n = 0 ..= reach`.
+    powers: Vec<[Complex; D]>,
+    /// `exp(i k.site / 2)`.
+    sites: Vec<Complex>,
+}
+
+impl<const D: usize> HalfPhases<D> {
+    fn new(matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Self {
+        let half_phase = |vector: SVector<f64, D>| {
+            let (sine, cosine) = (0.5 * k.dot(&vector)).sin_cos();
+            Complex::new(cosine, sine)
+        };
+        let steps: [Complex; D] =
+            std::array::from_fn(|d| half_phase(matrix.vectors.column(d).into_owned()));
+        let mut powers = vec![[Complex::new(1.0, 0.0); D]];
+        for n in 0..matrix.reach {
+            powers.push(std::array::from_fn(|d| powers[n][d] * steps[d]));
+        }
+        let sites = matrix.sites.iter().skip(1).map(|site| half_phase(matrix.vectors * site)).collect();
+        Self { powers, sites }
+    }
+
+    fn of(&self, term: &Term<D>) -> Complex {
+        let mut phase = if term.site == 0 { Complex::new(1.0, 0.0) } else { self.sites[term.site - 1] };
+        for d in 0..D {
+            let power = self.powers[term.cell[d].unsigned_abs() as usize][d];
+            phase *= if term.cell[d] < 0 { power.conj() } else { power };
+        }
+        phase
     }
 }
 

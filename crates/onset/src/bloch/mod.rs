@@ -10,7 +10,7 @@ mod search;
 
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::DynamicalMatrix;
-pub use search::{Mode, SpectrumSummary, ZoneSearch};
+pub use search::{Mode, SpectrumSummary, Stability, ZoneSearch};
 
 use crate::algebra::Complex;
 

@@ -50,14 +50,36 @@ pub struct SpectrumSummary<const D: usize> {
     pub maximum_omega: f64,
     /// `|scaled|` below this is zero to rounding.
     pub tolerance: f64,
-    /// Whether modes grow although their `Re omega^2` is not negative.
+    /// Whether modes grow with a complex `omega^2`.
     pub flutters: bool,
 }
 
+/// How perturbations develop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// None grows.
+    Stable,
+    /// Some oscillate with growing amplitude: `omega^2` is complex, its real part nowhere negative.
+    Flutter,
+    /// Some have `Re omega^2 < 0`.
+    Divergence,
+}
+
 impl<const D: usize> SpectrumSummary<D> {
+    /// Whether a mode grows, and how.
+    pub fn stability(&self) -> Stability {
+        if self.softest.scaled < -self.tolerance || self.lowest.omega_squared.re < 0.0 {
+            Stability::Divergence
+        } else if self.flutters {
+            Stability::Flutter
+        } else {
+            Stability::Stable
+        }
+    }
+
     /// Whether no mode grows.
     pub fn is_stable(&self) -> bool {
-        self.softest.scaled >= -self.tolerance && self.lowest.omega_squared.re >= 0.0 && !self.flutters
+        self.stability() == Stability::Stable
     }
 
     /// The growth rate of the fastest growing mode, zero when stable. 1/time.
@@ -144,23 +166,27 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Whether no mode grows: the same answer as [`SpectrumSummary::is_stable`], without the modes; with a
-    /// measure that is negative where one grows and bounds the smallest scaled measure from above.
-    pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (bool, f64) {
+    /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
+    /// whose sign it is where the spectrum is real.
+    pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let tolerance = self.tolerance(matrix);
         let grid = self.grid(matrix);
         let sampled = grid.points.iter().map(|point| point.scaled).fold(f64::INFINITY, f64::min);
-        let measure = sampled.min(self.long_wave_limit(matrix).scaled);
+        let mut measure = sampled.min(self.long_wave_limit(matrix).scaled);
         // One witness is enough, and most unstable states have one on the grid.
         if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
-            return (false, measure);
+            return (Stability::Divergence, measure);
         }
-        if let Some(mode) = self.flutter(matrix, &grid) {
-            return (false, -mode.omega_squared.im.abs() / self.speed_squared);
+        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, -tolerance) {
+            measure = measure.min(bottom.0);
         }
-        let bottom = self.bottom(matrix, &grid, Objective::Scaled, -tolerance);
-        let measure = bottom.map_or(measure, |bottom| bottom.0.min(measure));
-        (measure >= -tolerance, measure)
+        if measure < -tolerance {
+            (Stability::Divergence, measure)
+        } else if self.flutter(matrix, &grid).is_some() {
+            (Stability::Flutter, measure)
+        } else {
+            (Stability::Stable, measure)
+        }
     }
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
@@ -204,7 +230,8 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
+    /// Scaled measures of smaller magnitude are zero to rounding.
+    pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
         ROUNDING * matrix.long_wave_noise() / self.speed_squared
     }
 
@@ -244,7 +271,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     fn grid(&self, matrix: &DynamicalMatrix<D>) -> Grid<D> {
         // Six points per period of the fastest phase; a multiple of six has M, X and K among its points.
-        let resolution = (6 * matrix.reach(&self.reference)).clamp(24, 192);
+        let resolution = (6 * matrix.reach()).clamp(24, 192);
         let resolution = if D == 3 { resolution.min(48) } else { resolution };
         let total = resolution.pow(D as u32);
         let matrices = if self.is_periodic { matrix.on_grid(resolution, true) } else { None };

@@ -4,9 +4,9 @@ use super::Stiffness;
 use nalgebra::SVector;
 
 /// Starting directions spread over the half sphere (a direction and its opposite are the same).
-const STARTS: usize = 400;
+const STARTS: usize = 160;
 /// How many of the best starts are refined.
-const REFINED: usize = 12;
+const REFINED: usize = 5;
 
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
     let eigenvalue = |n: &SVector<f64, D>| stiffness.smallest_eigenpair(n).0.re;

@@ -7,7 +7,7 @@ mod path;
 
 pub use path::{Crossing, Onset, PathError, PathScan, Phase, scan_discretization, scan_material};
 
-use crate::bloch::{SpectrumSummary, ZoneSearch, dynamical_matrix, gradient_norm};
+use crate::bloch::{SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
@@ -153,14 +153,42 @@ pub fn assess<const D: usize>(
         && softest.scaled.abs() <= spectrum.tolerance
         && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
-    let verdict = match (continuum.is_elliptic, spectrum.is_stable()) {
+    let verdict =
+        decided(continuum.is_elliptic, spectrum.is_stable(), has_zero_mode, long_waves_grow);
+    Ok(Assessment { verdict, material: continuum, spectrum, gradient_norm })
+}
+
+fn decided(is_elliptic: bool, is_stable: bool, has_zero_mode: bool, long_waves_grow: bool) -> Verdict {
+    match (is_elliptic, is_stable) {
         (true, true) if has_zero_mode => Verdict::RankDeficient,
         (true, true) => Verdict::Stable,
         (false, true) => Verdict::Missed,
         (false, false) if long_waves_grow => Verdict::Material,
         _ => Verdict::Kernel,
-    };
-    Ok(Assessment { verdict, material: continuum, spectrum, gradient_norm })
+    }
+}
+
+/// The verdict on a state and how perturbations of the discretization develop, without the evidence: the same as
+/// [`assess`] says, several times faster where one witness of an instability is enough.
+///
+/// # Errors
+/// [`MethodError`] when the method or the material cannot be evaluated there.
+pub fn judge<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<(Verdict, Stability), MethodError> {
+    let is_elliptic = Stiffness::<D>::of(&material.response(f)?).is_strongly_elliptic();
+    let search = zone_search(method, material, f)?;
+    let matrix = dynamical_matrix(method, material, f)?;
+    let (stability, measure) = search.stability(&matrix);
+    let is_stable = stability == Stability::Stable;
+    if is_stable && is_elliptic && measure <= search.tolerance(&matrix) {
+        // Zero to rounding: whether a mode has no energy takes the mode itself.
+        return Ok((assess(method, material, f)?.verdict, stability));
+    }
+    let long_waves_grow = search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
+    Ok((decided(is_elliptic, is_stable, false, long_waves_grow), stability))
 }
 
 /// The zone search of a method at a state, with the material's scale of wave speeds.

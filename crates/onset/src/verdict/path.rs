@@ -1,7 +1,7 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
 use super::zone_search;
-use crate::bloch::dynamical_matrix;
+use crate::bloch::{Stability, dynamical_matrix};
 use crate::continuum::Stiffness;
 use crate::kinematics::{KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
@@ -20,10 +20,19 @@ const DIP_STEPS: usize = 30;
 pub enum Phase {
     /// No perturbation grows.
     Stable,
-    /// Some perturbation grows.
+    /// Some perturbations oscillate with growing amplitude; `Re omega^2` is nowhere negative.
+    Flutter,
+    /// Some perturbation grows without bound in one direction, `Re omega^2 < 0`.
     Unstable,
     /// The method cannot be evaluated: too few (or too many) neighbors in the support.
     Undefined,
+}
+
+impl Phase {
+    /// Whether some perturbation grows.
+    pub fn is_unstable(self) -> bool {
+        matches!(self, Self::Flutter | Self::Unstable)
+    }
 }
 
 /// A change of phase between two parameters of the path.
@@ -43,7 +52,7 @@ impl Crossing {
     /// A parameter that lies in the unstable phase (or else behind the crossing), at which the critical mode
     /// can be evaluated.
     pub fn witness(&self) -> f64 {
-        if self.from == Phase::Unstable { self.before } else { self.behind }
+        if self.from.is_unstable() && !self.to.is_unstable() { self.before } else { self.behind }
     }
 
     /// The parameter of the crossing, the middle of its bracket.
@@ -73,10 +82,10 @@ pub enum Onset {
 impl PathScan {
     /// The first instability, if there is one.
     pub fn onset(&self) -> Option<Onset> {
-        if self.start == Phase::Unstable {
+        if self.start.is_unstable() {
             return Some(Onset::AtStart);
         }
-        self.crossings.iter().find(|crossing| crossing.to == Phase::Unstable).copied().map(Onset::At)
+        self.crossings.iter().find(|crossing| crossing.to.is_unstable()).copied().map(Onset::At)
     }
 }
 
@@ -139,8 +148,9 @@ pub fn scan_discretization<const D: usize>(
             Ok(search.stability(&matrix))
         };
         match stability() {
-            Ok((true, measure)) => Ok((Phase::Stable, measure)),
-            Ok((false, measure)) => Ok((Phase::Unstable, measure)),
+            Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
+            Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
+            Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
             Err(
                 MethodError::SupportTooSmall { .. }
                 | MethodError::SupportTooLarge { .. }
@@ -161,10 +171,10 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
             // A stable stretch can dip below zero between the knots, an unstable one rise above.
             // It is followed when its bottom can be that far below the middle, by the slopes beside it.
-            let sign = if middle.0 == Phase::Stable { 1.0 } else { -1.0 };
+            let sign = if middle.0 == Phase::Unstable { -1.0 } else { 1.0 };
             let (down, up) = (sign * (left.1 - middle.1), sign * (right.1 - middle.1));
             if down >= 0.0 && up >= 0.0 && sign * middle.1 <= down.max(up) {
-                let found = extremum(probe, sign, parameter(n - 1), parameter(n + 1))?;
+                let found = extremum(probe, middle.0, sign, parameter(n - 1), parameter(n + 1))?;
                 if found.1 != middle.0 {
                     knots.push(found);
                 }
@@ -185,12 +195,12 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
 /// met that changes the phase.
 fn extremum(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
+    own: Phase,
     sign: f64,
     mut low: f64,
     mut high: f64,
 ) -> Result<(f64, Phase), PathError> {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let own = if sign > 0.0 { Phase::Stable } else { Phase::Unstable };
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
     let (mut at_a, mut at_b) = (probe(a)?, probe(b)?);
     for _ in 0..DIP_STEPS {

@@ -1,0 +1,90 @@
+//! The arguments of the command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Tells where your material and your particle discretization are stable, and whether the first instability
+/// belongs to the material or to the method.
+#[derive(Debug, Parser)]
+#[command(name = "onset", version, propagate_version = true, arg_required_else_help = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Is this state stable, and if not, whose instability is it?
+    State {
+        /// The problem.
+        #[command(flatten)]
+        problem: ProblemArguments,
+        /// The state.
+        #[command(flatten)]
+        strain: StrainArguments,
+    },
+    /// Frequencies of plane waves: of one wave vector, or along a path through the Brillouin zone.
+    Dispersion {
+        /// The problem.
+        #[command(flatten)]
+        problem: ProblemArguments,
+        /// The state.
+        #[command(flatten)]
+        strain: StrainArguments,
+        /// Reference wave vector, for example 2.0,1.1 (in units of 1/length).
+        #[arg(long, value_name = "K1,K2", allow_hyphen_values = true, required_unless_present = "path")]
+        wave_vector: Option<String>,
+        /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
+        #[arg(long, conflicts_with = "wave_vector")]
+        path: bool,
+        /// Folder for dispersion.svg and dispersion.png.
+        #[arg(long, value_name = "DIR", default_value = ".", requires = "path")]
+        out: PathBuf,
+    },
+    /// Where along a straight path of deformations is stability lost, and regained?
+    Path {
+        /// The problem.
+        #[command(flatten)]
+        problem: ProblemArguments,
+        /// Start: stretches L1,L2[,L3] or components F11,F12,F21,F22.
+        #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
+        from: String,
+        /// End, likewise.
+        #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
+        to: String,
+    },
+    /// Reproduce the paper: every figure, and a table with a verdict on every claim.
+    Reproduce {
+        /// Folder for figures, data and the report.
+        #[arg(long, value_name = "DIR", default_value = "reproduction")]
+        out: PathBuf,
+        /// Print one JSON document instead of the table.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Material and discretization.
+#[derive(Debug, Args)]
+pub struct ProblemArguments {
+    /// Set a key, for example discretization.support=1.6 (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
+    pub assignments: Vec<String>,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The state.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct StrainArguments {
+    /// Principal stretches along the axes, for example 1.2,0.9 (a third one is the stretch out of plane).
+    #[arg(long, value_name = "L1,L2", allow_hyphen_values = true, help_heading = "State")]
+    pub stretch: Option<String>,
+    /// Deformation gradient F11,F12,F21,F22 (or all nine components).
+    #[arg(long, value_name = "F11,F12,F21,F22", allow_hyphen_values = true, help_heading = "State")]
+    pub deformation_gradient: Option<String>,
+}

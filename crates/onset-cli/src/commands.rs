@@ -1,0 +1,132 @@
+//! What each command does: ask, and print the answer.
+
+use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
+use indicatif::{ProgressBar, ProgressStyle};
+use onset_study::answers::{
+    Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
+};
+use onset_study::json;
+use onset_study::reproduce::{self, ReproduceError};
+use onset_study::settings::Settings;
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Why a command ended without an answer.
+pub struct Failure {
+    /// What to tell.
+    pub message: String,
+    /// The exit code.
+    pub code: u8,
+}
+
+impl Failure {
+    fn input(error: impl Display) -> Self {
+        Self { message: error.to_string(), code: 2 }
+    }
+
+    fn machine(error: impl Display) -> Self {
+        Self { message: error.to_string(), code: 1 }
+    }
+}
+
+impl From<ProblemError> for Failure {
+    fn from(error: ProblemError) -> Self {
+        Self::input(error)
+    }
+}
+
+/// Runs a command.
+pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    match arguments.command {
+        Command::State { problem, strain } => {
+            let json = problem.json;
+            let problem = problem.build()?;
+            let strain = strain.build(&problem)?;
+            print(&StateAnswer::new(&problem, &strain)?, json)
+        }
+        Command::Dispersion { problem, strain, wave_vector, path: _, out } => {
+            let json = problem.json;
+            let problem = problem.build()?;
+            let strain = strain.build(&problem)?;
+            match wave_vector {
+                Some(wave_vector) => print(&DispersionAnswer::new(&problem, &strain, &wave_vector)?, json),
+                None => diagram(&problem, &strain, &out, json),
+            }
+        }
+        Command::Path { problem, from, to } => {
+            let json = problem.json;
+            let problem = problem.build()?;
+            let from = Strain::of_either(&from, problem.dimension())?;
+            let to = Strain::of_either(&to, problem.dimension())?;
+            print(&PathAnswer::new(&problem, &from, &to)?, json)
+        }
+        Command::Reproduce { out, json } => reproduce(&out, json),
+    }
+}
+
+impl ProblemArguments {
+    fn build(&self) -> Result<Problem, Failure> {
+        let settings = Settings::from_assignments(&self.assignments).map_err(Failure::input)?;
+        Ok(Problem::new(settings)?)
+    }
+}
+
+impl StrainArguments {
+    fn build(&self, problem: &Problem) -> Result<Strain, Failure> {
+        let dimension = problem.dimension();
+        match (&self.stretch, &self.deformation_gradient) {
+            (Some(stretches), _) => Ok(Strain::of_stretches(stretches, dimension)?),
+            (None, Some(components)) => Ok(Strain::of_components(components, dimension)?),
+            (None, None) => Err(Failure::input("give --stretch or --deformation-gradient")),
+        }
+    }
+}
+
+fn diagram(problem: &Problem, strain: &Strain, out: &Path, json: bool) -> Result<ExitCode, Failure> {
+    let diagram = Diagram::new(problem, strain)?;
+    let files = diagram
+        .figure("Waves in the particles and in the continuum")
+        .write(out, "dispersion")
+        .map_err(|error| Failure::machine(DiagramError::from(error)))?;
+    if json {
+        return print_json(&diagram);
+    }
+    let files = files.map(|file| file.display().to_string());
+    print_text(&format!("wrote {} and {}", files[0], files[1]))
+}
+
+fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
+    let bar = ProgressBar::new(reproduce::STEPS as u64);
+    let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let report = reproduce::run(out, &|step| {
+        bar.set_message(step.to_owned());
+        bar.inc(1);
+    })
+    .map_err(|error| match error {
+        ReproduceError::Problem(error) => Failure::machine(error),
+        other => Failure::machine(other),
+    })?;
+    bar.finish_and_clear();
+    let printed = if json { print_json(&report)? } else { print_text(&report.to_string())? };
+    Ok(if report.is_as_recorded() { printed } else { ExitCode::from(1) })
+}
+
+fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Failure> {
+    if json { print_json(answer) } else { print_text(answer.to_string().trim_end()) }
+}
+
+fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
+    print_text(&json::document(answer).map_err(Failure::machine)?)
+}
+
+/// Prints a line; a reader that has closed the pipe (`| head`) is no error.
+fn print_text(text: &str) -> Result<ExitCode, Failure> {
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(error)),
+        _ => Ok(ExitCode::SUCCESS),
+    }
+}

@@ -1,0 +1,149 @@
+//! The verdict on every state of a window of principal stretches.
+
+use crate::answers::{Problem, ProblemError};
+use crate::figure::{Color, Regions, palette};
+use crate::settings::Study;
+use onset::bloch::Stability;
+use onset::kinematics::DeformationGradient;
+use onset::method::{Method, MethodError};
+use onset::verdict::{Verdict, judge};
+use rayon::prelude::*;
+
+/// What a state of a map is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// A verdict.
+    Verdict(Verdict),
+    /// The verdict `kernel` by flutter alone: `Re omega^2` is nowhere negative.
+    Flutter,
+    /// The method cannot be evaluated: its support holds too few particles.
+    Undefined,
+}
+
+impl Class {
+    /// All classes, in the order of the legend.
+    pub const ALL: [Self; 7] = [
+        Self::Verdict(Verdict::Stable),
+        Self::Verdict(Verdict::Material),
+        Self::Verdict(Verdict::Kernel),
+        Self::Flutter,
+        Self::Verdict(Verdict::RankDeficient),
+        Self::Verdict(Verdict::Missed),
+        Self::Undefined,
+    ];
+
+    /// The word of the legend.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Verdict(verdict) => verdict.name(),
+            Self::Flutter => "kernel (flutter only)",
+            Self::Undefined => "undefined",
+        }
+    }
+
+    fn color(self) -> Color {
+        match self {
+            Self::Flutter => palette::YELLOW,
+            other => palette::verdict(other.name()).unwrap_or(palette::GREY),
+        }
+    }
+
+    /// Whether the particles are stable there.
+    pub fn is_stable_for_particles(self) -> bool {
+        matches!(self, Self::Verdict(Verdict::Stable | Verdict::Missed | Verdict::RankDeficient))
+    }
+}
+
+/// A map of a study: cell-centered states, the first stretch running fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// The study.
+    pub study: Study,
+    /// One class a state.
+    pub classes: Vec<Class>,
+}
+
+impl Domain {
+    /// Evaluates a study, on all cores.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the study itself is not admissible; states at which the support is too small are
+    /// [`Class::Undefined`].
+    pub fn of(study: &Study) -> Result<Self, ProblemError> {
+        let problem = Problem::new(study.settings.clone())?;
+        let method = problem.method::<2>()?;
+        let count = study.resolution * study.resolution;
+        let classes = (0..count)
+            .into_par_iter()
+            .map(|index| class(&problem, &method, &state(study, index)?))
+            .collect::<Result<_, ProblemError>>()?;
+        Ok(Self { study: study.clone(), classes })
+    }
+
+    /// The stretches of a state.
+    pub fn stretches(&self, index: usize) -> [f64; 2] {
+        stretches(&self.study, index)
+    }
+
+    /// The map as a layer of a figure.
+    pub fn layer(&self) -> Regions {
+        let index = |class: &Class| Class::ALL.iter().position(|other| other == class).unwrap_or(0) as u8;
+        let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
+        let n = self.study.resolution;
+        Regions::new(
+            self.study.stretch_1,
+            self.study.stretch_2,
+            (n, n),
+            self.classes.iter().map(index).collect(),
+            key.to_vec(),
+        )
+    }
+
+    /// The fraction of the states for which a condition holds that are stable for the particles.
+    pub fn stable_fraction(&self, condition: impl Fn([f64; 2], Class) -> bool) -> f64 {
+        let (mut all, mut stable) = (0.0, 0.0);
+        for (index, class) in self.classes.iter().enumerate() {
+            if condition(self.stretches(index), *class) {
+                all += 1.0;
+                stable += f64::from(u8::from(class.is_stable_for_particles()));
+            }
+        }
+        stable / all
+    }
+
+    /// The map as a table.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("stretch_1,stretch_2,class\n");
+        for (index, class) in self.classes.iter().enumerate() {
+            let [a, b] = self.stretches(index);
+            text.push_str(&format!("{a:.16e},{b:.16e},{}\n", class.name()));
+        }
+        text
+    }
+}
+
+fn stretches(study: &Study, index: usize) -> [f64; 2] {
+    let center = |range: (f64, f64), n: usize| {
+        range.0 + (range.1 - range.0) * (n as f64 + 0.5) / study.resolution as f64
+    };
+    [center(study.stretch_1, index % study.resolution), center(study.stretch_2, index / study.resolution)]
+}
+
+fn state(study: &Study, index: usize) -> Result<DeformationGradient, ProblemError> {
+    let [a, b] = stretches(study, index);
+    Ok(DeformationGradient::from_stretches([a, b, 1.0])?)
+}
+
+/// The class of one state.
+fn class(problem: &Problem, method: &Method<2>, f: &DeformationGradient) -> Result<Class, ProblemError> {
+    match judge(method, &*problem.material, f) {
+        Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
+        Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
+        Err(
+            MethodError::SupportTooSmall { .. }
+            | MethodError::SupportTooLarge { .. }
+            | MethodError::SingularMoment { .. },
+        ) => Ok(Class::Undefined),
+        Err(error) => Err(error.into()),
+    }
+}

@@ -1,0 +1,126 @@
+//! The result of a reproduction: a table for the terminal, a page for the reader, a table for a program.
+
+use super::claims::Claim;
+use serde::Serialize;
+
+/// The claims with what was found, and the figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// One row a claim.
+    pub claims: Vec<Claim>,
+    /// File name, title and caption of each figure.
+    #[serde(serialize_with = "figure_names")]
+    pub figures: Vec<(String, String, String)>,
+}
+
+fn figure_names<S: serde::Serializer>(
+    figures: &[(String, String, String)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(figures.iter().map(|(name, _, _)| name))
+}
+
+impl Report {
+    /// Whether every verdict is the one on record.
+    pub fn is_as_recorded(&self) -> bool {
+        self.claims.iter().all(Claim::is_as_recorded)
+    }
+
+    /// The claims as a table.
+    pub fn csv(&self) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut text = String::from("id,place,paper,computed,choices,verdict,number,recorded\n");
+        for claim in &self.claims {
+            let cells = [
+                claim.id.to_owned(),
+                quoted(claim.place),
+                quoted(claim.paper),
+                quoted(&claim.computed),
+                quoted(claim.choices),
+                quoted(&claim.verdict.to_string()),
+                format!("{:.16e}", claim.number),
+                quoted(claim.recorded),
+            ];
+            text.push_str(&cells.join(","));
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The report as a page that needs nothing but the figures beside it.
+    pub fn html(&self) -> String {
+        let rows: String = self.claims.iter().map(row).collect();
+        let figures: String = self
+            .figures
+            .iter()
+            .map(|(name, title, caption)| {
+                format!(
+                    "<figure id=\"{name}\"><img src=\"{name}.svg\" alt=\"{}\"><figcaption><a href=\"{name}.png\">PNG</a> \
+                     {}</figcaption></figure>\n",
+                    escaped(title),
+                    escaped(caption)
+                )
+            })
+            .collect();
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>Material stability analysis of particle methods, reproduced</title>\n<style>{STYLE}</style></head><body>\n\
+             <h1>Material stability analysis of particle methods, reproduced</h1>\n\
+             <p>Every figure and claim of S. P. Xiao and T. Belytschko, <i>Material stability analysis of particle methods</i>, \
+             Advances in Computational Mathematics 23 (2005) 171–190, computed by onset {}. Lengths in particle spacings, density 1, \
+             stresses in MPa for the material of equation (5) and in psi for Blatz-Ko.</p>\n\
+             <h2>Claims</h2>\n<table><thead><tr><th></th><th>The paper says</th><th>Computed</th><th>Under these choices</th>\
+             <th>Verdict</th></tr></thead><tbody>\n{rows}</tbody></table>\n<h2>Figures</h2>\n{figures}</body></html>\n",
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+}
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#111}\
+h1{font-size:1.5em}table{border-collapse:collapse;width:100%}th,td{border-top:1px solid #ccc;padding:.5em .6em;text-align:left;\
+vertical-align:top}th{border-top:0}td:first-child{white-space:nowrap;font-weight:600}td small{color:#555;font-weight:400}\
+.reproduced{color:#00614a}.only{color:#8a5200}.contradicted{color:#a13800}td:last-child{font-weight:600;min-width:9em}\
+figure{margin:2em 0}img{max-width:100%;height:auto}figcaption{color:#333}@media(max-width:700px){table,tbody,tr,td{display:block}\
+thead{display:none}}";
+
+fn row(claim: &Claim) -> String {
+    let class = match claim.verdict.word() {
+        "reproduced only for" => "only",
+        word => word,
+    };
+    let remark = if claim.is_as_recorded() {
+        String::new()
+    } else {
+        format!(" <b>(on record: {})</b>", escaped(claim.recorded))
+    };
+    format!(
+        "<tr><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td><td>{}</td><td class=\"{class}\">{}{remark}</td></tr>\n",
+        claim.id,
+        escaped(claim.place),
+        escaped(claim.paper),
+        escaped(&claim.computed),
+        escaped(claim.choices),
+        escaped(&claim.verdict.to_string())
+    )
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for claim in &self.claims {
+            writeln!(formatter, "{:<4} {}", claim.id, claim.verdict)?;
+            writeln!(formatter, "     paper     {} ({})", claim.paper, claim.place)?;
+            writeln!(formatter, "     computed  {}", claim.computed)?;
+            writeln!(formatter, "     choices   {}", claim.choices)?;
+            if !claim.is_as_recorded() {
+                writeln!(formatter, "     NOT AS RECORDED: {}", claim.recorded)?;
+            }
+        }
+        let recorded = self.claims.iter().filter(|claim| claim.is_as_recorded()).count();
+        write!(formatter, "\n{recorded} of {} claims as recorded, {} figures", self.claims.len(), self.figures.len())
+    }
+}

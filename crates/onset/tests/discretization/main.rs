@@ -1,0 +1,9 @@
+//! Lattices, shape functions and dynamical matrices by their properties, on any admissible input.
+
+mod choices;
+mod errors;
+mod lattices;
+mod search;
+mod shape_functions;
+mod theorem;
+mod waves;

@@ -1,0 +1,125 @@
+//! The theorem: on a lattice and quadrature with an inversion center, a strongly elliptic material cannot be
+//! made unstable by a Lagrangian kernel. And what happens without the inversion center.
+
+use crate::choices::{Case, config, lagrangian, wave_vector};
+use nalgebra::Vector2;
+use onset::approximation::Approximation;
+use onset::bloch::{dynamical_matrix, gradient_norm};
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::method::{Background, Discretization, Method};
+use onset::quadrature::{Quadrature, QuadraturePoint};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+proptest! {
+    #![proptest_config(config(400))]
+    #[test]
+    fn elliptic_states_are_stable_with_lagrangian_kernels(
+        case in lagrangian(),
+        // Far beyond the moderate states, up to the boundary of ellipticity and over it.
+        stretches in prop::array::uniform2(0.4..2.2_f64),
+        shear in -0.8..0.8_f64,
+        waves in prop::collection::vec(wave_vector(), 8),
+    ) {
+        let f = [[stretches[0], shear], [0.0, stretches[1]]];
+        let state = DeformationGradient::plane_strain(f, 1.0).expect("a state");
+        // The theorem is about one tangent at all points.
+        let discretization = Discretization { background: Background::Imposed, ..case.discretization };
+        let case = Case { discretization, state, ..case };
+        let material = case.material();
+        let stiffness = Stiffness::<2>::of(&material.response(&state).expect("finite"));
+        if stiffness.minimum().eigenvalue.re > 0.0 {
+            let d = dynamical_matrix(&case.method(), &*material, &state).expect("finite");
+            for k in &waves {
+                let lowest = d.omega_squared(k)[0].re;
+                prop_assert!(lowest >= -64.0 * d.noise(), "omega^2 = {lowest:e} at {k:?}");
+            }
+        } else {
+            // The converse holds for long waves, wherever the functions are linearly complete.
+            let mls = Discretization { approximation: Approximation::Mls, ..case.discretization };
+            let method = Method::<2>::new(mls).expect("a method");
+            let d = dynamical_matrix(&method, &*material, &state).expect("finite");
+            prop_assert!(d.long_wave_stiffness().minimum().eigenvalue.re < 1e-9);
+        }
+    }
+}
+
+/// Only the triangles that point up, with the whole volume.
+fn up_triangles(support: f64) -> Method<2> {
+    let method = Method::<2>::new(Discretization { support, ..Discretization::default() }).expect("a method");
+    let volume = method.lattice().cell_volume();
+    let place = Vector2::repeat(1.0 / 3.0);
+    method.with_quadrature_points(vec![QuadraturePoint { place, volume, is_node: false }])
+}
+
+#[test]
+fn one_family_of_triangles_alone_is_unstable_in_elliptic_states() {
+    // At K the gradient is circular, B = b (1, +-i), and omega^2 = 2 |b|^2 (c1 + c2 - |g'(J)|): lost at the
+    // equibiaxial stretch where g'(J) = c1 + c2, long before the material's 1.66977.
+    let material = ModifiedMooneyRivlin::default();
+    let onset = 1.0068048003;
+    let corners = [Vector2::new(4.0 * PI / 3.0, 0.0), Vector2::new(-4.0 * PI / 3.0, 0.0)];
+    for support in [1.6, 2.0, 2.2] {
+        let method = up_triangles(support);
+        for (stretch, is_stable) in [(onset - 1e-8, true), (onset + 1e-8, false), (1.2, false)] {
+            let f = DeformationGradient::from_stretches([stretch, stretch, 1.0]).expect("a state");
+            assert!(Stiffness::<2>::of(&material.response(&f).expect("finite")).is_strongly_elliptic());
+            let d = dynamical_matrix(&method, &material, &f).expect("finite");
+            assert!(d.is_hermitian() && !d.is_centrosymmetric());
+            let lowest = corners.map(|k| d.omega_squared(&k)[0].re).into_iter().fold(f64::INFINITY, f64::min);
+            assert_eq!(lowest > 0.0, is_stable, "omega^2 = {lowest:e} at {stretch}, D_mx = {support}");
+        }
+    }
+}
+
+fn assert_zero_mode(discretization: Discretization, k: Vector2<f64>) {
+    for [l1, l2] in [[1.1, 0.95], [0.7, 1.4], [1.5, 1.5]] {
+        let f = DeformationGradient::from_stretches([l1, l2, 1.0]).expect("a state");
+        let method = Method::<2>::new(discretization).expect("a method");
+        let d = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &f).expect("finite");
+        for omega_squared in d.omega_squared(&k) {
+            assert!(omega_squared.norm() < 64.0 * d.noise(), "{omega_squared} at {k:?} for {discretization:?}");
+        }
+        let norm = gradient_norm(&method, &f).expect("finite").at(&k)[(0, 0)].norm();
+        assert!(norm < 1e-13, "gradient norm {norm:e}");
+    }
+}
+
+#[test]
+fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_centers() {
+    let m = TAU / 3.0_f64.sqrt();
+    for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+        for support in [1.4, 2.0, 2.7] {
+            let of = |arrangement, quadrature| {
+                Discretization { arrangement, quadrature, approximation, support, ..Discretization::default() }
+            };
+            for k in [(0.0, m), (PI, 0.5 * m), (-PI, 0.5 * m), (4.0 * PI / 3.0, 0.0), (-2.0 * PI / 3.0, m)] {
+                assert_zero_mode(of(Arrangement::Hexagonal, Quadrature::Nodal), Vector2::new(k.0, k.1));
+            }
+            for k in [(PI, 0.0), (0.0, PI), (PI, PI)] {
+                assert_zero_mode(of(Arrangement::Square, Quadrature::Nodal), Vector2::new(k.0, k.1));
+            }
+            assert_zero_mode(of(Arrangement::Square, Quadrature::StressPoints), Vector2::new(PI, PI));
+        }
+    }
+}
+
+#[test]
+fn stress_points_on_triangles_lift_the_zero_modes_except_at_isolated_supports() {
+    let k = Vector2::new(4.0 * PI / 3.0, 0.0);
+    let norm = |support: f64| {
+        let discretization = Discretization { support, ..Discretization::default() };
+        let method = Method::<2>::new(discretization).expect("a method");
+        let at = gradient_norm(&method, &DeformationGradient::identity()).expect("finite").at(&k);
+        at[(0, 0)].re / method.lattice().laplacian(&k)
+    };
+    for support in [1.2, 1.6, 2.0, 2.2, 2.5] {
+        assert!(norm(support) > 1e-6, "D_mx = {support}: {:e}", norm(support));
+    }
+    for support in [2.2750687324, 2.4014170277, 3.7267653927, 4.0162479014] {
+        assert!(norm(support) < 1e-16, "D_mx = {support}: {:e}", norm(support));
+    }
+}

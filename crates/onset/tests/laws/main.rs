@@ -1,0 +1,9 @@
+//! One battery for every law, and for the numbers, states and directions that laws are made of and seen in.
+
+mod directions;
+mod ellipticity;
+mod energy;
+mod extremes;
+mod numbers;
+mod rates;
+mod table;
