@@ -6,7 +6,12 @@ use std::path::PathBuf;
 /// Tells where your material and your particle discretization are stable, and whether the first instability
 /// belongs to the material or to the method.
 #[derive(Debug, Parser)]
-#[command(name = "onset", version, propagate_version = true, arg_required_else_help = true)]
+#[command(
+    name = "onset",
+    version,
+    propagate_version = true,
+    arg_required_else_help = true
+)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -34,7 +39,12 @@ pub enum Command {
         #[command(flatten)]
         strain: StrainArguments,
         /// Reference wave vector, for example 2.0,1.1 (in units of 1/length).
-        #[arg(long, value_name = "K1,K2", allow_hyphen_values = true, required_unless_present = "path")]
+        #[arg(
+            long,
+            value_name = "K1,K2",
+            allow_hyphen_values = true,
+            required_unless_present = "path"
+        )]
         wave_vector: Option<String>,
         /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
         #[arg(long, conflicts_with = "wave_vector")]
@@ -82,9 +92,19 @@ pub struct ProblemArguments {
 #[group(required = true, multiple = false)]
 pub struct StrainArguments {
     /// Principal stretches along the axes, for example 1.2,0.9 (a third one is the stretch out of plane).
-    #[arg(long, value_name = "L1,L2", allow_hyphen_values = true, help_heading = "State")]
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        help_heading = "State"
+    )]
     pub stretch: Option<String>,
     /// Deformation gradient F11,F12,F21,F22 (or all nine components).
-    #[arg(long, value_name = "F11,F12,F21,F22", allow_hyphen_values = true, help_heading = "State")]
+    #[arg(
+        long,
+        value_name = "F11,F12,F21,F22",
+        allow_hyphen_values = true,
+        help_heading = "State"
+    )]
     pub deformation_gradient: Option<String>,
 }

@@ -24,11 +24,17 @@ pub struct Failure {
 
 impl Failure {
     fn input(error: impl Display) -> Self {
-        Self { message: error.to_string(), code: 2 }
+        Self {
+            message: error.to_string(),
+            code: 2,
+        }
     }
 
     fn machine(error: impl Display) -> Self {
-        Self { message: error.to_string(), code: 1 }
+        Self {
+            message: error.to_string(),
+            code: 1,
+        }
     }
 }
 
@@ -47,12 +53,21 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let strain = strain.build(&problem)?;
             print(&StateAnswer::new(&problem, &strain)?, json)
         }
-        Command::Dispersion { problem, strain, wave_vector, path: _, out } => {
+        Command::Dispersion {
+            problem,
+            strain,
+            wave_vector,
+            path: _,
+            out,
+        } => {
             let json = problem.json;
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             match wave_vector {
-                Some(wave_vector) => print(&DispersionAnswer::new(&problem, &strain, &wave_vector)?, json),
+                Some(wave_vector) => print(
+                    &DispersionAnswer::new(&problem, &strain, &wave_vector)?,
+                    json,
+                ),
                 None => diagram(&problem, &strain, &out, json),
             }
         }
@@ -85,7 +100,12 @@ impl StrainArguments {
     }
 }
 
-fn diagram(problem: &Problem, strain: &Strain, out: &Path, json: bool) -> Result<ExitCode, Failure> {
+fn diagram(
+    problem: &Problem,
+    strain: &Strain,
+    out: &Path,
+    json: bool,
+) -> Result<ExitCode, Failure> {
     let diagram = Diagram::new(problem, strain)?;
     let files = diagram
         .figure("Waves in the particles and in the continuum")
@@ -111,12 +131,24 @@ fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
         other => Failure::machine(other),
     })?;
     bar.finish_and_clear();
-    let printed = if json { print_json(&report)? } else { print_text(&report.to_string())? };
-    Ok(if report.is_as_recorded() { printed } else { ExitCode::from(1) })
+    let printed = if json {
+        print_json(&report)?
+    } else {
+        print_text(&report.to_string())?
+    };
+    Ok(if report.is_as_recorded() {
+        printed
+    } else {
+        ExitCode::from(1)
+    })
 }
 
 fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Failure> {
-    if json { print_json(answer) } else { print_text(answer.to_string().trim_end()) }
+    if json {
+        print_json(answer)
+    } else {
+        print_text(answer.to_string().trim_end())
+    }
 }
 
 fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {

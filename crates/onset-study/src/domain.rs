@@ -50,7 +50,10 @@ impl Class {
 
     /// Whether the particles are stable there.
     pub fn is_stable_for_particles(self) -> bool {
-        matches!(self, Self::Verdict(Verdict::Stable | Verdict::Missed | Verdict::RankDeficient))
+        matches!(
+            self,
+            Self::Verdict(Verdict::Stable | Verdict::Missed | Verdict::RankDeficient)
+        )
     }
 }
 
@@ -77,7 +80,10 @@ impl Domain {
             .into_par_iter()
             .map(|index| class(&problem, &method, &state(study, index)?))
             .collect::<Result<_, ProblemError>>()?;
-        Ok(Self { study: study.clone(), classes })
+        Ok(Self {
+            study: study.clone(),
+            classes,
+        })
     }
 
     /// The stretches of a state.
@@ -87,7 +93,12 @@ impl Domain {
 
     /// The map as a layer of a figure.
     pub fn layer(&self) -> Regions {
-        let index = |class: &Class| Class::ALL.iter().position(|other| other == class).unwrap_or(0) as u8;
+        let index = |class: &Class| {
+            Class::ALL
+                .iter()
+                .position(|other| other == class)
+                .unwrap_or(0) as u8
+        };
         let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
         let n = self.study.resolution;
         Regions::new(
@@ -126,7 +137,10 @@ fn stretches(study: &Study, index: usize) -> [f64; 2] {
     let center = |range: (f64, f64), n: usize| {
         range.0 + (range.1 - range.0) * (n as f64 + 0.5) / study.resolution as f64
     };
-    [center(study.stretch_1, index % study.resolution), center(study.stretch_2, index / study.resolution)]
+    [
+        center(study.stretch_1, index % study.resolution),
+        center(study.stretch_2, index / study.resolution),
+    ]
 }
 
 fn state(study: &Study, index: usize) -> Result<DeformationGradient, ProblemError> {
@@ -135,7 +149,11 @@ fn state(study: &Study, index: usize) -> Result<DeformationGradient, ProblemErro
 }
 
 /// The class of one state.
-fn class(problem: &Problem, method: &Method<2>, f: &DeformationGradient) -> Result<Class, ProblemError> {
+fn class(
+    problem: &Problem,
+    method: &Method<2>,
+    f: &DeformationGradient,
+) -> Result<Class, ProblemError> {
     match judge(method, &*problem.material, f) {
         Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
         Ok((verdict, _)) => Ok(Class::Verdict(verdict)),

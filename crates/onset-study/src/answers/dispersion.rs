@@ -68,7 +68,11 @@ impl DispersionAnswer {
     ///
     /// # Errors
     /// [`ProblemError`] when it has another dimension or the state cannot be evaluated.
-    pub fn new(problem: &Problem, strain: &Strain, wave_vector: &str) -> Result<Self, ProblemError> {
+    pub fn new(
+        problem: &Problem,
+        strain: &Strain,
+        wave_vector: &str,
+    ) -> Result<Self, ProblemError> {
         in_dimension_of!(problem, at_wave_vector(problem, &strain.0, wave_vector))
     }
 }
@@ -85,34 +89,59 @@ impl Diagram {
     /// The diagram as a figure: frequencies upward, growth rates downward.
     pub fn figure(&self, title: &str) -> Figure {
         let end = self.lengths.last().copied().unwrap_or(1.0);
-        let branches = self.samples.first().map_or(0, |sample| sample.omega_squared.len());
+        let branches = self
+            .samples
+            .first()
+            .map_or(0, |sample| sample.omega_squared.len());
         let line = |value: &dyn Fn(&DispersionAnswer) -> f64| -> Vec<(f64, f64)> {
-            self.lengths.iter().zip(&self.samples).map(|(x, sample)| (*x, value(sample))).collect()
+            self.lengths
+                .iter()
+                .zip(&self.samples)
+                .map(|(x, sample)| (*x, value(sample)))
+                .collect()
         };
         let mut lines = Vec::new();
         for n in 0..branches {
-            let continuum =
-                Line::new(line(&|sample| signed_frequency(Complex::new(sample.continuum_omega_squared[n], 0.0))))
-                    .color(palette::GREY)
-                    .dashed();
+            let continuum = Line::new(line(&|sample| {
+                signed_frequency(Complex::new(sample.continuum_omega_squared[n], 0.0))
+            }))
+            .color(palette::GREY)
+            .dashed();
             let particles = Line::new(line(&|sample| {
                 let value = sample.omega_squared[n];
                 signed_frequency(Complex::new(value.re, value.im))
             }))
             .color(palette::BLUE);
-            lines.push(if n == 0 { continuum.named("continuum, √(eig Q(k)/ρ₀)") } else { continuum });
-            lines.push(if n == 0 { particles.named("particles") } else { particles });
+            lines.push(if n == 0 {
+                continuum.named("continuum, √(eig Q(k)/ρ₀)")
+            } else {
+                continuum
+            });
+            lines.push(if n == 0 {
+                particles.named("particles")
+            } else {
+                particles
+            });
         }
         // The continuum's branches leave the picture: the particles' range decides.
-        let heights = lines.iter().skip(1).step_by(2).flat_map(|line| line.points.iter().map(|point| point.1));
-        let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
+        let heights = lines
+            .iter()
+            .skip(1)
+            .step_by(2)
+            .flat_map(|line| line.points.iter().map(|point| point.1));
+        let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), y| {
+            (low.min(y), high.max(y))
+        });
         let margin = if high > low { 0.15 * (high - low) } else { 1.0 };
         let y = Axis::linear(
             "frequency ω (1/time); growth rate shown negative",
             (if low < 0.0 { low - margin } else { 0.0 }, high + margin),
         );
-        let x = Axis::linear("reference wave vector k", (0.0, end))
-            .ticks(self.corners.iter().map(|corner| (corner.length, corner.name)));
+        let x = Axis::linear("reference wave vector k", (0.0, end)).ticks(
+            self.corners
+                .iter()
+                .map(|corner| (corner.length, corner.name)),
+        );
         let mut panel = Panel::new("", x, y);
         for corner in &self.corners {
             panel = panel.with(Rule::vertical(corner.length).color(palette::GREY).dotted());
@@ -163,17 +192,27 @@ fn waves<const D: usize>(
     let density = method.discretization().density;
     Ok(move |k: &SVector<f64, D>| {
         let d = matrix.at(k);
-        let continuum = stiffness.acoustic_tensor(k).map(|entry| Complex::new(entry / density, 0.0));
+        let continuum = stiffness
+            .acoustic_tensor(k)
+            .map(|entry| Complex::new(entry / density, 0.0));
         DispersionAnswer {
             wave_vector: k.iter().copied().collect(),
             omega_squared: matrix.omega_squared(k).map(ComplexNumber::from).to_vec(),
-            continuum_omega_squared: eigenvalues(&continuum, 0.0).iter().map(|value| value.re).collect(),
-            dynamical_matrix: (0..D).map(|i| (0..D).map(|j| d[(i, j)].into()).collect()).collect(),
+            continuum_omega_squared: eigenvalues(&continuum, 0.0)
+                .iter()
+                .map(|value| value.re)
+                .collect(),
+            dynamical_matrix: (0..D)
+                .map(|i| (0..D).map(|j| d[(i, j)].into()).collect())
+                .collect(),
         }
     })
 }
 
-fn along_path<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<Diagram, ProblemError> {
+fn along_path<const D: usize>(
+    problem: &Problem,
+    f: &DeformationGradient,
+) -> Result<Diagram, ProblemError> {
     let method = problem.method::<D>()?;
     let waves = waves::<D>(problem, f)?;
     let corners: Vec<(&'static str, SVector<f64, D>)> = method
@@ -183,10 +222,18 @@ fn along_path<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Res
         .into_iter()
         .map(|(name, fractional)| (name, method.lattice().reciprocal() * fractional))
         .collect();
-    let mut diagram = Diagram { corners: Vec::new(), samples: Vec::new(), lengths: Vec::new() };
+    let mut diagram = Diagram {
+        corners: Vec::new(),
+        samples: Vec::new(),
+        lengths: Vec::new(),
+    };
     let mut length = 0.0;
     for (n, (name, k)) in corners.iter().enumerate() {
-        diagram.corners.push(Corner { name, wave_vector: k.iter().copied().collect(), length });
+        diagram.corners.push(Corner {
+            name,
+            wave_vector: k.iter().copied().collect(),
+            length,
+        });
         let Some((_, next)) = corners.get(n + 1) else {
             diagram.samples.push(waves(k));
             diagram.lengths.push(length);
@@ -204,10 +251,22 @@ fn along_path<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Res
 
 impl std::fmt::Display for DispersionAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(formatter, "reference wave vector  {}", sentence::vector(&self.wave_vector))?;
+        writeln!(
+            formatter,
+            "reference wave vector  {}",
+            sentence::vector(&self.wave_vector)
+        )?;
         for (value, continuum) in self.omega_squared.iter().zip(&self.continuum_omega_squared) {
-            let imaginary = if value.im == 0.0 { String::new() } else { format!(" {:+.12} i", value.im) };
-            writeln!(formatter, "omega^2                {:.12}{imaginary}   (continuum {continuum:.12})", value.re)?;
+            let imaginary = if value.im == 0.0 {
+                String::new()
+            } else {
+                format!(" {:+.12} i", value.im)
+            };
+            writeln!(
+                formatter,
+                "omega^2                {:.12}{imaginary}   (continuum {continuum:.12})",
+                value.re
+            )?;
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ mod sentence;
 mod state;
 
 pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
-pub use path::{CrossingAnswer, MaterialOnset, DiscretizationOnset, PathAnswer};
+pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
 

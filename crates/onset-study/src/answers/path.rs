@@ -6,7 +6,8 @@ use super::sentence;
 use super::state::{ComplexNumber, critical_mode, finite_wave_vector, list, rows, spatial};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{
-    Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization, scan_material,
+    Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization,
+    scan_material,
 };
 use serde::Serialize;
 
@@ -129,14 +130,23 @@ fn answer<const D: usize>(
             let assessment = assess(&method, &*problem.material, &f)?;
             let spectrum = &assessment.spectrum;
             // Just behind the onset nothing grows measurably yet: the softest mode is the critical one.
-            let mode = if spectrum.flutters || witness == 0.0 { critical_mode(&assessment) } else { &spectrum.softest };
+            let mode = if spectrum.flutters || witness == 0.0 {
+                critical_mode(&assessment)
+            } else {
+                &spectrum.softest
+            };
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
                 place: place::<D>(problem, &path, parameter, tolerance)?,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
                 spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
-                direction: list(&mode.wave_vector.try_normalize(0.0).unwrap_or(mode.wave_vector)),
+                direction: list(
+                    &mode
+                        .wave_vector
+                        .try_normalize(0.0)
+                        .unwrap_or(mode.wave_vector),
+                ),
                 polarization: list(&mode.polarization.map(|component| component.re)),
                 omega_squared: mode.omega_squared.into(),
             })
@@ -157,7 +167,11 @@ fn answer<const D: usize>(
 fn onset(scan: &PathScan) -> Option<(f64, f64, f64)> {
     scan.onset().map(|onset| match onset {
         Onset::AtStart => (0.0, 0.0, 0.0),
-        Onset::At(crossing) => (crossing.parameter(), crossing.witness(), tolerance(&crossing)),
+        Onset::At(crossing) => (
+            crossing.parameter(),
+            crossing.witness(),
+            tolerance(&crossing),
+        ),
     })
 }
 
@@ -176,7 +190,10 @@ fn place<const D: usize>(
     tolerance: f64,
 ) -> Result<Place, ProblemError> {
     let f = path.at(parameter)?;
-    let response = problem.material.response(&f).map_err(onset::method::MethodError::from)?;
+    let response = problem
+        .material
+        .response(&f)
+        .map_err(onset::method::MethodError::from)?;
     Ok(Place {
         parameter,
         stretch: stretch::<D>(&f),
@@ -186,7 +203,10 @@ fn place<const D: usize>(
     })
 }
 
-fn crossings<const D: usize>(path: &StraightPath, scan: &PathScan) -> Result<Vec<CrossingAnswer>, ProblemError> {
+fn crossings<const D: usize>(
+    path: &StraightPath,
+    scan: &PathScan,
+) -> Result<Vec<CrossingAnswer>, ProblemError> {
     let answer = |crossing: &Crossing| {
         Ok(CrossingAnswer {
             parameter: crossing.parameter(),
@@ -208,7 +228,10 @@ impl std::fmt::Display for PathAnswer {
                 at(&onset.place),
                 sentence::vector(&onset.direction)
             )?,
-            None => writeln!(formatter, "The material stays strongly elliptic along the whole path.")?,
+            None => writeln!(
+                formatter,
+                "The material stays strongly elliptic along the whole path."
+            )?,
         }
         match &self.discretization_onset {
             Some(onset) if onset.long_wave => writeln!(
@@ -223,11 +246,15 @@ impl std::fmt::Display for PathAnswer {
                 at(&onset.place),
                 sentence::vector(&onset.wave_vector)
             )?,
-            None => writeln!(formatter, "The particles are not unstable anywhere on the path.")?,
+            None => writeln!(
+                formatter,
+                "The particles are not unstable anywhere on the path."
+            )?,
         }
-        for (name, crossings) in
-            [("material", &self.material_crossings), ("particles", &self.discretization_crossings)]
-        {
+        for (name, crossings) in [
+            ("material", &self.material_crossings),
+            ("particles", &self.discretization_crossings),
+        ] {
             for crossing in crossings {
                 writeln!(
                     formatter,
@@ -254,10 +281,22 @@ fn phase(phase: Phase) -> &'static str {
 
 fn stretches(stretch: &[f64]) -> String {
     let one = |value: &f64| format!("{value:.12}");
-    format!("({})", stretch.iter().map(one).collect::<Vec<_>>().join(", "))
+    format!(
+        "({})",
+        stretch.iter().map(one).collect::<Vec<_>>().join(", ")
+    )
 }
 
 fn at(place: &Place) -> String {
-    let start = if place.parameter == 0.0 { ", the start," } else { "" };
-    format!("stretch {}{start} (s11 = {:.6}, s22 = {:.6})", stretches(&place.stretch), place.cauchy[0][0], place.cauchy[1][1])
+    let start = if place.parameter == 0.0 {
+        ", the start,"
+    } else {
+        ""
+    };
+    format!(
+        "stretch {}{start} (s11 = {:.6}, s22 = {:.6})",
+        stretches(&place.stretch),
+        place.cauchy[0][0],
+        place.cauchy[1][1]
+    )
 }

@@ -68,7 +68,9 @@ fn hint(error: &MethodError) -> &'static str {
             "\n  hint: reduce discretization.support; supports of 1.2 to 4 spacings are usual"
         }
         MethodError::NotPlanar { .. } => "\n  hint: give in-plane components only",
-        MethodError::Material(_) | MethodError::NotFinite => "\n  hint: choose a less extreme deformation",
+        MethodError::Material(_) | MethodError::NotFinite => {
+            "\n  hint: choose a less extreme deformation"
+        }
         _ => "",
     }
 }
@@ -118,7 +120,11 @@ impl Strain {
                     2 => "4 (F11,F12,F21,F22) or 9".to_owned(),
                     other => format!("{} or 9", other * other),
                 };
-                return Err(ProblemError::Numbers { what: "the deformation gradient", given, expected });
+                return Err(ProblemError::Numbers {
+                    what: "the deformation gradient",
+                    given,
+                    expected,
+                });
             }
         };
         let mut components = *DeformationGradient::identity().components();
@@ -144,11 +150,15 @@ impl Strain {
 /// A list of finite numbers separated by commas.
 pub(super) fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError> {
     let number = |item: &str| {
-        let value: f64 = item
-            .trim()
-            .parse()
-            .map_err(|_| ProblemError::NotANumber { what, text: item.trim().to_owned() })?;
-        if value.is_finite() { Ok(value) } else { Err(ProblemError::NotFinite { what, value }) }
+        let value: f64 = item.trim().parse().map_err(|_| ProblemError::NotANumber {
+            what,
+            text: item.trim().to_owned(),
+        })?;
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(ProblemError::NotFinite { what, value })
+        }
     };
     text.split(',').map(number).collect()
 }

@@ -1,11 +1,11 @@
 //! Verdicts in plain English.
 
 use super::state::{critical_mode, finite_wave_vector, spatial};
+use crate::settings::word_of;
 use nalgebra::SVector;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Frame, Method};
 use onset::verdict::{Assessment, Verdict};
-use crate::settings::word_of;
 
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
@@ -21,7 +21,11 @@ pub(super) fn of<const D: usize>(
     let k = spatial(method, f, &finite_wave_vector(mode));
     let wave = wave(&k);
     let growth = growth(spectrum.growth_rate());
-    let tension = if assessment.material.mean_stress() >= 0.0 { "tensile" } else { "compressive" };
+    let tension = if assessment.material.mean_stress() >= 0.0 {
+        "tensile"
+    } else {
+        "compressive"
+    };
     match assessment.verdict {
         Verdict::Stable => {
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
@@ -69,7 +73,11 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
         "infinitely long waves".to_owned()
     } else {
         let direction = k / norm;
-        format!("wavelength {:.4} along {}", std::f64::consts::TAU / norm, vector(direction.as_slice()))
+        format!(
+            "wavelength {:.4} along {}",
+            std::f64::consts::TAU / norm,
+            vector(direction.as_slice())
+        )
     }
 }
 
@@ -83,8 +91,20 @@ fn growth(rate: f64) -> String {
 
 /// A vector with four decimals.
 pub(super) fn vector(components: &[f64]) -> String {
-    let one = |component: &f64| format!("{:.4}", if component.abs() < 5e-5 { 0.0 } else { *component });
-    format!("({})", components.iter().map(one).collect::<Vec<_>>().join(", "))
+    let one = |component: &f64| {
+        format!(
+            "{:.4}",
+            if component.abs() < 5e-5 {
+                0.0
+            } else {
+                *component
+            }
+        )
+    };
+    format!(
+        "({})",
+        components.iter().map(one).collect::<Vec<_>>().join(", ")
+    )
 }
 
 /// A discretization in a line.

@@ -24,7 +24,10 @@ pub struct ComplexNumber {
 
 impl From<Complex> for ComplexNumber {
     fn from(value: Complex) -> Self {
-        Self { re: value.re, im: value.im }
+        Self {
+            re: value.re,
+            im: value.im,
+        }
     }
 }
 
@@ -114,7 +117,10 @@ impl StateAnswer {
     }
 }
 
-fn answer<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<StateAnswer, ProblemError> {
+fn answer<const D: usize>(
+    problem: &Problem,
+    f: &DeformationGradient,
+) -> Result<StateAnswer, ProblemError> {
     let method = problem.method::<D>()?;
     let assessment = assess(&method, &*problem.material, f)?;
     Ok(StateAnswer {
@@ -126,7 +132,10 @@ fn answer<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<
     })
 }
 
-fn material_answer<const D: usize>(settings: &Settings, assessment: &Assessment<D>) -> MaterialAnswer {
+fn material_answer<const D: usize>(
+    settings: &Settings,
+    assessment: &Assessment<D>,
+) -> MaterialAnswer {
     let continuum = &assessment.material;
     let response = &continuum.response;
     let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
@@ -136,7 +145,11 @@ fn material_answer<const D: usize>(settings: &Settings, assessment: &Assessment<
         cauchy: rows(&response.cauchy()),
         first_piola: rows(&response.first_piola),
         tangent: (0..3)
-            .map(|i| (0..3).map(|j| (0..3).map(|k| tangent(i, j, k)).collect()).collect())
+            .map(|i| {
+                (0..3)
+                    .map(|j| (0..3).map(|k| tangent(i, j, k)).collect())
+                    .collect()
+            })
             .collect(),
         elliptic: continuum.is_elliptic,
         minimum_acoustic_eigenvalue: continuum.minimum.eigenvalue.re,
@@ -177,12 +190,20 @@ fn discretization_answer<const D: usize>(
 pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode<D> {
     let spectrum = &assessment.spectrum;
     let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;
-    if grows && !spectrum.is_stable() { &spectrum.fastest_growing } else { &spectrum.softest }
+    if grows && !spectrum.is_stable() {
+        &spectrum.fastest_growing
+    } else {
+        &spectrum.softest
+    }
 }
 
 /// The wave vector, zero for the limit of long waves.
 pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64, D> {
-    if mode.is_long_wave { SVector::zeros() } else { mode.wave_vector }
+    if mode.is_long_wave {
+        SVector::zeros()
+    } else {
+        mode.wave_vector
+    }
 }
 
 /// The wave vector in the lattice on which the kernels live, `F^-T k`. With Lagrangian kernels the
@@ -219,7 +240,12 @@ impl std::fmt::Display for StateAnswer {
         let stress = |i: usize, j: usize| material.cauchy[i][j];
         writeln!(formatter, "{}\n", self.sentence)?;
         writeln!(formatter, "verdict                 {}", self.verdict.name())?;
-        writeln!(formatter, "material                {} ({})", material.model, parameters(material))?;
+        writeln!(
+            formatter,
+            "material                {} ({})",
+            material.model,
+            parameters(material)
+        )?;
         writeln!(
             formatter,
             "  Cauchy stress         s11 {:.6}, s22 {:.6}, s12 {:.6}, s33 {:.6}",
@@ -228,27 +254,50 @@ impl std::fmt::Display for StateAnswer {
             stress(0, 1),
             stress(2, 2)
         )?;
-        writeln!(formatter, "  strongly elliptic     {}", if material.elliptic { "yes" } else { "no" })?;
+        writeln!(
+            formatter,
+            "  strongly elliptic     {}",
+            if material.elliptic { "yes" } else { "no" }
+        )?;
         writeln!(
             formatter,
             "  smallest eigenvalue   {:.9} along N = {}",
             material.minimum_acoustic_eigenvalue,
             sentence::vector(&material.direction)
         )?;
-        writeln!(formatter, "discretization          {}", sentence::settings(&d.settings))?;
-        writeln!(formatter, "  smallest omega^2      {}", complex(d.minimum_omega_squared))?;
-        writeln!(formatter, "  scaled minimum        {:.6e}", d.minimum_scaled)?;
+        writeln!(
+            formatter,
+            "discretization          {}",
+            sentence::settings(&d.settings)
+        )?;
+        writeln!(
+            formatter,
+            "  smallest omega^2      {}",
+            complex(d.minimum_omega_squared)
+        )?;
+        writeln!(
+            formatter,
+            "  scaled minimum        {:.6e}",
+            d.minimum_scaled
+        )?;
         writeln!(
             formatter,
             "  critical wave vector  {} (reference), {} (deformed)",
             sentence::vector(&d.wave_vector),
             sentence::vector(&d.spatial_wave_vector)
         )?;
-        writeln!(formatter, "  polarization          {}", sentence::vector(&d.polarization))?;
+        writeln!(
+            formatter,
+            "  polarization          {}",
+            sentence::vector(&d.polarization)
+        )?;
         writeln!(formatter, "  growth rate           {:.6}", d.growth_rate)?;
         write!(formatter, "  largest frequency     {:.6}", d.maximum_omega)?;
         match d.critical_time_step {
-            Some(step) => write!(formatter, "; central differences need a time step below {step:.6}"),
+            Some(step) => write!(
+                formatter,
+                "; central differences need a time step below {step:.6}"
+            ),
             None => Ok(()),
         }
     }
@@ -256,7 +305,12 @@ impl std::fmt::Display for StateAnswer {
 
 fn parameters(material: &MaterialAnswer) -> String {
     let one = |(name, value): (&&str, &f64)| format!("{name} = {value}");
-    material.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+    material
+        .parameters
+        .iter()
+        .map(one)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn complex(value: ComplexNumber) -> String {

@@ -14,7 +14,10 @@ pub fn state(a: f64, b: f64) -> Result<DeformationGradient, ProblemError> {
 
 /// The first onset between two states, as a fraction of the path; `None` when there is none.
 pub fn onset(scan: &PathScan) -> Option<f64> {
-    scan.crossings.iter().find(|crossing| crossing.to.is_unstable()).map(|crossing| crossing.parameter())
+    scan.crossings
+        .iter()
+        .find(|crossing| crossing.to.is_unstable())
+        .map(|crossing| crossing.parameter())
 }
 
 /// The boundary of strong ellipticity: for each first stretch, all second stretches between two limits at which
@@ -28,7 +31,11 @@ pub fn material_boundary(
         let path = StraightPath::new(state(first, low)?, state(first, high)?)?;
         let scan = scan_material::<2>(material, &path)?;
         let second = |parameter: f64| low + parameter * (high - low);
-        Ok(scan.crossings.iter().map(|crossing| (first, second(crossing.parameter()))).collect::<Vec<_>>())
+        Ok(scan
+            .crossings
+            .iter()
+            .map(|crossing| (first, second(crossing.parameter())))
+            .collect::<Vec<_>>())
     };
     let lists: Result<Vec<Vec<_>>, ProblemError> = firsts.par_iter().map(along).collect();
     Ok(lists?.into_iter().flatten().collect())
@@ -43,5 +50,8 @@ pub fn onsets(
     to: [f64; 2],
 ) -> Result<[Option<f64>; 2], ProblemError> {
     let path = StraightPath::new(state(from[0], from[1])?, state(to[0], to[1])?)?;
-    Ok([onset(&scan_material::<2>(material, &path)?), onset(&scan_discretization(method, material, &path)?)])
+    Ok([
+        onset(&scan_material::<2>(material, &path)?),
+        onset(&scan_discretization(method, material, &path)?),
+    ])
 }

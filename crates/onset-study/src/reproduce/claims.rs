@@ -33,7 +33,11 @@ pub enum ClaimVerdict {
 
 impl ClaimVerdict {
     fn of(holds: bool) -> Self {
-        if holds { Self::Reproduced } else { Self::Contradicted }
+        if holds {
+            Self::Reproduced
+        } else {
+            Self::Contradicted
+        }
     }
 
     /// The kind, without its condition.
@@ -49,7 +53,9 @@ impl ClaimVerdict {
 impl std::fmt::Display for ClaimVerdict {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::ReproducedOnlyFor(condition) => write!(formatter, "reproduced only for {condition}"),
+            Self::ReproducedOnlyFor(condition) => {
+                write!(formatter, "reproduced only for {condition}")
+            }
             other => formatter.write_str(other.word()),
         }
     }
@@ -87,8 +93,9 @@ impl Claim {
 type Checked = Result<Claim, ReproduceError>;
 
 /// All claims, in order.
-pub const ALL: [fn() -> Checked; 17] =
-    [c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, c14, c15, c16, c17];
+pub const ALL: [fn() -> Checked; 17] = [
+    c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, c14, c15, c16, c17,
+];
 
 // ---- vocabulary ------------------------------------------------------------------------------------
 
@@ -100,11 +107,28 @@ fn law() -> ModifiedMooneyRivlin {
 }
 
 fn lagrangian(arrangement: Arrangement, quadrature: Quadrature, support: f64) -> Discretization {
-    Discretization { arrangement, quadrature, support, ..Discretization::default() }
+    Discretization {
+        arrangement,
+        quadrature,
+        support,
+        ..Discretization::default()
+    }
 }
 
-fn eulerian(quadrature: Quadrature, support: f64, lattice: CurrentLattice, linearization: Linearization) -> Discretization {
-    Discretization { frame: Frame::Eulerian, quadrature, support, lattice, linearization, ..Discretization::default() }
+fn eulerian(
+    quadrature: Quadrature,
+    support: f64,
+    lattice: CurrentLattice,
+    linearization: Linearization,
+) -> Discretization {
+    Discretization {
+        frame: Frame::Eulerian,
+        quadrature,
+        support,
+        lattice,
+        linearization,
+        ..Discretization::default()
+    }
 }
 
 fn method(discretization: Discretization) -> Result<Method<2>, ProblemError> {
@@ -119,7 +143,9 @@ fn omega_squared(
     k: [f64; 2],
 ) -> Result<[f64; 2], ProblemError> {
     let matrix = dynamical_matrix(&method(discretization)?, material, f)?;
-    Ok(matrix.omega_squared(&Vector2::from(k)).map(|value| value.re))
+    Ok(matrix
+        .omega_squared(&Vector2::from(k))
+        .map(|value| value.re))
 }
 
 /// The largest `|omega^2|` of several wave vectors and states.
@@ -162,7 +188,9 @@ fn count(
 /// States of a square of stretches, `n` along each side.
 fn square(low: f64, high: f64, n: usize) -> Vec<[f64; 2]> {
     let at = |i: usize| low + (high - low) * i as f64 / (n - 1) as f64;
-    (0..n * n).map(|index| [at(index % n), at(index / n)]).collect()
+    (0..n * n)
+        .map(|index| [at(index % n), at(index / n)])
+        .collect()
 }
 
 fn compressive() -> Vec<[f64; 2]> {
@@ -181,7 +209,9 @@ fn c1() -> Checked {
     let mut smallest = f64::INFINITY;
     let mut all_elliptic = true;
     for [a, b] in square(0.02, 1.0, 50) {
-        let response = law().response(&state(a, b)?).map_err(|error| ProblemError::from(MethodError::from(error)))?;
+        let response = law()
+            .response(&state(a, b)?)
+            .map_err(|error| ProblemError::from(MethodError::from(error)))?;
         let stiffness = Stiffness::<2>::of(&response);
         all_elliptic &= stiffness.is_strongly_elliptic();
         smallest = smallest.min(stiffness.minimum().eigenvalue.re);
@@ -190,7 +220,9 @@ fn c1() -> Checked {
         id: "C1",
         place: "fig. 2",
         paper: "The compressive square 0 < λ₁, λ₂ ≤ 1 is stable.",
-        computed: format!("Strongly elliptic at all 2500 states; the smallest acoustic eigenvalue is c₁ + c₂ = {smallest:.5} MPa."),
+        computed: format!(
+            "Strongly elliptic at all 2500 states; the smallest acoustic eigenvalue is c₁ + c₂ = {smallest:.5} MPa."
+        ),
         choices: "PDE, material (5), plane strain",
         verdict: ClaimVerdict::of(all_elliptic),
         number: smallest,
@@ -199,9 +231,14 @@ fn c1() -> Checked {
 }
 
 fn c2() -> Checked {
-    let path = StraightPath::new(state(1.0, 1.0)?, state(12.0, 12.0)?).map_err(ProblemError::from)?;
+    let path =
+        StraightPath::new(state(1.0, 1.0)?, state(12.0, 12.0)?).map_err(ProblemError::from)?;
     let scan = scan_material::<2>(&law(), &path).map_err(ProblemError::from)?;
-    let stretches: Vec<f64> = scan.crossings.iter().map(|crossing| 1.0 + 11.0 * crossing.parameter()).collect();
+    let stretches: Vec<f64> = scan
+        .crossings
+        .iter()
+        .map(|crossing| 1.0 + 11.0 * crossing.parameter())
+        .collect();
     let first = stretches.first().copied().unwrap_or(f64::NAN);
     Ok(Claim {
         id: "C2",
@@ -229,12 +266,17 @@ fn zero_mode(
 ) -> Checked {
     let largest = largest_frequency(discretization, points, &SOME_STATES)?;
     let method = method(discretization)?;
-    let verdict = assess(&method, &law(), &state(0.9, 0.95)?).map_err(ProblemError::from)?.verdict;
+    let verdict = assess(&method, &law(), &state(0.9, 0.95)?)
+        .map_err(ProblemError::from)?
+        .verdict;
     Ok(Claim {
         id,
         place,
         paper,
-        computed: format!("At {names} |ω²| ≤ {largest:.0e} at four states; verdict on a compressive state: {}.", verdict.name()),
+        computed: format!(
+            "At {names} |ω²| ≤ {largest:.0e} at four states; verdict on a compressive state: {}.",
+            verdict.name()
+        ),
         choices,
         verdict: ClaimVerdict::of(largest < 1e-12 && verdict == Verdict::RankDeficient),
         number: largest,
@@ -267,11 +309,19 @@ fn c4() -> Checked {
 }
 
 fn c5() -> Checked {
-    let discretization = eulerian(Quadrature::Nodal, 2.0, CurrentLattice::Convected, Linearization::Paper);
+    let discretization = eulerian(
+        Quadrature::Nodal,
+        2.0,
+        CurrentLattice::Convected,
+        Linearization::Paper,
+    );
     let m = [0.0, TAU / 3.0_f64.sqrt()];
     let at = |stretch: f64| omega_squared(discretization, &law(), &state(stretch, stretch)?, m);
     let (compressed, free, stretched) = (at(0.9)?, at(1.0)?, at(1.05)?);
-    let vanishes = compressed.iter().chain(&stretched).all(|value| value.abs() < 1e-12);
+    let vanishes = compressed
+        .iter()
+        .chain(&stretched)
+        .all(|value| value.abs() < 1e-12);
     Ok(Claim {
         id: "C5",
         place: "sec. 6.2",
@@ -295,9 +345,21 @@ fn c5() -> Checked {
 fn c6() -> Checked {
     let of = |lattice, linearization| eulerian(Quadrature::Nodal, 2.0, lattice, linearization);
     let all = compressive().len();
-    let stable = count(of(CurrentLattice::Regular, Linearization::Paper), &law(), &compressive())?[0];
-    let exact = count(of(CurrentLattice::Convected, Linearization::Exact), &law(), &compressive())?[0];
-    let tension = count(of(CurrentLattice::Regular, Linearization::Paper), &law(), &tensile())?[0];
+    let stable = count(
+        of(CurrentLattice::Regular, Linearization::Paper),
+        &law(),
+        &compressive(),
+    )?[0];
+    let exact = count(
+        of(CurrentLattice::Convected, Linearization::Exact),
+        &law(),
+        &compressive(),
+    )?[0];
+    let tension = count(
+        of(CurrentLattice::Regular, Linearization::Paper),
+        &law(),
+        &tensile(),
+    )?[0];
     Ok(Claim {
         id: "C6",
         place: "sec. 6.2",
@@ -330,14 +392,22 @@ const DEFICIENT_SUPPORTS: [f64; 4] = [2.2750687324, 2.4014170277, 3.7267653927, 
 
 fn c8() -> Checked {
     let norm_at_k = |support: f64| -> Result<f64, ProblemError> {
-        let method = method(lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support))?;
+        let method = method(lagrangian(
+            Arrangement::Hexagonal,
+            Quadrature::StressPoints,
+            support,
+        ))?;
         let norm = gradient_norm(&method, &DeformationGradient::identity())?;
         Ok(norm.at(&vector![HEX_K[0], HEX_K[1]])[(0, 0)].re / (HEX_K[0] * HEX_K[0]))
     };
     let stable_supports = [1.2, 1.6, 2.0, 2.5, 3.0];
     let mut sound = true;
     for support in stable_supports {
-        let method = method(lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support))?;
+        let method = method(lagrangian(
+            Arrangement::Hexagonal,
+            Quadrature::StressPoints,
+            support,
+        ))?;
         let assessment = assess(&method, &law(), &state(0.9, 0.95)?).map_err(ProblemError::from)?;
         sound &= assessment.verdict == Verdict::Stable;
     }
@@ -347,7 +417,8 @@ fn c8() -> Checked {
     }
     let verdict = match (sound, largest < 1e-15) {
         (true, true) => ClaimVerdict::ReproducedOnlyFor(
-            "supports other than D_mx = 2.2750687324, 2.4014170277, 3.7267653927, 4.0162479014".into(),
+            "supports other than D_mx = 2.2750687324, 2.4014170277, 3.7267653927, 4.0162479014"
+                .into(),
         ),
         (holds, _) => ClaimVerdict::of(holds),
     };
@@ -375,15 +446,25 @@ fn largest_difference(
     supports: &[f64],
     paths: &[([f64; 2], [f64; 2])],
 ) -> Result<f64, ProblemError> {
-    let jobs: Vec<_> = supports.iter().flat_map(|support| paths.iter().map(move |path| (*support, *path))).collect();
+    let jobs: Vec<_> = supports
+        .iter()
+        .flat_map(|support| paths.iter().map(move |path| (*support, *path)))
+        .collect();
     let one = |(support, (from, to)): &(f64, ([f64; 2], [f64; 2]))| -> Result<f64, ProblemError> {
-        let method = method(lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, *support))?;
+        let method = method(lagrangian(
+            Arrangement::Hexagonal,
+            Quadrature::StressPoints,
+            *support,
+        ))?;
         let found = onsets(&method, material, *from, *to)?;
         let along = |s: f64| [0, 1].map(|i| from[i] + s * (to[i] - from[i]));
         Ok(match found {
             [Some(pde), Some(particles)] => {
                 let (p, q) = (along(pde), along(particles));
-                [0, 1].map(|i| (p[i] - q[i]).abs() / p[i]).into_iter().fold(0.0, f64::max)
+                [0, 1]
+                    .map(|i| (p[i] - q[i]).abs() / p[i])
+                    .into_iter()
+                    .fold(0.0, f64::max)
             }
             [None, None] => 0.0,
             _ => f64::INFINITY,
@@ -394,7 +475,11 @@ fn largest_difference(
 }
 
 fn c9() -> Checked {
-    let paths = [([1.0, 1.0], [1.0, 3.2]), ([1.0, 1.0], [2.5, 2.5]), ([1.5, 1.0], [1.5, 2.2])];
+    let paths = [
+        ([1.0, 1.0], [1.0, 3.2]),
+        ([1.0, 1.0], [2.5, 2.5]),
+        ([1.5, 1.0], [1.5, 2.2]),
+    ];
     let error = largest_difference(&law(), &[1.6, 2.0, 2.5, 3.0], &paths)?;
     Ok(Claim {
         id: "C9",
@@ -413,13 +498,48 @@ fn c9() -> Checked {
 
 fn c10() -> Checked {
     let cases = [
-        ("regular lattice, paper's, D_mx = 1.6", 1.6, CurrentLattice::Regular, Linearization::Paper),
-        ("regular, paper's, 1.9", 1.9, CurrentLattice::Regular, Linearization::Paper),
-        ("regular, paper's, 2.0", 2.0, CurrentLattice::Regular, Linearization::Paper),
-        ("regular, exact, 1.9", 1.9, CurrentLattice::Regular, Linearization::Exact),
-        ("regular, exact, 2.0", 2.0, CurrentLattice::Regular, Linearization::Exact),
-        ("convected, paper's, 1.9", 1.9, CurrentLattice::Convected, Linearization::Paper),
-        ("convected, exact, 1.9", 1.9, CurrentLattice::Convected, Linearization::Exact),
+        (
+            "regular lattice, paper's, D_mx = 1.6",
+            1.6,
+            CurrentLattice::Regular,
+            Linearization::Paper,
+        ),
+        (
+            "regular, paper's, 1.9",
+            1.9,
+            CurrentLattice::Regular,
+            Linearization::Paper,
+        ),
+        (
+            "regular, paper's, 2.0",
+            2.0,
+            CurrentLattice::Regular,
+            Linearization::Paper,
+        ),
+        (
+            "regular, exact, 1.9",
+            1.9,
+            CurrentLattice::Regular,
+            Linearization::Exact,
+        ),
+        (
+            "regular, exact, 2.0",
+            2.0,
+            CurrentLattice::Regular,
+            Linearization::Exact,
+        ),
+        (
+            "convected, paper's, 1.9",
+            1.9,
+            CurrentLattice::Convected,
+            Linearization::Paper,
+        ),
+        (
+            "convected, exact, 1.9",
+            1.9,
+            CurrentLattice::Convected,
+            Linearization::Exact,
+        ),
     ];
     let (mut holding, mut told) = (Vec::new(), Vec::new());
     let mut number = 0.0;
@@ -431,10 +551,18 @@ fn c10() -> Checked {
             holding.push(name);
             number += 1.0;
         }
-        told.push(format!("{name}: {} of 64 and {} of 25", compression[0], tension[0]));
+        told.push(format!(
+            "{name}: {} of 64 and {} of 25",
+            compression[0], tension[0]
+        ));
     }
     let mixed = judge(
-        &method(eulerian(Quadrature::StressPoints, 1.9, CurrentLattice::Regular, Linearization::Exact))?,
+        &method(eulerian(
+            Quadrature::StressPoints,
+            1.9,
+            CurrentLattice::Regular,
+            Linearization::Exact,
+        ))?,
         &law(),
         &state(1.1, 0.8)?,
     )
@@ -442,7 +570,10 @@ fn c10() -> Checked {
     let verdict = match holding.len() {
         0 => ClaimVerdict::Contradicted,
         all if all == cases.len() => ClaimVerdict::Reproduced,
-        _ => ClaimVerdict::ReproducedOnlyFor(format!("some supports and readings ({})", holding.join("; "))),
+        _ => ClaimVerdict::ReproducedOnlyFor(format!(
+            "some supports and readings ({})",
+            holding.join("; ")
+        )),
     };
     Ok(Claim {
         id: "C10",
@@ -462,13 +593,19 @@ fn c10() -> Checked {
 }
 
 fn c11() -> Checked {
-    let discretization =
-        eulerian(Quadrature::StressPoints, 1.6, CurrentLattice::Convected, Linearization::Exact);
+    let discretization = eulerian(
+        Quadrature::StressPoints,
+        1.6,
+        CurrentLattice::Convected,
+        Linearization::Exact,
+    );
     let (from, to) = ([1.0, 1.0], [3.0, 1.0]);
     let found = onsets(&method(discretization)?, &law(), from, to)?;
     let stress = |s: Option<f64>| -> Result<[f64; 2], ProblemError> {
         let stretch = 1.0 + 2.0 * s.unwrap_or(f64::NAN);
-        let response = law().response(&state(stretch, 1.0)?).map_err(MethodError::from)?;
+        let response = law()
+            .response(&state(stretch, 1.0)?)
+            .map_err(MethodError::from)?;
         Ok([stretch, response.cauchy()[(0, 0)]])
     };
     let ([l_pde, s_pde], [l_kernel, s_kernel]) = (stress(found[0])?, stress(found[1])?);
@@ -476,7 +613,9 @@ fn c11() -> Checked {
         id: "C11",
         place: "abstract",
         paper: "In uniaxial tension the Eulerian kernel becomes unstable at a much lower stress.",
-        computed: format!("Onset at {s_kernel:.4} MPa (λ = {l_kernel:.5}) against {s_pde:.4} MPa (λ = {l_pde:.5}) of the PDE."),
+        computed: format!(
+            "Onset at {s_kernel:.4} MPa (λ = {l_kernel:.5}) against {s_pde:.4} MPa (λ = {l_pde:.5}) of the PDE."
+        ),
         choices: "hexagonal, stress points, Eulerian, D_mx = 1.6, convected lattice, exact linearization, material (5)",
         verdict: ClaimVerdict::of(s_kernel < 0.5 * s_pde),
         number: s_kernel,
@@ -500,7 +639,9 @@ fn c12() -> Checked {
         id: "C12",
         place: "sec. 8, fig. 8, (62)",
         paper: "Blatz-Ko, two-dimensional perturbations: stable for γ < λ₁/λ₂ < 1/γ, γ = 2 − √3.",
-        computed: format!("Onset at the ratio 1/γ on three paths, largest relative error {error:.0e}."),
+        computed: format!(
+            "Onset at the ratio 1/γ on three paths, largest relative error {error:.0e}."
+        ),
         choices: "PDE, Blatz-Ko, plane strain, perturbations in the plane",
         verdict: ClaimVerdict::of(error < 1e-10),
         number: error,
@@ -514,8 +655,12 @@ fn c13() -> Checked {
     let mut contradictions = 0;
     let states = square(0.1, 5.0, 16);
     for [a, b] in &states {
-        let printed = [*a, *b, a / b].iter().all(|ratio| gamma < *ratio && *ratio < RATIO);
-        let response = material.response(&state(*a, *b)?).map_err(|error| ProblemError::from(MethodError::from(error)))?;
+        let printed = [*a, *b, a / b]
+            .iter()
+            .all(|ratio| gamma < *ratio && *ratio < RATIO);
+        let response = material
+            .response(&state(*a, *b)?)
+            .map_err(|error| ProblemError::from(MethodError::from(error)))?;
         let elliptic = Stiffness::<3>::of(&response).minimum().eigenvalue.re > 0.0;
         contradictions += usize::from(printed != elliptic);
     }
@@ -523,7 +668,10 @@ fn c13() -> Checked {
         id: "C13",
         place: "sec. 8, fig. 8, (60)",
         paper: "Blatz-Ko, three-dimensional perturbations: also γ < λ_i < 1/γ.",
-        computed: format!("Of {} states {contradictions} contradict (60).", states.len()),
+        computed: format!(
+            "Of {} states {contradictions} contradict (60).",
+            states.len()
+        ),
         choices: "PDE, Blatz-Ko, plane strain, perturbations in space (61)",
         verdict: ClaimVerdict::of(contradictions == 0),
         number: contradictions as f64,
@@ -538,7 +686,9 @@ fn c14() -> Checked {
         id: "C14",
         place: "sec. 8",
         paper: "With a Lagrangian kernel and stress points the domain is identical to that of the PDE in two dimensions.",
-        computed: format!("Largest relative difference of the onsets along two paths, three supports: {error:.0e}."),
+        computed: format!(
+            "Largest relative difference of the onsets along two paths, three supports: {error:.0e}."
+        ),
         choices: "hexagonal, stress points, Lagrangian, Blatz-Ko, D_mx = 1.6, 2, 2.5",
         verdict: ClaimVerdict::of(error < 1e-8),
         number: error,
@@ -549,7 +699,12 @@ fn c14() -> Checked {
 fn c15() -> Checked {
     let at = |support: f64, stretch: f64| -> Result<f64, ProblemError> {
         let discretization = lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support);
-        Ok(omega_squared(discretization, &BlatzKo::default(), &state(stretch, stretch)?, HEX_K)?[0])
+        Ok(omega_squared(
+            discretization,
+            &BlatzKo::default(),
+            &state(stretch, stretch)?,
+            HEX_K,
+        )?[0])
     };
     let exponent = (at(2.0, 4.0)? / at(2.0, 1.0)?).ln() / 4.0_f64.ln();
     let (small, middle, large) = (at(1.6, 3.0)?, at(2.0, 3.0)?, at(2.5, 3.0)?);
@@ -562,16 +717,26 @@ fn c15() -> Checked {
              becomes negative."
         ),
         choices: "hexagonal, stress points, Lagrangian, Blatz-Ko, equal stretches",
-        verdict: ClaimVerdict::of(exponent < -1.0 && large < middle && middle < small && large > 0.0),
+        verdict: ClaimVerdict::of(
+            exponent < -1.0 && large < middle && middle < small && large > 0.0,
+        ),
         number: exponent,
         recorded: "reproduced",
     })
 }
 
 fn c16() -> Checked {
-    let discretization = eulerian(Quadrature::StressPoints, 1.6, CurrentLattice::Regular, Linearization::Paper);
+    let discretization = eulerian(
+        Quadrature::StressPoints,
+        1.6,
+        CurrentLattice::Regular,
+        Linearization::Paper,
+    );
     let inside = |states: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
-        states.into_iter().filter(|[a, b]| a / b < RATIO && b / a < RATIO).collect()
+        states
+            .into_iter()
+            .filter(|[a, b]| a / b < RATIO && b / a < RATIO)
+            .collect()
     };
     let (compression, tension) = (inside(square(0.25, 0.98, 8)), inside(square(1.05, 2.5, 8)));
     let share = |states: &[[f64; 2]]| -> Result<f64, ProblemError> {
@@ -596,11 +761,22 @@ fn c16() -> Checked {
 }
 
 fn c17() -> Checked {
-    let complete = |base: Discretization| Discretization { approximation: Approximation::Mls, ..base };
-    let tension = complete(eulerian(Quadrature::StressPoints, 2.0, CurrentLattice::Convected, Linearization::Exact));
-    let stretched = assess(&method(tension)?, &law(), &state(1.03, 1.03)?).map_err(ProblemError::from)?;
+    let complete = |base: Discretization| Discretization {
+        approximation: Approximation::Mls,
+        ..base
+    };
+    let tension = complete(eulerian(
+        Quadrature::StressPoints,
+        2.0,
+        CurrentLattice::Convected,
+        Linearization::Exact,
+    ));
+    let stretched =
+        assess(&method(tension)?, &law(), &state(1.03, 1.03)?).map_err(ProblemError::from)?;
     let nodal = complete(lagrangian(Arrangement::Hexagonal, Quadrature::Nodal, 2.0));
-    let deficient = assess(&method(nodal)?, &law(), &state(0.9, 0.95)?).map_err(ProblemError::from)?.verdict;
+    let deficient = assess(&method(nodal)?, &law(), &state(0.9, 0.95)?)
+        .map_err(ProblemError::from)?
+        .verdict;
     let lowest = stretched.spectrum.lowest.omega_squared.re;
     Ok(Claim {
         id: "C17",
@@ -613,7 +789,9 @@ fn c17() -> Checked {
             deficient.name()
         ),
         choices: "hexagonal, MLS, D_mx = 2; Eulerian with stress points (convected, exact), and Lagrangian nodal",
-        verdict: ClaimVerdict::of(stretched.verdict == Verdict::Kernel && deficient == Verdict::RankDeficient),
+        verdict: ClaimVerdict::of(
+            stretched.verdict == Verdict::Kernel && deficient == Verdict::RankDeficient,
+        ),
         number: lowest,
         recorded: "reproduced",
     })

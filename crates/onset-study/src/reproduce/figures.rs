@@ -38,26 +38,56 @@ pub struct Recipe {
 
 /// All figures, in the order of the paper.
 pub const ALL: [Recipe; 8] = [
-    Recipe { name: "figure-02", make: figure_02 },
-    Recipe { name: "figure-04", make: figure_04 },
-    Recipe { name: "figure-05", make: figure_05 },
-    Recipe { name: "figure-06", make: figure_06 },
-    Recipe { name: "figure-07", make: figure_07 },
-    Recipe { name: "figure-08", make: figure_08 },
-    Recipe { name: "figure-09", make: figure_09 },
-    Recipe { name: "figure-10", make: figure_10 },
+    Recipe {
+        name: "figure-02",
+        make: figure_02,
+    },
+    Recipe {
+        name: "figure-04",
+        make: figure_04,
+    },
+    Recipe {
+        name: "figure-05",
+        make: figure_05,
+    },
+    Recipe {
+        name: "figure-06",
+        make: figure_06,
+    },
+    Recipe {
+        name: "figure-07",
+        make: figure_07,
+    },
+    Recipe {
+        name: "figure-08",
+        make: figure_08,
+    },
+    Recipe {
+        name: "figure-09",
+        make: figure_09,
+    },
+    Recipe {
+        name: "figure-10",
+        make: figure_10,
+    },
 ];
 
 const STRETCH_1: &str = "stretch λ₁ (−)";
 const STRETCH_2: &str = "stretch λ₂ (−)";
 
 fn stretch_panel(study: &Study, title: &str) -> Panel {
-    Panel::new(title, Axis::linear(STRETCH_1, study.stretch_1), Axis::linear(STRETCH_2, study.stretch_2))
-        .equal_aspect()
+    Panel::new(
+        title,
+        Axis::linear(STRETCH_1, study.stretch_1),
+        Axis::linear(STRETCH_2, study.stretch_2),
+    )
+    .equal_aspect()
 }
 
 fn spread((low, high): (f64, f64), count: usize) -> Vec<f64> {
-    (0..count).map(|n| low + (high - low) * n as f64 / (count - 1) as f64).collect()
+    (0..count)
+        .map(|n| low + (high - low) * n as f64 / (count - 1) as f64)
+        .collect()
 }
 
 fn csv(header: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
@@ -71,40 +101,71 @@ fn csv(header: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
 }
 
 fn pairs(points: &[(f64, f64)]) -> String {
-    csv("stretch_1,stretch_2", points.iter().map(|(a, b)| vec![*a, *b]))
+    csv(
+        "stretch_1,stretch_2",
+        points.iter().map(|(a, b)| vec![*a, *b]),
+    )
 }
 
 /// The boundary of strong ellipticity within a window.
 fn continuum_boundary(study: &Study, count: usize) -> Result<Vec<(f64, f64)>, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
-    Ok(material_boundary(&*problem.material, &spread(study.stretch_1, count), study.stretch_2)?)
+    Ok(material_boundary(
+        &*problem.material,
+        &spread(study.stretch_1, count),
+        study.stretch_2,
+    )?)
 }
 
 /// The continuum alone, as a map with the exact verdict on ellipticity.
 fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let n = study.resolution;
-    let center = |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
+    let center =
+        |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
     let elliptic = |index: usize| -> Result<&'static str, ProblemError> {
-        let f = state(center(study.stretch_1, index % n), center(study.stretch_2, index / n))?;
+        let f = state(
+            center(study.stretch_1, index % n),
+            center(study.stretch_2, index / n),
+        )?;
         let response = problem.material.response(&f).map_err(MethodError::from)?;
-        Ok(if Stiffness::<2>::of(&response).is_strongly_elliptic() { "stable" } else { "material" })
+        Ok(if Stiffness::<2>::of(&response).is_strongly_elliptic() {
+            "stable"
+        } else {
+            "material"
+        })
     };
-    let words: Vec<&str> = (0..n * n).into_par_iter().map(elliptic).collect::<Result<_, _>>()?;
-    Ok(crate::figure::Regions::of_words(study.stretch_1, study.stretch_2, (n, n), words))
+    let words: Vec<&str> = (0..n * n)
+        .into_par_iter()
+        .map(elliptic)
+        .collect::<Result<_, _>>()?;
+    Ok(crate::figure::Regions::of_words(
+        study.stretch_1,
+        study.stretch_2,
+        (n, n),
+        words,
+    ))
 }
 
 fn figure_02() -> Result<Plate, ReproduceError> {
     let study = study!("figure-02")?;
-    let boundary = continuum_boundary(&study, 160)?;
-    let restored = study!("figure-02").map(|study| Study { stretch_1: (0.5, 16.0), stretch_2: (0.5, 16.0), ..study })?;
-    let wide = continuum_boundary(&restored, 120)?;
+    let boundary = continuum_boundary(&study, 100)?;
+    let restored = study!("figure-02").map(|study| Study {
+        stretch_1: (0.5, 16.0),
+        stretch_2: (0.5, 16.0),
+        ..study
+    })?;
+    let wide = continuum_boundary(&restored, 80)?;
     let upper: Vec<(f64, f64)> = wide.iter().copied().filter(|(a, b)| a * b > 20.0).collect();
-    let lower: Vec<(f64, f64)> = wide.iter().copied().filter(|(a, b)| a * b <= 20.0).collect();
+    let lower: Vec<(f64, f64)> = wide
+        .iter()
+        .copied()
+        .filter(|(a, b)| a * b <= 20.0)
+        .collect();
     let figure = Figure::new("Figure 2. Stable domain of the PDE, material of equation (5)")
         .caption(
-            "Left: the window of the paper. Right: the same material over a wider window; the unstable set is a strip, \
-             and the state is strongly elliptic again beyond J of about 84, which the paper does not say.",
+            "Left: the window of the paper. Right: the same material over a wider window; the unstable set is a strip: \
+             for large J the material is strongly elliptic again, which the paper does not say.",
         )
         .columns(2)
         .with(
@@ -133,21 +194,36 @@ fn displacement(k: &Vector2<f64>, x: &Vector2<f64>) -> f64 {
 }
 
 fn figure_04() -> Result<Plate, ReproduceError> {
-    let nodal = Discretization { quadrature: Quadrature::Nodal, ..Discretization::default() };
+    let nodal = Discretization {
+        quadrature: Quadrature::Nodal,
+        ..Discretization::default()
+    };
     let method = Method::<2>::new(nodal).map_err(ProblemError::from)?;
     let material = ModifiedMooneyRivlin::default();
     let f = state(1.1, 0.95)?;
     let matrix = dynamical_matrix(&method, &material, &f).map_err(ProblemError::from)?;
-    let modes = [("K", vector![4.0 * PI / 3.0, 0.0]), ("M", vector![TAU, 0.0])];
-    let mut figure = Figure::new("Figure 4. Spurious modes of nodal integration, hexagonal arrangement, θ = 0").columns(2);
+    let modes = [
+        ("K", vector![4.0 * PI / 3.0, 0.0]),
+        ("M", vector![TAU, 0.0]),
+    ];
+    let mut figure =
+        Figure::new("Figure 4. Spurious modes of nodal integration, hexagonal arrangement, θ = 0")
+            .columns(2);
     let mut table = Vec::new();
     for (name, k) in &modes {
         let omega = matrix.omega_squared(k);
-        let wave = spread((0.0, 8.0), 400).into_iter().map(|x| (x, displacement(k, &vector![x, 0.0])));
-        let nodes: Vec<(f64, f64)> =
-            (0..=8).map(|n| (f64::from(n), displacement(k, &vector![f64::from(n), 0.0]))).collect();
+        let wave = spread((0.0, 8.0), 400)
+            .into_iter()
+            .map(|x| (x, displacement(k, &vector![x, 0.0])));
+        let nodes: Vec<(f64, f64)> = (0..=8)
+            .map(|n| (f64::from(n), displacement(k, &vector![f64::from(n), 0.0])))
+            .collect();
         table.extend(nodes.iter().map(|(x, u)| vec![k[0], *x, *u]));
-        let title = format!("{name}: κ = {:.5}, largest |ω²| = {:.0e}", k[0], omega[1].norm().max(1e-99));
+        let title = format!(
+            "{name}: κ = {:.5}, largest |ω²| = {:.0e}",
+            k[0],
+            omega[1].norm().max(1e-99)
+        );
         let panel = Panel::new(
             title,
             Axis::linear("position X along a row (spacings)", (-0.3, 8.3)),
@@ -156,12 +232,28 @@ fn figure_04() -> Result<Plate, ReproduceError> {
         figure = figure.with(
             panel
                 .with(Rule::horizontal(0.0).color(palette::GREY))
-                .with(Line::new(wave.collect::<Vec<_>>()).color(palette::SKY).named("plane wave"))
-                .with(Line::new(nodes.clone()).color(palette::BLUE).named("displacement between particles"))
-                .with(Points::new(nodes).color(palette::VERMILION).marker(Marker::Triangle).named("particles of the row")),
+                .with(
+                    Line::new(wave.collect::<Vec<_>>())
+                        .color(palette::SKY)
+                        .named("plane wave"),
+                )
+                .with(
+                    Line::new(nodes.clone())
+                        .color(palette::BLUE)
+                        .named("displacement between particles"),
+                )
+                .with(
+                    Points::new(nodes)
+                        .color(palette::VERMILION)
+                        .marker(Marker::Triangle)
+                        .named("particles of the row"),
+                ),
         );
     }
-    for (name, k) in [("K", vector![4.0 * PI / 3.0, 0.0]), ("M", vector![0.0, TAU / 3.0_f64.sqrt()])] {
+    for (name, k) in [
+        ("K", vector![4.0 * PI / 3.0, 0.0]),
+        ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
+    ] {
         let lattice = method.lattice().vectors();
         let (mut rest, mut moved) = (Vec::new(), Vec::new());
         for j in -1..=4 {
@@ -181,19 +273,39 @@ fn figure_04() -> Result<Plate, ReproduceError> {
         figure = figure.with(
             panel
                 .equal_aspect()
-                .with(Points::new(rest.clone()).color(palette::GREY).marker(Marker::Circle).open().named("particle at rest"))
-                .with(Arrows::new(rest, moved).color(palette::VERMILION).named("displacement of the mode")),
+                .with(
+                    Points::new(rest.clone())
+                        .color(palette::GREY)
+                        .marker(Marker::Circle)
+                        .open()
+                        .named("particle at rest"),
+                )
+                .with(
+                    Arrows::new(rest, moved)
+                        .color(palette::VERMILION)
+                        .named("displacement of the mode"),
+                ),
         );
     }
     let figure = figure.caption(
         "Nodal integration, Lagrangian kernel, D_mx = 2, stretches (1.1, 0.95). The gradient of the mode vanishes at \
          every particle, so that it has no energy, in any material and at any state.",
     );
-    Ok(Plate { figure, tables: vec![("figure-04-modes".into(), csv("wave_number,x,displacement", table))] })
+    Ok(Plate {
+        figure,
+        tables: vec![(
+            "figure-04-modes".into(),
+            csv("wave_number,x,displacement", table),
+        )],
+    })
 }
 
 fn figure_05() -> Result<Plate, ReproduceError> {
-    let studies: [StudyResult; 3] = [study!("figure-05-1.6"), study!("figure-05-2.0"), study!("figure-05-2.5")];
+    let studies: [StudyResult; 3] = [
+        study!("figure-05-1.6"),
+        study!("figure-05-2.0"),
+        study!("figure-05-2.5"),
+    ];
     let mut figure = Figure::new("Figure 5. Lagrangian kernel with stress points against the PDE, material of equation (5)")
         .columns(3)
         .caption(
@@ -201,11 +313,11 @@ fn figure_05() -> Result<Plate, ReproduceError> {
              every support; crosses are onsets found from the particles alone.",
         );
     let mut tables = Vec::new();
+    let boundary = continuum_boundary(&study!("figure-05-2.0")?, 80)?;
     for study in studies {
         let study = study?;
         let problem = Problem::new(study.settings.clone())?;
         let method = problem.method::<2>()?;
-        let boundary = continuum_boundary(&study, 120)?;
         let firsts = spread((0.9, 3.9), 9);
         let particle = |&first: &f64| -> Result<Vec<f64>, ProblemError> {
             let [pde, particles] = onsets(&method, &*problem.material, [first, 0.2], [first, 3.8])?;
@@ -217,7 +329,7 @@ fn figure_05() -> Result<Plate, ReproduceError> {
         figure = figure.with(
             stretch_panel(&study, &study.title)
                 .with(Domain::of(&study)?.layer())
-                .with(Line::new(boundary).named("PDE"))
+                .with(Line::new(boundary.clone()).named("PDE"))
                 .with(
                     Points::new(rows.iter().map(|row| (row[0], row[2])).collect::<Vec<_>>())
                         .marker(Marker::Cross)
@@ -225,7 +337,10 @@ fn figure_05() -> Result<Plate, ReproduceError> {
                         .named("onset of the particles"),
                 ),
         );
-        tables.push((format!("figure-05-{support:.1}"), csv("stretch_1,stretch_2_pde,stretch_2_particles", rows)));
+        tables.push((
+            format!("figure-05-{support:.1}"),
+            csv("stretch_1,stretch_2_pde,stretch_2_particles", rows),
+        ));
     }
     Ok(Plate { figure, tables })
 }
@@ -256,26 +371,32 @@ fn figure_10() -> Result<Plate, ReproduceError> {
             study!("figure-10-convected-exact-1.6"),
         ],
         "figure-10",
-        Figure::new("Figure 10. Lagrangian and Eulerian kernels with stress points, Blatz-Ko material").columns(3).caption(
-            "The Lagrangian kernel has the domain of the PDE; the Eulerian one distorts it, most in tension. \
+        Figure::new("Figure 10. Lagrangian kernel (left) and Eulerian kernels, Blatz-Ko material").columns(3).caption(
+            "D_mx = 1.6, stress points. The Lagrangian kernel has the domain of the PDE; the Eulerian one distorts it, most in tension. \
              Grey: a quadrature point has lost its neighbors.",
         ),
     )
 }
 
 /// Panels of maps with the boundary of the PDE.
-fn domains<const N: usize>(studies: [StudyResult; N], name: &str, mut figure: Figure) -> Result<Plate, ReproduceError> {
+fn domains<const N: usize>(
+    studies: [StudyResult; N],
+    name: &str,
+    mut figure: Figure,
+) -> Result<Plate, ReproduceError> {
     let mut tables = Vec::new();
+    let studies: Vec<Study> = studies.into_iter().collect::<Result<_, _>>()?;
+    // All panels show the same material.
+    let boundary = continuum_boundary(&studies[0], 80)?;
+    let twice = boundary.windows(2).any(|pair| pair[0].0 == pair[1].0);
+    let (outer, inner): (Vec<_>, Vec<_>) = boundary.into_iter().partition(|(a, b)| !twice || b > a);
     for study in studies {
-        let study = study?;
         let domain = Domain::of(&study)?;
-        let boundary = continuum_boundary(&study, 90)?;
-        let (outer, inner): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);
         figure = figure.with(
             stretch_panel(&study, &study.title)
                 .with(domain.layer())
-                .with(Line::new(outer).named("PDE"))
-                .with(Line::new(inner)),
+                .with(Line::new(outer.clone()).named("PDE"))
+                .with(Line::new(inner.clone())),
         );
         tables.push((format!("{name}-{}", tables.len() + 1), domain.csv()));
     }
@@ -287,17 +408,31 @@ fn figure_07() -> Result<Plate, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let method = problem.method::<2>()?;
     let n = study.resolution;
-    let center = |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
+    let center =
+        |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
     let extremes = |index: usize| -> Result<Vec<f64>, ProblemError> {
-        let (a, b) = (center(study.stretch_1, index % n), center(study.stretch_2, index / n));
+        let (a, b) = (
+            center(study.stretch_1, index % n),
+            center(study.stretch_2, index / n),
+        );
         let f = state(a, b)?;
         let matrix = dynamical_matrix(&method, &*problem.material, &f)?;
         let summary = zone_search(&method, &*problem.material, &f)?.summary(&matrix);
-        Ok(vec![a, b, summary.lowest.omega_squared.re, summary.maximum_omega.powi(2)])
+        Ok(vec![
+            a,
+            b,
+            summary.lowest.omega_squared.re,
+            summary.maximum_omega.powi(2),
+        ])
     };
-    let rows: Vec<Vec<f64>> = (0..n * n).into_par_iter().map(extremes).collect::<Result<_, _>>()?;
+    let rows: Vec<Vec<f64>> = (0..n * n)
+        .into_par_iter()
+        .map(extremes)
+        .collect::<Result<_, _>>()?;
     let column = |c: usize| rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
-    let field = |c: usize, label: &str| Field::new(study.stretch_1, study.stretch_2, (n, n), column(c), label);
+    let field = |c: usize, label: &str| {
+        Field::new(study.stretch_1, study.stretch_2, (n, n), column(c), label)
+    };
     let lowest = column(2).into_iter().fold(0.0, f64::min);
     let figure = Figure::new("Figure 7. Squares of the frequencies, Eulerian kernel with stress points")
         .columns(2)
@@ -308,8 +443,14 @@ fn figure_07() -> Result<Plate, ReproduceError> {
         )
         .with(stretch_panel(&study, "smallest ω²").with(field(2, "min ω² (1/time²)").diverging().range(lowest, -lowest)))
         .with(stretch_panel(&study, "largest ω²").with(field(3, "max ω² (1/time²)")));
-    let table = csv("stretch_1,stretch_2,minimum_omega_squared,maximum_omega_squared", rows);
-    Ok(Plate { figure, tables: vec![("figure-07".into(), table)] })
+    let table = csv(
+        "stretch_1,stretch_2,minimum_omega_squared,maximum_omega_squared",
+        rows,
+    );
+    Ok(Plate {
+        figure,
+        tables: vec![("figure-07".into(), table)],
+    })
 }
 
 fn figure_08() -> Result<Plate, ReproduceError> {
@@ -318,7 +459,7 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     let gamma = 2.0 - 3.0_f64.sqrt();
     let (low, high) = study.stretch_1;
     // The two-dimensional boundary from the acoustic tensor of plane waves, along circles around the origin.
-    let boundary = continuum_boundary(&study, 160)?;
+    let boundary = continuum_boundary(&study, 80)?;
     let (upper, lower): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);
     // The three-dimensional one by bisection of the smallest eigenvalue over all directions in space.
     let spatial = |f: &DeformationGradient| -> Result<f64, ProblemError> {
@@ -332,14 +473,23 @@ fn figure_08() -> Result<Plate, ReproduceError> {
         let (mut inside, mut outside) = (0.0, 4.0);
         while outside - inside > 1e-7 {
             let middle = 0.5 * (inside + outside);
-            if spatial(&at(middle)?)? > 0.0 { inside = middle } else { outside = middle }
+            if spatial(&at(middle)?)? > 0.0 {
+                inside = middle
+            } else {
+                outside = middle
+            }
         }
         Ok(vec![(inside * cosine).exp(), (inside * sine).exp()])
     };
     let angles = spread((0.0, TAU), 33);
     let space: Vec<Vec<f64>> = angles.par_iter().map(along).collect::<Result<_, _>>()?;
     let corners = vec![
-        (gamma, gamma), (1.0, gamma), (1.0 / gamma, 1.0), (1.0 / gamma, 1.0 / gamma), (1.0, 1.0 / gamma), (gamma, 1.0),
+        (gamma, gamma),
+        (1.0, gamma),
+        (1.0 / gamma, 1.0),
+        (1.0 / gamma, 1.0 / gamma),
+        (1.0, 1.0 / gamma),
+        (gamma, 1.0),
         (gamma, gamma),
     ];
     let figure = Figure::new("Figure 8. Stable domain of the Blatz-Ko material")
@@ -376,7 +526,10 @@ fn figure_08() -> Result<Plate, ReproduceError> {
 fn figure_09() -> Result<Plate, ReproduceError> {
     let material = BlatzKo::default();
     let stretches: Vec<f64> = spread((0.5, 5.0), 46);
-    let points = [("M", vector![0.0, TAU / 3.0_f64.sqrt()]), ("K", vector![4.0 * PI / 3.0, 0.0])];
+    let points = [
+        ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
+        ("K", vector![4.0 * PI / 3.0, 0.0]),
+    ];
     let mut figure = Figure::new("Figure 9. Frequencies at equal stretches, Blatz-Ko, Lagrangian kernel with stress points")
         .columns(2)
         .caption(
@@ -391,18 +544,35 @@ fn figure_09() -> Result<Plate, ReproduceError> {
             Axis::log("smallest ω² (1/time²)", (1e-6, 1e4)),
         );
         for (support, color) in [1.6, 2.0, 2.5].into_iter().zip(palette::SERIES) {
-            let method = Method::<2>::new(Discretization { support, arrangement: Arrangement::Hexagonal, ..Discretization::default() })
-                .map_err(ProblemError::from)?;
+            let method = Method::<2>::new(Discretization {
+                support,
+                arrangement: Arrangement::Hexagonal,
+                ..Discretization::default()
+            })
+            .map_err(ProblemError::from)?;
             let at = |&stretch: &f64| -> Result<(f64, f64), ProblemError> {
                 let matrix = dynamical_matrix(&method, &material, &state(stretch, stretch)?)?;
                 Ok((stretch, matrix.omega_squared(&k)[0].re))
             };
             let line: Vec<(f64, f64)> = stretches.par_iter().map(at).collect::<Result<_, _>>()?;
-            table.extend(line.iter().map(|(stretch, omega)| vec![k[0], k[1], support, *stretch, *omega]));
-            panel = panel.with(Line::new(line).color(color).named(format!("D_mx = {support}")));
+            table.extend(
+                line.iter()
+                    .map(|(stretch, omega)| vec![k[0], k[1], support, *stretch, *omega]),
+            );
+            panel = panel.with(
+                Line::new(line)
+                    .color(color)
+                    .named(format!("D_mx = {support}")),
+            );
         }
         figure = figure.with(panel);
     }
-    let table = csv("wave_vector_1,wave_vector_2,support,stretch,omega_squared", table);
-    Ok(Plate { figure, tables: vec![("figure-09".into(), table)] })
+    let table = csv(
+        "wave_vector_1,wave_vector_2,support,stretch,omega_squared",
+        table,
+    );
+    Ok(Plate {
+        figure,
+        tables: vec![("figure-09".into(), table)],
+    })
 }

@@ -45,7 +45,10 @@ pub const STEPS: usize = figures::ALL.len() + claims::ALL.len();
 /// # Errors
 /// [`ReproduceError`] when something cannot be computed or written.
 pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError> {
-    std::fs::create_dir_all(out).map_err(|source| ReproduceError::Write { path: out.to_owned(), source })?;
+    std::fs::create_dir_all(out).map_err(|source| ReproduceError::Write {
+        path: out.to_owned(),
+        source,
+    })?;
     let mut drawn = Vec::new();
     for figure in figures::ALL {
         let plate = (figure.make)()?;
@@ -53,7 +56,11 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
         for (name, table) in &plate.tables {
             write(&out.join(format!("{name}.csv")), table)?;
         }
-        drawn.push((figure.name.to_owned(), plate.figure.title.clone(), plate.figure.caption.clone()));
+        drawn.push((
+            figure.name.to_owned(),
+            plate.figure.title.clone(),
+            plate.figure.caption.clone(),
+        ));
         progress(figure.name);
     }
     let mut checked = Vec::new();
@@ -61,14 +68,20 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
         checked.push(claim()?);
         progress(checked.last().map_or("", |claim| claim.id));
     }
-    let report = Report { claims: checked, figures: drawn };
+    let report = Report {
+        claims: checked,
+        figures: drawn,
+    };
     write(&out.join("report.html"), &report.html())?;
     write(&out.join("claims.csv"), &report.csv())?;
     Ok(report)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), ReproduceError> {
-    std::fs::write(path, text).map_err(|source| ReproduceError::Write { path: path.to_owned(), source })
+    std::fs::write(path, text).map_err(|source| ReproduceError::Write {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// A study of the paper, as committed in `studies/`.
@@ -76,7 +89,12 @@ macro_rules! study {
     ($name:literal) => {
         $crate::settings::Study::parse(
             concat!("studies/", $name, ".toml"),
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies/", $name, ".toml")),
+            include_str!(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../../studies/",
+                $name,
+                ".toml"
+            )),
         )
     };
 }

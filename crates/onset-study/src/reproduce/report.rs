@@ -106,21 +106,37 @@ fn row(claim: &Claim) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 impl std::fmt::Display for Report {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for claim in &self.claims {
             writeln!(formatter, "{:<4} {}", claim.id, claim.verdict)?;
-            writeln!(formatter, "     paper     {} ({})", claim.paper, claim.place)?;
+            writeln!(
+                formatter,
+                "     paper     {} ({})",
+                claim.paper, claim.place
+            )?;
             writeln!(formatter, "     computed  {}", claim.computed)?;
             writeln!(formatter, "     choices   {}", claim.choices)?;
             if !claim.is_as_recorded() {
                 writeln!(formatter, "     NOT AS RECORDED: {}", claim.recorded)?;
             }
         }
-        let recorded = self.claims.iter().filter(|claim| claim.is_as_recorded()).count();
-        write!(formatter, "\n{recorded} of {} claims as recorded, {} figures", self.claims.len(), self.figures.len())
+        let recorded = self
+            .claims
+            .iter()
+            .filter(|claim| claim.is_as_recorded())
+            .count();
+        write!(
+            formatter,
+            "\n{recorded} of {} claims as recorded, {} figures",
+            self.claims.len(),
+            self.figures.len()
+        )
     }
 }

@@ -55,7 +55,11 @@ impl std::fmt::Display for SettingError {
 impl SettingError {
     /// An error without a hint.
     pub fn new(origin: Origin, message: impl Into<String>) -> Self {
-        Self { origin, message: message.into(), hint: None }
+        Self {
+            origin,
+            message: message.into(),
+            hint: None,
+        }
     }
 
     /// The same with a hint.

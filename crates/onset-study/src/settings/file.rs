@@ -20,7 +20,12 @@ pub struct Study {
 }
 
 /// Keys beside those of the settings.
-const OWN_KEYS: [&str; 4] = ["title", "states.stretch-1", "states.stretch-2", "states.resolution"];
+const OWN_KEYS: [&str; 4] = [
+    "title",
+    "states.stretch-1",
+    "states.stretch-2",
+    "states.resolution",
+];
 
 impl Study {
     /// Reads a study.
@@ -32,7 +37,11 @@ impl Study {
             let before = &text[..offset.min(text.len())];
             let line = before.matches('\n').count() + 1;
             let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
-            Origin::File { name: name.to_owned(), line, column }
+            Origin::File {
+                name: name.to_owned(),
+                line,
+                column,
+            }
         };
         let table = DeTable::parse(text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
@@ -86,22 +95,34 @@ impl Study {
         };
         match name {
             "title" => {
-                self.title = value.get_ref().as_str().ok_or_else(|| wrong("a text in quotes"))?.to_owned();
+                self.title = value
+                    .get_ref()
+                    .as_str()
+                    .ok_or_else(|| wrong("a text in quotes"))?
+                    .to_owned();
             }
             "states.stretch-1" => self.stretch_1 = range(value).ok_or_else(|| wrong(RANGE))?,
             "states.stretch-2" => self.stretch_2 = range(value).ok_or_else(|| wrong(RANGE))?,
             "states.resolution" => {
-                let states = number(value.get_ref()).filter(|n| n.fract() == 0.0 && (2.0..=4096.0).contains(n));
-                self.resolution = states.ok_or_else(|| wrong("a whole number from 2 to 4096"))? as usize;
+                let states = number(value.get_ref())
+                    .filter(|n| n.fract() == 0.0 && (2.0..=4096.0).contains(n));
+                self.resolution =
+                    states.ok_or_else(|| wrong("a whole number from 2 to 4096"))? as usize;
             }
             _ => {
                 let known = super::KEYS.iter().map(|key| key.name);
                 if !known.clone().any(|known| known == name) {
-                    return Err(unknown_key(name, known.chain(OWN_KEYS), at(key.span().start)));
+                    return Err(unknown_key(
+                        name,
+                        known.chain(OWN_KEYS),
+                        at(key.span().start),
+                    ));
                 }
                 let typed = match value.get_ref() {
                     DeValue::String(word) => Value::Word(word.to_string()),
-                    other => Value::Number(number(other).ok_or_else(|| wrong("a number or a word in quotes"))?),
+                    other => Value::Number(
+                        number(other).ok_or_else(|| wrong("a number or a word in quotes"))?,
+                    ),
                 };
                 self.settings.set(name, &typed, origin)?;
             }
@@ -121,7 +142,9 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
 }
 
 fn range(value: &Spanned<DeValue<'_>>) -> Option<(f64, f64)> {
-    let DeValue::Array(items) = value.get_ref() else { return None };
+    let DeValue::Array(items) = value.get_ref() else {
+        return None;
+    };
     let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
     match numbers?[..] {
         [low, high] if low > 0.0 && low < high && high.is_finite() => Some((low, high)),
@@ -145,10 +168,20 @@ mod tests {
 
     #[test]
     fn errors_name_file_line_column_and_a_hint() {
-        let error = |text: &str| Study::parse("s.toml", text).expect_err("invalid").to_string();
+        let error = |text: &str| {
+            Study::parse("s.toml", text)
+                .expect_err("invalid")
+                .to_string()
+        };
         let message = error("[discretization]\nsuport = 2\n");
-        assert!(message.starts_with("s.toml:2:1: unknown key `discretization.suport`"), "{message}");
-        assert!(message.contains("did you mean `discretization.support`?"), "{message}");
+        assert!(
+            message.starts_with("s.toml:2:1: unknown key `discretization.suport`"),
+            "{message}"
+        );
+        assert!(
+            message.contains("did you mean `discretization.support`?"),
+            "{message}"
+        );
         assert!(error("[states]\nresolution = 1\n").starts_with("s.toml:2:14: "));
         assert!(error("[states]\nstretch-1 = [2, 1]\n").contains("range of positive stretches"));
         assert!(error("[material\n").starts_with("s.toml:1:"));

@@ -46,8 +46,13 @@ pub struct MaterialSettings {
 impl MaterialSettings {
     /// A law with parameters of one's own.
     pub fn new(model: Model, parameters: &[(&str, f64)]) -> Self {
-        let set = parameters.iter().map(|(name, value)| ((*name).to_owned(), (*value, Origin::Combination)));
-        Self { model, set: set.collect() }
+        let set = parameters
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), (*value, Origin::Combination)));
+        Self {
+            model,
+            set: set.collect(),
+        }
     }
 
     pub(super) fn set_parameter(&mut self, name: &str, value: f64, origin: Origin) {
@@ -61,8 +66,10 @@ impl MaterialSettings {
             if !known.iter().any(|(parameter, _)| parameter == name) {
                 let names: Vec<&str> = known.iter().map(|(parameter, _)| *parameter).collect();
                 let message = format!("{} has no parameter `{name}`", self.model.name());
-                return Err(SettingError::new(origin.clone(), message)
-                    .hint(format!("its parameters are {}; or set material.model", names.join(", "))));
+                return Err(SettingError::new(origin.clone(), message).hint(format!(
+                    "its parameters are {}; or set material.model",
+                    names.join(", ")
+                )));
             }
         }
         Ok(())
@@ -71,7 +78,10 @@ impl MaterialSettings {
     /// All parameters with their values.
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let value = |(name, default): &(&'static str, f64)| {
-            (*name, self.set.get(*name).map_or(*default, |(value, _)| *value))
+            (
+                *name,
+                self.set.get(*name).map_or(*default, |(value, _)| *value),
+            )
         };
         self.model.parameters().iter().map(value).collect()
     }
@@ -101,10 +111,15 @@ mod tests {
     fn default_parameters_are_those_of_the_laws() {
         let f = DeformationGradient::from_stretches([1.3, 0.8, 1.1]).expect("stretches");
         for (model, law) in [
-            (Model::ModifiedMooneyRivlin, &ModifiedMooneyRivlin::default() as &dyn Hyperelastic),
+            (
+                Model::ModifiedMooneyRivlin,
+                &ModifiedMooneyRivlin::default() as &dyn Hyperelastic,
+            ),
             (Model::BlatzKo, &BlatzKo::default()),
         ] {
-            let built = MaterialSettings::new(model, &[]).build().expect("admissible");
+            let built = MaterialSettings::new(model, &[])
+                .build()
+                .expect("admissible");
             assert_eq!(built.response(&f), law.response(&f));
         }
     }

@@ -32,27 +32,91 @@ pub struct Key {
 }
 
 const fn key(name: &'static str, expects: &'static str, meaning: &'static str) -> Key {
-    Key { name, expects, meaning }
+    Key {
+        name,
+        expects,
+        meaning,
+    }
 }
 
 /// Every key, in the order of the documentation.
 pub const KEYS: &[Key] = &[
-    key("material.model", "modified-mooney-rivlin | blatz-ko", "the law"),
-    key("material.c1", "a number (stress)", "first constant of modified-mooney-rivlin"),
-    key("material.c2", "a number (stress)", "second constant of modified-mooney-rivlin"),
-    key("material.lambda", "a number (stress)", "volumetric constant of modified-mooney-rivlin"),
-    key("material.mu", "a positive number (stress)", "shear modulus of blatz-ko"),
-    key("discretization.arrangement", "square | hexagonal | chain", "arrangement of the particles"),
-    key("discretization.spacing", "a positive number (length)", "distance of nearest particles"),
-    key("discretization.density", "a positive number (mass/volume)", "reference density"),
+    key(
+        "material.model",
+        "modified-mooney-rivlin | blatz-ko",
+        "the law",
+    ),
+    key(
+        "material.c1",
+        "a number (stress)",
+        "first constant of modified-mooney-rivlin",
+    ),
+    key(
+        "material.c2",
+        "a number (stress)",
+        "second constant of modified-mooney-rivlin",
+    ),
+    key(
+        "material.lambda",
+        "a number (stress)",
+        "volumetric constant of modified-mooney-rivlin",
+    ),
+    key(
+        "material.mu",
+        "a positive number (stress)",
+        "shear modulus of blatz-ko",
+    ),
+    key(
+        "discretization.arrangement",
+        "square | hexagonal | chain",
+        "arrangement of the particles",
+    ),
+    key(
+        "discretization.spacing",
+        "a positive number (length)",
+        "distance of nearest particles",
+    ),
+    key(
+        "discretization.density",
+        "a positive number (mass/volume)",
+        "reference density",
+    ),
     key("discretization.kernel", "quartic-spline", "weight function"),
-    key("discretization.support", "a positive number", "support radius in spacings, D_mx"),
-    key("discretization.approximation", "raw | shepard | mls", "correction of the weights"),
-    key("discretization.quadrature", "nodal | stress-points | stress-points-only", "quadrature points"),
-    key("discretization.frame", "lagrangian | eulerian", "coordinates of the kernel"),
-    key("discretization.background", "imposed | interpolated", "deformation that the quadrature points carry"),
-    key("discretization.lattice", "convected | regular", "Eulerian kernels: positions of the particles"),
-    key("discretization.support-size", "fixed | scaled | convected", "Eulerian kernels: size of the support"),
+    key(
+        "discretization.support",
+        "a positive number",
+        "support radius in spacings, D_mx",
+    ),
+    key(
+        "discretization.approximation",
+        "raw | shepard | mls",
+        "correction of the weights",
+    ),
+    key(
+        "discretization.quadrature",
+        "nodal | stress-points | stress-points-only",
+        "quadrature points",
+    ),
+    key(
+        "discretization.frame",
+        "lagrangian | eulerian",
+        "coordinates of the kernel",
+    ),
+    key(
+        "discretization.background",
+        "imposed | interpolated",
+        "deformation that the quadrature points carry",
+    ),
+    key(
+        "discretization.lattice",
+        "convected | regular",
+        "Eulerian kernels: positions of the particles",
+    ),
+    key(
+        "discretization.support-size",
+        "fixed | scaled | convected",
+        "Eulerian kernels: size of the support",
+    ),
     key(
         "discretization.linearization",
         "exact | paper | exact-plane-wave | paper-interpolated | frozen-normalization",
@@ -91,8 +155,10 @@ impl Settings {
     pub fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
         let origin = Origin::CommandLine(format!("--set {assignment}"));
         let Some((name, text)) = assignment.split_once('=') else {
-            return Err(SettingError::new(origin, format!("`{assignment}` is not an assignment"))
-                .hint("write --set key=value, for example --set discretization.support=1.6"));
+            return Err(
+                SettingError::new(origin, format!("`{assignment}` is not an assignment"))
+                    .hint("write --set key=value, for example --set discretization.support=1.6"),
+            );
         };
         self.set(name.trim(), &Value::of_text(text.trim()), origin)
     }
@@ -116,25 +182,37 @@ impl Settings {
             "discretization.spacing" => assign(&mut discretization.spacing, number),
             "discretization.density" => assign(&mut discretization.density, number),
             "discretization.support" => assign(&mut discretization.support, number),
-            "discretization.arrangement" => assign(&mut discretization.arrangement, value.word::<Arrangement>()),
+            "discretization.arrangement" => {
+                assign(&mut discretization.arrangement, value.word::<Arrangement>())
+            }
             "discretization.kernel" => assign(&mut discretization.kernel, value.word::<Kernel>()),
-            "discretization.approximation" => {
-                assign(&mut discretization.approximation, value.word::<Approximation>())
+            "discretization.approximation" => assign(
+                &mut discretization.approximation,
+                value.word::<Approximation>(),
+            ),
+            "discretization.quadrature" => {
+                assign(&mut discretization.quadrature, value.word::<Quadrature>())
             }
-            "discretization.quadrature" => assign(&mut discretization.quadrature, value.word::<Quadrature>()),
             "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
-            "discretization.background" => assign(&mut discretization.background, value.word::<Background>()),
-            "discretization.lattice" => assign(&mut discretization.lattice, value.word::<CurrentLattice>()),
-            "discretization.support-size" => {
-                assign(&mut discretization.support_size, value.word::<SupportSize>())
+            "discretization.background" => {
+                assign(&mut discretization.background, value.word::<Background>())
             }
-            "discretization.linearization" => {
-                assign(&mut discretization.linearization, value.word::<Linearization>())
+            "discretization.lattice" => {
+                assign(&mut discretization.lattice, value.word::<CurrentLattice>())
             }
+            "discretization.support-size" => assign(
+                &mut discretization.support_size,
+                value.word::<SupportSize>(),
+            ),
+            "discretization.linearization" => assign(
+                &mut discretization.linearization,
+                value.word::<Linearization>(),
+            ),
             "material.model" => assign(&mut self.material.model, value.word()),
             _ => match (name.strip_prefix("material."), number) {
                 (Some(parameter), Some(number)) => {
-                    self.material.set_parameter(parameter, number, origin.clone());
+                    self.material
+                        .set_parameter(parameter, number, origin.clone());
                     true
                 }
                 _ => false,
@@ -165,7 +243,10 @@ pub enum Value {
 impl Value {
     /// The value that a text on the command line stands for.
     fn of_text(text: &str) -> Self {
-        text.parse().map_or_else(|_| Self::Word(text.trim_matches('"').to_owned()), Self::Number)
+        text.parse().map_or_else(
+            |_| Self::Word(text.trim_matches('"').to_owned()),
+            Self::Number,
+        )
     }
 
     fn number(&self) -> Option<f64> {
@@ -194,11 +275,18 @@ impl std::fmt::Display for Value {
 }
 
 /// The error for a key that does not exist, with the nearest one that does.
-fn unknown_key<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone, origin: Origin) -> SettingError {
+fn unknown_key<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+    origin: Origin,
+) -> SettingError {
     let error = SettingError::new(origin, format!("unknown key `{name}`"));
     match error::nearest(name, known.clone()) {
         Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
-        None => error.hint(format!("known keys: {}", known.collect::<Vec<_>>().join(", "))),
+        None => error.hint(format!(
+            "known keys: {}",
+            known.collect::<Vec<_>>().join(", ")
+        )),
     }
 }
 
@@ -215,7 +303,9 @@ mod tests {
     use super::*;
 
     fn error_of(assignment: &str) -> String {
-        Settings::from_assignments(&[assignment]).expect_err("a wrong assignment").to_string()
+        Settings::from_assignments(&[assignment])
+            .expect_err("a wrong assignment")
+            .to_string()
     }
 
     #[test]
@@ -228,7 +318,9 @@ mod tests {
             };
             for word in words {
                 let mut settings = Settings::default();
-                settings.assign(&format!("{}={word}", key.name)).expect("a documented value");
+                settings
+                    .assign(&format!("{}={word}", key.name))
+                    .expect("a documented value");
             }
         }
     }
@@ -245,16 +337,28 @@ mod tests {
         let json = serde_json::to_value(settings.discretization).expect("serializable");
         assert_eq!(json["support-size"], "scaled");
         assert_eq!(json["quadrature"], "stress-points-only");
-        assert_eq!(word_of(&settings.discretization.quadrature), settings.discretization.quadrature.name());
-        let keys: Vec<&str> =
-            KEYS.iter().filter_map(|key| key.name.strip_prefix("discretization.")).collect();
-        let fields: Vec<&str> = json.as_object().expect("a table").keys().map(String::as_str).collect();
+        assert_eq!(
+            word_of(&settings.discretization.quadrature),
+            settings.discretization.quadrature.name()
+        );
+        let keys: Vec<&str> = KEYS
+            .iter()
+            .filter_map(|key| key.name.strip_prefix("discretization."))
+            .collect();
+        let fields: Vec<&str> = json
+            .as_object()
+            .expect("a table")
+            .keys()
+            .map(String::as_str)
+            .collect();
         assert_eq!(fields, keys, "the table of keys is the structure");
     }
 
     #[test]
     fn unknown_keys_and_words_name_the_nearest_known_one() {
-        assert!(error_of("discretization.suport=2").contains("did you mean `discretization.support`?"));
+        assert!(
+            error_of("discretization.suport=2").contains("did you mean `discretization.support`?")
+        );
         assert!(error_of("material.modle=blatz-ko").contains("`material.model`"));
         assert!(error_of("discretization.frame=lagrangan").contains("`lagrangian`"));
         assert!(error_of("discretization.support=wide").contains("expected a positive number"));

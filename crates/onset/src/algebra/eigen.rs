@@ -18,6 +18,25 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
     let mut values = [Complex::new(f64::NAN, f64::NAN); D];
     match D {
         1 => values[0] = matrix[(0, 0)],
+        2 if matrix.iter().all(|entry| entry.im == 0.0) => {
+            // The same as below in real numbers: most matrices are real, and this is the innermost loop.
+            let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|index| matrix[index].re);
+            let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
+            let discriminant = half * half + b * c;
+            let explained = 2.0 * noise * (half.abs() + b.abs() + c.abs() + noise);
+            if discriminant > -explained {
+                let root = discriminant.max(0.0).sqrt();
+                return ordered(
+                    values,
+                    [mean - root, mean + root].map(|value| Complex::new(value, 0.0)),
+                );
+            }
+            let root = (-discriminant).sqrt();
+            return ordered(
+                values,
+                [-root, root].map(|imaginary| Complex::new(mean, imaginary)),
+            );
+        }
         2 => {
             let mean = (matrix[(0, 0)] + matrix[(1, 1)]) * 0.5;
             let half = (matrix[(0, 0)] - matrix[(1, 1)]) * 0.5;
@@ -51,6 +70,15 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
     values
 }
 
+/// The two values in an array that is known to have two places.
+fn ordered<const D: usize>(mut values: [Complex; D], pair: [Complex; 2]) -> [Complex; D] {
+    values
+        .iter_mut()
+        .zip(pair)
+        .for_each(|(value, known)| *value = known);
+    values
+}
+
 /// A right eigenvector to a computed eigenvalue, of unit length, its largest component real and
 /// positive. Where the eigenvalue is degenerate, one vector of its space.
 pub fn eigenvector<const D: usize>(
@@ -65,7 +93,11 @@ pub fn eigenvector<const D: usize>(
             // Both rows of (M - lambda) annihilate the vector; the longer one is the accurate one.
             let rows = [0, 1].map(|row| (shifted[(row, 0)], shifted[(row, 1)]));
             let length = |(a, b): (Complex, Complex)| a.norm_sqr() + b.norm_sqr();
-            let (a, b) = if length(rows[0]) >= length(rows[1]) { rows[0] } else { rows[1] };
+            let (a, b) = if length(rows[0]) >= length(rows[1]) {
+                rows[0]
+            } else {
+                rows[1]
+            };
             let scale = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
             if length((a, b)).sqrt() <= 1e-14 * scale || length((a, b)) == 0.0 {
                 vector[0] = Complex::new(1.0, 0.0);
@@ -77,7 +109,9 @@ pub fn eigenvector<const D: usize>(
         _ => {
             let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| shifted[(i, j)]);
             let svd = dynamic.try_svd(false, true, f64::EPSILON, MAXIMUM_ITERATIONS);
-            if let Some((values, adjoint)) = svd.and_then(|svd| Some((svd.singular_values, svd.v_t?))) {
+            if let Some((values, adjoint)) =
+                svd.and_then(|svd| Some((svd.singular_values, svd.v_t?)))
+            {
                 let smallest = values.imin();
                 for i in 0..D {
                     vector[i] = adjoint[(smallest, i)].conj();
@@ -99,10 +133,19 @@ pub fn left_eigenvector<const D: usize>(
 }
 
 fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector<Complex, D> {
-    let length = vector.iter().map(|component| component.norm_sqr()).sum::<f64>().sqrt();
+    let length = vector
+        .iter()
+        .map(|component| component.norm_sqr())
+        .sum::<f64>()
+        .sqrt();
     // The first of nearly equal components decides, so that rounding cannot flip the sign.
-    let largest = vector.iter().map(|component| component.norm()).fold(0.0, f64::max);
-    let leading = vector.iter().find(|component| component.norm() >= 0.999 * largest);
+    let largest = vector
+        .iter()
+        .map(|component| component.norm())
+        .fold(0.0, f64::max);
+    let leading = vector
+        .iter()
+        .find(|component| component.norm() >= 0.999 * largest);
     let Some(&leading) = leading.filter(|leading| leading.norm() > 0.0) else {
         return vector;
     };

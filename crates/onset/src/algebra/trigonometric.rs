@@ -13,8 +13,19 @@ impl TrigonometricPolynomial {
     /// `constant + cosine cos t + sine sin t`.
     pub fn first_order(constant: f64, cosine: f64, sine: f64) -> Self {
         Self {
-            coefficients: vec![Complex::new(constant, 0.0), Complex::new(0.5 * cosine, -0.5 * sine)],
+            coefficients: vec![
+                Complex::new(constant, 0.0),
+                Complex::new(0.5 * cosine, -0.5 * sine),
+            ],
         }
+    }
+
+    /// The largest coefficient.
+    pub fn magnitude(&self) -> f64 {
+        self.coefficients
+            .iter()
+            .map(|c| c.norm())
+            .fold(0.0, f64::max)
     }
 
     fn order(&self) -> usize {
@@ -44,23 +55,36 @@ impl TrigonometricPolynomial {
     /// The derivative with respect to the angle.
     pub fn derivative(&self) -> Self {
         let differentiate = |(m, c): (usize, &Complex)| Complex::new(0.0, m as f64) * c;
-        Self { coefficients: self.coefficients.iter().enumerate().map(differentiate).collect() }
+        Self {
+            coefficients: self
+                .coefficients
+                .iter()
+                .enumerate()
+                .map(differentiate)
+                .collect(),
+        }
     }
 
     /// The linear combination `a self + b other`.
     pub fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
         let order = self.order().max(other.order()) as isize;
         let sum = |m| self.coefficient(m) * a + other.coefficient(m) * b;
-        Self { coefficients: (0..=order).map(sum).collect() }
+        Self {
+            coefficients: (0..=order).map(sum).collect(),
+        }
     }
 
     /// The product with another polynomial.
     pub fn times(&self, other: &Self) -> Self {
         let (own, foreign) = (self.order() as isize, other.order() as isize);
         let convolve = |m: isize| {
-            (-own..=own).map(|n| self.coefficient(n) * other.coefficient(m - n)).sum::<Complex>()
+            (-own..=own)
+                .map(|n| self.coefficient(n) * other.coefficient(m - n))
+                .sum::<Complex>()
         };
-        Self { coefficients: (0..=own + foreign).map(convolve).collect() }
+        Self {
+            coefficients: (0..=own + foreign).map(convolve).collect(),
+        }
     }
 
     /// Angles among which are all real zeros, to rounding; others may be among them.
@@ -71,14 +95,17 @@ impl TrigonometricPolynomial {
     /// computed less accurately, perhaps off the circle, and must not be lost for that. Callers
     /// minimize over the angles, for which a spurious one does no harm.
     pub fn zero_candidates(&self) -> Vec<f64> {
-        let scale = self.coefficients.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let scale = self.magnitude();
         let mut order = self.order();
         while order > 0 && self.coefficients[order].norm() <= 1e-15 * scale {
             order -= 1;
         }
         let order = order as isize;
         let ascending: Vec<Complex> = (-order..=order).map(|m| self.coefficient(m)).collect();
-        aberth(&ascending).into_iter().map(|z| z.im.atan2(z.re)).collect()
+        aberth(&ascending)
+            .into_iter()
+            .map(|z| z.im.atan2(z.re))
+            .collect()
     }
 
     /// The global minimum over the angle: `(angle, value)`.
@@ -112,7 +139,7 @@ fn aberth(ascending: &[Complex]) -> Vec<Complex> {
                 slope = slope * z + value;
                 value = value * z + c;
             }
-            if value.norm() == 0.0 {
+            if value.norm_sqr() == 0.0 {
                 continue;
             }
             let newton = slope / value;
@@ -123,10 +150,10 @@ fn aberth(ascending: &[Complex]) -> Vec<Complex> {
             let step = (newton - repulsion).inv();
             if step.is_finite() {
                 zeros[n] -= step;
-                largest_step = largest_step.max(step.norm() / zeros[n].norm().max(1.0));
+                largest_step = largest_step.max(step.norm_sqr() / zeros[n].norm_sqr().max(1.0));
             }
         }
-        if largest_step < 1e-15 {
+        if largest_step < 1e-30 {
             break;
         }
     }
@@ -140,7 +167,8 @@ mod tests {
     #[test]
     fn minimum_between_any_samples_is_found() {
         // A narrow well: (1 - cos(t - 0.123456))^1 plus a slope, squared.
-        let shifted = TrigonometricPolynomial::first_order(1.0, -(0.123456_f64).cos(), -(0.123456_f64).sin());
+        let shifted =
+            TrigonometricPolynomial::first_order(1.0, -(0.123456_f64).cos(), -(0.123456_f64).sin());
         let quartic = shifted.times(&shifted);
         let (angle, value) = quartic.minimum();
         assert!((angle - 0.123456).abs() < 1e-4, "{angle}");

@@ -12,7 +12,11 @@ use thiserror::Error;
 
 /// How weights are corrected to become shape functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Approximation {
     /// The weight itself, times the particle volume over the weight's integral.
     Raw,
@@ -101,15 +105,24 @@ impl Approximation {
                 Ok(fixed.shape_functions(&terms(weights, constant), order))
             }
             (Self::Shepard, _) => solved(&terms(weights, constant), order),
-            (Self::Mls, 1) => {
-                solved(&terms(weights, |k| BasisValue::<D, 2>::linear(&positions[k], length)), order)
-            }
-            (Self::Mls, 2) => {
-                solved(&terms(weights, |k| BasisValue::<D, 3>::linear(&positions[k], length)), order)
-            }
-            (Self::Mls, _) => {
-                solved(&terms(weights, |k| BasisValue::<D, 4>::linear(&positions[k], length)), order)
-            }
+            (Self::Mls, 1) => solved(
+                &terms(weights, |k| {
+                    BasisValue::<D, 2>::linear(&positions[k], length)
+                }),
+                order,
+            ),
+            (Self::Mls, 2) => solved(
+                &terms(weights, |k| {
+                    BasisValue::<D, 3>::linear(&positions[k], length)
+                }),
+                order,
+            ),
+            (Self::Mls, _) => solved(
+                &terms(weights, |k| {
+                    BasisValue::<D, 4>::linear(&positions[k], length)
+                }),
+                order,
+            ),
         }
     }
 }
@@ -122,7 +135,10 @@ struct BasisValue<const D: usize, const B: usize> {
 
 impl<const D: usize, const B: usize> BasisValue<D, B> {
     fn constant() -> Self {
-        Self { value: SVector::repeat(1.0), gradient: [SVector::zeros(); D] }
+        Self {
+            value: SVector::repeat(1.0),
+            gradient: [SVector::zeros(); D],
+        }
     }
 
     /// `p = (1, xi / length)`.
@@ -150,7 +166,10 @@ fn terms<const D: usize, const B: usize>(
     basis: impl Fn(usize) -> BasisValue<D, B>,
 ) -> Vec<Term<D, B>> {
     let term = |(k, w): (usize, &Weight<D>)| {
-        let BasisValue { value: p, gradient: p1 } = basis(k);
+        let BasisValue {
+            value: p,
+            gradient: p1,
+        } = basis(k);
         let a = p * w.value;
         let a1 = std::array::from_fn(|j| p1[j] * w.value + p * w.gradient[j]);
         let a2 = std::array::from_fn(|j| {
@@ -210,7 +229,14 @@ fn solved<const D: usize, const B: usize>(
             inverse * (moment1[j] * alpha1[t] + moment1[t] * alpha1[j] - moment2 * alpha)
         })
     });
-    Ok(Coefficients { inverse, alpha, alpha1, alpha2, moment1 }.shape_functions(terms, order))
+    Ok(Coefficients {
+        inverse,
+        alpha,
+        alpha1,
+        alpha2,
+        moment1,
+    }
+    .shape_functions(terms, order))
 }
 
 impl<const D: usize, const B: usize> Coefficients<D, B> {
@@ -226,7 +252,12 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
     }
 
     fn shape_functions(&self, terms: &[Term<D, B>], order: Order) -> ShapeFunctions<D> {
-        let Self { alpha, alpha1, alpha2, .. } = self;
+        let Self {
+            alpha,
+            alpha1,
+            alpha2,
+            ..
+        } = self;
         let matrix = |entry: &dyn Fn(usize, usize) -> f64| SMatrix::from_fn(entry);
         let gradient =
             |i: &Term<D, B>| SVector::from_fn(|j, _| alpha1[j].dot(&i.a) - alpha.dot(&i.a1[j]));
@@ -239,7 +270,11 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
         };
         let second = order != Order::First;
         let optional = |make: &dyn Fn(&Term<D, B>) -> SMatrix<f64, D, D>| {
-            if second { terms.iter().map(make).collect() } else { Vec::new() }
+            if second {
+                terms.iter().map(make).collect()
+            } else {
+                Vec::new()
+            }
         };
         ShapeFunctions {
             values: terms.iter().map(|i| alpha.dot(&i.a)).collect(),

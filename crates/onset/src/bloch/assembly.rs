@@ -22,7 +22,10 @@ pub fn dynamical_matrix<const D: usize>(
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
     let discretization = method.discretization();
-    let order = match (discretization.frame, discretization.linearization.is_exact_in_kernel()) {
+    let order = match (
+        discretization.frame,
+        discretization.linearization.is_exact_in_kernel(),
+    ) {
         (Frame::Lagrangian, _) => Order::First,
         (Frame::Eulerian, false) => Order::Second,
         (Frame::Eulerian, true) => Order::Sensitivities,
@@ -43,12 +46,22 @@ pub fn dynamical_matrix<const D: usize>(
                 let sigma = SMatrix::from_fn(|i, j| cauchy[(i, j)]);
                 let tangent = response.spatial_tangent();
                 add_gradient_stiffness(&mut constants, point, &tangent, Some(&sigma), factor);
-                add_kernel_motion(&mut constants, point, &sigma, discretization.linearization, factor);
+                add_kernel_motion(
+                    &mut constants,
+                    point,
+                    &sigma,
+                    discretization.linearization,
+                    factor,
+                );
             }
         }
     }
     let matrix = constants.finish(method.lattice());
-    if matrix.is_finite() { Ok(matrix) } else { Err(MethodError::NotFinite) }
+    if matrix.is_finite() {
+        Ok(matrix)
+    } else {
+        Err(MethodError::NotFinite)
+    }
 }
 
 /// The squared norm of the discrete gradient, `sum_q V_q |B_q(k)|^2 / V0`, on the diagonal of a matrix:
@@ -73,12 +86,13 @@ pub fn gradient_norm<const D: usize>(
 
 fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     let range = |point: &ConfiguredPoint<D>| {
-        (0..D).map(|i| {
-            let coordinates = point.cells.iter().map(|cell| cell[i]);
-            coordinates.clone().max().unwrap_or(0) - coordinates.min().unwrap_or(0)
-        })
-        .max()
-        .unwrap_or(0)
+        (0..D)
+            .map(|i| {
+                let coordinates = point.cells.iter().map(|cell| cell[i]);
+                coordinates.clone().max().unwrap_or(0) - coordinates.min().unwrap_or(0)
+            })
+            .max()
+            .unwrap_or(0)
     };
     configuration.points.iter().map(range).max().unwrap_or(0)
 }

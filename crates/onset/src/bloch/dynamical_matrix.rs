@@ -60,7 +60,11 @@ const LOOSE_RESOLUTION: f64 = 1e6;
 impl<const D: usize> ForceConstants<D> {
     pub(super) fn new(reach: i32) -> Self {
         let side = (2 * reach + 1) as usize;
-        Self { reach, blocks: vec![SMatrix::zeros(); side.pow(D as u32)], loose: BTreeMap::new() }
+        Self {
+            reach,
+            blocks: vec![SMatrix::zeros(); side.pow(D as u32)],
+            loose: BTreeMap::new(),
+        }
     }
 
     /// Adds to the force constant of the lattice vector `to - from`.
@@ -72,7 +76,10 @@ impl<const D: usize> ForceConstants<D> {
 
     /// Adds to the force constant of a vector given by its lattice coordinates.
     pub(super) fn add_loose(&mut self, fractional: SVector<f64, D>, block: &SMatrix<f64, D, D>) {
-        let entry = self.loose.entry(rounded(&fractional)).or_insert((fractional, SMatrix::zeros()));
+        let entry = self
+            .loose
+            .entry(rounded(&fractional))
+            .or_insert((fractional, SMatrix::zeros()));
         entry.1 += block;
     }
 
@@ -94,17 +101,27 @@ impl<const D: usize> ForceConstants<D> {
             pairs.push((cell, 0, self.blocks[index], self.blocks[opposite]));
         }
         while let Some((_, (fractional, forward))) = self.loose.pop_first() {
-            let backward = self.loose.remove(&rounded(&-fractional)).map_or(SMatrix::zeros(), |b| b.1);
-            let cell = std::array::from_fn(|i| (fractional[i] + 0.5 / LOOSE_RESOLUTION).floor() as i32);
+            let backward = self
+                .loose
+                .remove(&rounded(&-fractional))
+                .map_or(SMatrix::zeros(), |b| b.1);
+            let cell =
+                std::array::from_fn(|i| (fractional[i] + 0.5 / LOOSE_RESOLUTION).floor() as i32);
             let place = fractional - SVector::from(cell.map(f64::from));
-            let known = sites.iter().position(|site| (site - place).amax() < 1.0 / LOOSE_RESOLUTION);
+            let known = sites
+                .iter()
+                .position(|site| (site - place).amax() < 1.0 / LOOSE_RESOLUTION);
             let site = known.unwrap_or_else(|| {
                 sites.push(place);
                 sites.len() - 1
             });
             pairs.push((cell, site, forward, backward));
         }
-        let magnitude = pairs.iter().map(|(_, _, f, b)| f.amax() + b.amax()).sum::<f64>() + rigid.amax();
+        let magnitude = pairs
+            .iter()
+            .map(|(_, _, f, b)| f.amax() + b.amax())
+            .sum::<f64>()
+            + rigid.amax();
         let noise = f64::EPSILON * magnitude;
         let mut terms = Vec::new();
         for (cell, site, forward, backward) in pairs {
@@ -112,7 +129,13 @@ impl<const D: usize> ForceConstants<D> {
             rigid += even;
             if even.amax() > 0.0 || odd.amax() > 0.0 {
                 let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);
-                terms.push(Term { vector, cell, site, even, odd });
+                terms.push(Term {
+                    vector,
+                    cell,
+                    site,
+                    even,
+                    odd,
+                });
             }
         }
         if rigid.amax() <= 16.0 * noise {
@@ -127,12 +150,24 @@ impl<const D: usize> ForceConstants<D> {
         let coordinates = terms.iter().flat_map(|term| term.cell);
         let reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
         let vectors = *lattice.vectors();
-        DynamicalMatrix { terms, vectors, sites, reach, rigid, centrosymmetric, hermitian, noise }
+        DynamicalMatrix {
+            terms,
+            vectors,
+            sites,
+            reach,
+            rigid,
+            centrosymmetric,
+            hermitian,
+            noise,
+        }
     }
 }
 
 fn rounded<const D: usize>(fractional: &SVector<f64, D>) -> Vec<i64> {
-    fractional.iter().map(|x| (x * LOOSE_RESOLUTION).round() as i64).collect()
+    fractional
+        .iter()
+        .map(|x| (x * LOOSE_RESOLUTION).round() as i64)
+        .collect()
 }
 
 impl<const D: usize> DynamicalMatrix<D> {
@@ -172,7 +207,11 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// `D(k)` at all points `k = sum_i (j_i / resolution) b_i`, `j_i = 0 .. resolution`, first index
     /// slowest, from tabulated phases. `None` when `D` is not periodic.
-    pub(super) fn on_grid(&self, resolution: usize, half: bool) -> Option<Vec<SMatrix<Complex, D, D>>> {
+    pub(super) fn on_grid(
+        &self,
+        resolution: usize,
+        half: bool,
+    ) -> Option<Vec<SMatrix<Complex, D, D>>> {
         let n = resolution as i64;
         let phases: Vec<(f64, f64)> = (0..n)
             .map(|m| {
@@ -183,7 +222,11 @@ impl<const D: usize> DynamicalMatrix<D> {
         if self.sites.len() > 1 {
             return None;
         }
-        let cells: Vec<[i64; D]> = self.terms.iter().map(|term| term.cell.map(i64::from)).collect();
+        let cells: Vec<[i64; D]> = self
+            .terms
+            .iter()
+            .map(|term| term.cell.map(i64::from))
+            .collect();
         let total = resolution.pow(D as u32);
         let count = if half { total / 2 + 1 } else { total };
         let mut grid = Vec::with_capacity(count);
@@ -212,8 +255,11 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// `T = -1/2 sum_R Phi(R) R (x) R`. Units length^2/time^2.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
         Stiffness::from_fn(|i, j, k, l| {
-            let sum: f64 =
-                self.terms.iter().map(|term| term.even[(i, k)] * (term.vector[j] * term.vector[l])).sum();
+            let sum: f64 = self
+                .terms
+                .iter()
+                .map(|term| term.even[(i, k)] * (term.vector[j] * term.vector[l]))
+                .sum();
             -0.5 * sum
         })
     }
@@ -246,8 +292,11 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// Rounding error to expect in `D(k) / |k|^2` for long waves. Length^2/time^2.
     pub(super) fn long_wave_noise(&self) -> f64 {
-        let sum: f64 =
-            self.terms.iter().map(|term| term.even.amax() * term.vector.norm_squared()).sum();
+        let sum: f64 = self
+            .terms
+            .iter()
+            .map(|term| term.even.amax() * term.vector.norm_squared())
+            .sum();
         0.5 * f64::EPSILON * sum
     }
 
@@ -278,15 +327,28 @@ impl<const D: usize> HalfPhases<D> {
         for n in 0..matrix.reach {
             powers.push(std::array::from_fn(|d| powers[n][d] * steps[d]));
         }
-        let sites = matrix.sites.iter().skip(1).map(|site| half_phase(matrix.vectors * site)).collect();
+        let sites = matrix
+            .sites
+            .iter()
+            .skip(1)
+            .map(|site| half_phase(matrix.vectors * site))
+            .collect();
         Self { powers, sites }
     }
 
     fn of(&self, term: &Term<D>) -> Complex {
-        let mut phase = if term.site == 0 { Complex::new(1.0, 0.0) } else { self.sites[term.site - 1] };
+        let mut phase = if term.site == 0 {
+            Complex::new(1.0, 0.0)
+        } else {
+            self.sites[term.site - 1]
+        };
         for d in 0..D {
             let power = self.powers[term.cell[d].unsigned_abs() as usize][d];
-            phase *= if term.cell[d] < 0 { power.conj() } else { power };
+            phase *= if term.cell[d] < 0 {
+                power.conj()
+            } else {
+                power
+            };
         }
         phase
     }

@@ -25,5 +25,7 @@ use crate::algebra::Complex;
 /// assert!((growth_rate(Complex::new(3.0, 4.0)) - 1.0).abs() < 1e-15);
 /// ```
 pub fn growth_rate(omega_squared: Complex) -> f64 {
-    (0.5 * (omega_squared.norm() - omega_squared.re)).max(0.0).sqrt()
+    (0.5 * (omega_squared.norm() - omega_squared.re))
+        .max(0.0)
+        .sqrt()
 }

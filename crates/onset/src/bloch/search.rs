@@ -84,7 +84,11 @@ impl<const D: usize> SpectrumSummary<D> {
 
     /// The growth rate of the fastest growing mode, zero when stable. 1/time.
     pub fn growth_rate(&self) -> f64 {
-        if self.is_stable() { 0.0 } else { growth_rate(self.fastest_growing.omega_squared) }
+        if self.is_stable() {
+            0.0
+        } else {
+            growth_rate(self.fastest_growing.omega_squared)
+        }
     }
 
     /// The critical time step of central differences without damping, `2 / omega_max`.
@@ -111,8 +115,10 @@ enum Objective {
 #[derive(Clone, Debug)]
 pub struct ZoneSearch<const D: usize> {
     zone: BrillouinZone<D>,
-    /// From the reference lattice to the one whose zone is searched.
-    home: SMatrix<f64, D, D>,
+    /// From wave vectors of the searched zone to reference wave vectors, `home^T`.
+    to_reference: SMatrix<f64, D, D>,
+    /// The inverse.
+    from_reference: SMatrix<f64, D, D>,
     reference: BravaisLattice<D>,
     is_periodic: bool,
     speed_squared: f64,
@@ -127,9 +133,11 @@ impl<const D: usize> ZoneSearch<D> {
     /// `None` when the lattice degenerates in floating point.
     pub fn new(method: &Method<D>, f: &DeformationGradient, speed_squared: f64) -> Option<Self> {
         let home = method.home_map(f);
+        let inverse = DMatrix::from_fn(D, D, |i, j| home[(j, i)]).try_inverse()?;
         Some(Self {
             zone: BrillouinZone::new(method.lattice().mapped(&home)?),
-            home,
+            to_reference: home.transpose(),
+            from_reference: SMatrix::from_fn(|i, j| inverse[(i, j)]),
             reference: *method.lattice(),
             is_periodic: method.is_periodic(),
             speed_squared,
@@ -148,13 +156,20 @@ impl<const D: usize> ZoneSearch<D> {
         let lowest = self
             .bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re)
             .map(|bottom| self.mode(matrix, &bottom.1))
-            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -self.tolerance(matrix))
+            .filter(|mode| {
+                mode.omega_squared.re < rest.omega_squared.re
+                    && mode.scaled < -self.tolerance(matrix)
+            })
             .unwrap_or(rest);
-        let fluttering = self.flutter(matrix, &grid).map(|mode| self.fastest_flutter(matrix, &mode));
+        let fluttering = self
+            .flutter(matrix, &grid)
+            .map(|mode| self.fastest_flutter(matrix, &mode));
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
-        let highest = self.bottom(matrix, &grid, Objective::Highest, f64::INFINITY).map_or(0.0, |bottom| -bottom.0);
+        let highest = self
+            .bottom(matrix, &grid, Objective::Highest, f64::INFINITY)
+            .map_or(0.0, |bottom| -bottom.0);
         SpectrumSummary {
             softest,
             long_wave,
@@ -171,7 +186,11 @@ impl<const D: usize> ZoneSearch<D> {
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let tolerance = self.tolerance(matrix);
         let grid = self.grid(matrix);
-        let sampled = grid.points.iter().map(|point| point.scaled).fold(f64::INFINITY, f64::min);
+        let sampled = grid
+            .points
+            .iter()
+            .map(|point| point.scaled)
+            .fold(f64::INFINITY, f64::min);
         let mut measure = sampled.min(self.long_wave_limit(matrix).scaled);
         // One witness is enough, and most unstable states have one on the grid.
         if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
@@ -191,6 +210,9 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
     pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
+        // Of equivalent wave vectors the one in the zone is shown.
+        let folded = if self.is_periodic { self.folded(k) } else { *k };
+        let k = &folded;
         let d = matrix.at(k);
         let omega_squared = eigenvalues(&d, matrix.noise())[0];
         let laplacian = self.reference.laplacian(k);
@@ -207,13 +229,18 @@ impl<const D: usize> ZoneSearch<D> {
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
         let map = inverse_square_root(&self.reference.long_wave_metric());
-        let minimum = matrix.long_wave_stiffness().with_directions_mapped(&map).minimum();
+        let minimum = matrix
+            .long_wave_stiffness()
+            .with_directions_mapped(&map)
+            .minimum();
         Mode {
             wave_vector: (map * minimum.direction).normalize(),
             is_long_wave: true,
             omega_squared: Complex::new(0.0, 0.0),
             scaled: minimum.eigenvalue.re / self.speed_squared,
-            polarization: minimum.polarization.map(|component| Complex::new(component, 0.0)),
+            polarization: minimum
+                .polarization
+                .map(|component| Complex::new(component, 0.0)),
         }
     }
 
@@ -235,9 +262,9 @@ impl<const D: usize> ZoneSearch<D> {
         ROUNDING * matrix.long_wave_noise() / self.speed_squared
     }
 
-    /// The reference wave vector of one of the searched zone.
-    fn to_reference(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        self.home.transpose() * k
+    /// The equivalent reference wave vector in the searched zone.
+    fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.to_reference * self.zone.folded(&(self.from_reference * k))
     }
 
     fn value(
@@ -248,7 +275,9 @@ impl<const D: usize> ZoneSearch<D> {
         omega_squared: &[Complex; D],
     ) -> f64 {
         match objective {
-            Objective::Scaled => omega_squared[0].re / (self.speed_squared * self.reference.laplacian(k)),
+            Objective::Scaled => {
+                omega_squared[0].re / (self.speed_squared * self.reference.laplacian(k))
+            }
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
             Objective::Discriminant => match D {
@@ -262,7 +291,12 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    fn value_at(&self, matrix: &DynamicalMatrix<D>, objective: Objective, k: &SVector<f64, D>) -> f64 {
+    fn value_at(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        k: &SVector<f64, D>,
+    ) -> f64 {
         let d = matrix.at(k);
         self.value(objective, k, &d, &eigenvalues(&d, matrix.noise()))
     }
@@ -272,21 +306,42 @@ impl<const D: usize> ZoneSearch<D> {
     fn grid(&self, matrix: &DynamicalMatrix<D>) -> Grid<D> {
         // Six points per period of the fastest phase; a multiple of six has M, X and K among its points.
         let resolution = (6 * matrix.reach()).clamp(24, 192);
-        let resolution = if D == 3 { resolution.min(48) } else { resolution };
+        let resolution = if D == 3 {
+            resolution.min(48)
+        } else {
+            resolution
+        };
         let total = resolution.pow(D as u32);
-        let matrices = if self.is_periodic { matrix.on_grid(resolution, true) } else { None };
+        let matrices = if self.is_periodic {
+            matrix.on_grid(resolution, true)
+        } else {
+            None
+        };
         let mut points = Vec::with_capacity(total);
         // D(-k) = conj D(k), and index `total - n` (in each coordinate) is -k: half of the grid is enough.
         for index in 0..total {
             let opposite = opposite_index::<D>(index, resolution);
             if opposite < index {
                 let GridPoint { k, .. }: GridPoint<D> = points[opposite];
-                points.push(GridPoint { k: -k, ..points[opposite] });
+                points.push(GridPoint {
+                    k: -k,
+                    ..points[opposite]
+                });
                 continue;
             }
-            let fractional = grid_coordinates::<D>(index, resolution).map(|j| j as f64 / resolution as f64);
-            let k = self.zone.folded(&self.zone.wave_vector(&SVector::from(fractional)));
-            let k = self.to_reference(&k);
+            let centered = |j: usize| {
+                if 2 * j > resolution {
+                    j as f64 - resolution as f64
+                } else {
+                    j as f64
+                }
+            };
+            let fractional =
+                grid_coordinates::<D>(index, resolution).map(|j| centered(j) / resolution as f64);
+            let mut k = self.reference.reciprocal() * SVector::from(fractional);
+            if !self.is_periodic {
+                k = self.folded(&k);
+            }
             let d = match matrices.as_ref().and_then(|matrices| matrices.get(index)) {
                 Some(d) => *d,
                 None => matrix.at(&k),
@@ -295,7 +350,11 @@ impl<const D: usize> ZoneSearch<D> {
             let value = |objective| self.value(objective, &k, &d, &omega_squared);
             points.push(GridPoint {
                 k,
-                scaled: if index == 0 { f64::INFINITY } else { value(Objective::Scaled) },
+                scaled: if index == 0 {
+                    f64::INFINITY
+                } else {
+                    value(Objective::Scaled)
+                },
                 lowest: value(Objective::Lowest),
                 highest: value(Objective::Highest),
                 discriminant: value(Objective::Discriminant),
@@ -313,8 +372,11 @@ impl<const D: usize> ZoneSearch<D> {
         floor: f64,
     ) -> Option<Candidate<D>> {
         // On the boundary of a zone that does not repeat, the minimum need not be stationary.
-        let boundary =
-            if self.is_periodic { Vec::new() } else { self.boundary_minima(matrix, objective) };
+        let boundary = if self.is_periodic {
+            Vec::new()
+        } else {
+            self.boundary_minima(matrix, objective)
+        };
         grid.wells(objective)
             .into_iter()
             .take(WELLS)
@@ -326,22 +388,19 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Whether a wave vector belongs to the search: inside of the zone where `D` is not periodic.
     fn is_admissible(&self, k: &SVector<f64, D>) -> bool {
-        // home^T k_home = k, so k_home . x = k . (home^-1 x): solved by LU, D is at most three.
-        self.is_periodic
-            || DMatrix::from_fn(D, D, |i, j| self.home[(j, i)])
-                .lu()
-                .solve(&DVector::from_fn(D, |i, _| k[i]))
-                .is_some_and(|solved| {
-                    self.zone.contains(&SVector::from_fn(|i, _| solved[i]), 1e-9)
-                })
+        self.is_periodic || self.zone.contains(&(self.from_reference * k), 1e-9)
     }
 
     /// Minima along the boundary of the zone, for matrices that are not periodic.
-    fn boundary_minima(&self, matrix: &DynamicalMatrix<D>, objective: Objective) -> Vec<Candidate<D>> {
-        const SAMPLES: usize = 32;
+    fn boundary_minima(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+    ) -> Vec<Candidate<D>> {
+        const SAMPLES: usize = 24;
         let corners = self.zone.corners();
         let at = |k: &SVector<f64, D>| {
-            let k = self.to_reference(k);
+            let k = self.to_reference * k;
             (self.value_at(matrix, objective, &k), k)
         };
         let mut minima: Vec<Candidate<D>> = corners.iter().map(at).collect();
@@ -352,10 +411,15 @@ impl<const D: usize> ZoneSearch<D> {
         for edge in 0..corners.len().div_ceil(2) {
             let (from, to) = (corners[edge], corners[(edge + 1) % corners.len()]);
             let along = |t: f64| at(&(from + (to - from) * t)).0;
-            let samples: Vec<f64> = (0..=SAMPLES).map(|n| along(n as f64 / SAMPLES as f64)).collect();
+            let samples: Vec<f64> = (0..=SAMPLES)
+                .map(|n| along(n as f64 / SAMPLES as f64))
+                .collect();
             for n in 1..SAMPLES {
                 if samples[n] <= samples[n - 1] && samples[n] <= samples[n + 1] {
-                    let (low, high) = ((n - 1) as f64 / SAMPLES as f64, (n + 1) as f64 / SAMPLES as f64);
+                    let (low, high) = (
+                        (n - 1) as f64 / SAMPLES as f64,
+                        (n + 1) as f64 / SAMPLES as f64,
+                    );
                     minima.push(at(&(from + (to - from) * golden_section(&along, low, high))));
                 }
             }
@@ -369,8 +433,17 @@ impl<const D: usize> ZoneSearch<D> {
         if D == 1 || matrix.is_hermitian() {
             return None;
         }
-        let largest = grid.points.iter().map(|point| point.highest.abs()).fold(0.0, f64::max);
-        let (_, k) = self.bottom(matrix, grid, Objective::Discriminant, -matrix.noise() * largest)?;
+        let largest = grid
+            .points
+            .iter()
+            .map(|point| point.highest.abs())
+            .fold(0.0, f64::max);
+        let (_, k) = self.bottom(
+            matrix,
+            grid,
+            Objective::Discriminant,
+            -matrix.noise() * largest,
+        )?;
         let mode = self.fluttering_mode(matrix, &k)?;
         let spacing = self.reference.vectors().column(0).norm();
         let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
@@ -381,7 +454,11 @@ impl<const D: usize> ZoneSearch<D> {
     fn fastest_flutter(&self, matrix: &DynamicalMatrix<D>, start: &Mode<D>) -> Mode<D> {
         let step = 0.05 * self.reference.reciprocal().column(0).norm();
         let slowness = |k: &SVector<f64, D>| {
-            if self.is_admissible(k) { -complex_growth(&matrix.omega_squared(k)) } else { 0.0 }
+            if self.is_admissible(k) {
+                -complex_growth(&matrix.omega_squared(k))
+            } else {
+                0.0
+            }
         };
         let (_, k) = coordinate_search(&slowness, start.wave_vector, step);
         self.fluttering_mode(matrix, &k).unwrap_or(*start)
@@ -389,12 +466,17 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The fastest growing mode with a complex `omega^2` at a wave vector.
     fn fluttering_mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Option<Mode<D>> {
-        let d = matrix.at(k);
+        let mode = self.mode(matrix, k);
+        let d = matrix.at(&mode.wave_vector);
         let omega_squared = eigenvalues(&d, matrix.noise())
             .into_iter()
             .filter(|value| value.im != 0.0)
             .max_by(|a, b| growth_rate(*a).total_cmp(&growth_rate(*b)))?;
-        Some(Mode { omega_squared, polarization: eigenvector(&d, omega_squared), ..self.mode(matrix, k) })
+        Some(Mode {
+            omega_squared,
+            polarization: eigenvector(&d, omega_squared),
+            ..mode
+        })
     }
 
     // ---- descent -------------------------------------------------------------------------------
@@ -408,7 +490,12 @@ impl<const D: usize> ZoneSearch<D> {
         start: Candidate<D>,
         floor: f64,
     ) -> Candidate<D> {
-        let longest = self.reference.reciprocal().column_iter().map(|b| b.norm()).fold(0.0, f64::max);
+        let longest = self
+            .reference
+            .reciprocal()
+            .column_iter()
+            .map(|b| b.norm())
+            .fold(0.0, f64::max);
         let at = |k: &SVector<f64, D>| {
             // The limit of long waves is taken exactly elsewhere.
             if objective == Objective::Scaled && k.norm() < LONG_WAVE * longest {
@@ -485,8 +572,7 @@ impl<const D: usize> ZoneSearch<D> {
         longest: f64,
     ) -> SVector<f64, D> {
         let h = 1e-5 * longest;
-        let hessian = DMatrix::from_fn(D, D, |_, _| 0.0);
-        let mut hessian = hessian;
+        let mut hessian = DMatrix::zeros(D, D);
         for a in 0..D {
             let mut shift = SVector::<f64, D>::zeros();
             shift[a] = h;
@@ -503,10 +589,14 @@ impl<const D: usize> ZoneSearch<D> {
             SVector::<f64, D>::from_fn(|i, _| solved[i])
         });
         let limit = 0.1 * longest;
-        let step = newton.filter(|step| step.iter().all(|x| x.is_finite())).unwrap_or_else(|| {
-            -gradient * (0.05 * longest / gradient.norm())
-        });
-        if step.norm() > limit { step * (limit / step.norm()) } else { step }
+        let step = newton
+            .filter(|step| step.iter().all(|x| x.is_finite()))
+            .unwrap_or_else(|| -gradient * (0.05 * longest / gradient.norm()));
+        if step.norm() > limit {
+            step * (limit / step.norm())
+        } else {
+            step
+        }
     }
 
     /// The gradient of the objective: `d lambda = y^T dD x / (y^T x)` with left and right eigenvectors.
@@ -523,12 +613,23 @@ impl<const D: usize> ZoneSearch<D> {
                 let slope = &derivatives[a];
                 let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
                 let product = slope[(0, 1)] * d[(1, 0)] + d[(0, 1)] * slope[(1, 0)];
-                if D == 2 { (half * (slope[(0, 0)] - slope[(1, 1)]) + product).re } else { f64::NAN }
+                if D == 2 {
+                    (half * (slope[(0, 0)] - slope[(1, 1)]) + product).re
+                } else {
+                    f64::NAN
+                }
             });
         }
-        let branch = if objective == Objective::Highest { D - 1 } else { 0 };
+        let branch = if objective == Objective::Highest {
+            D - 1
+        } else {
+            0
+        };
         let eigenvalue = eigenvalues(&d, matrix.noise())[branch];
-        let (right, left) = (eigenvector(&d, eigenvalue), left_eigenvector(&d, eigenvalue));
+        let (right, left) = (
+            eigenvector(&d, eigenvalue),
+            left_eigenvector(&d, eigenvalue),
+        );
         let product = |a: &SVector<Complex, D>, b: &SVector<Complex, D>| {
             a.iter().zip(b.iter()).map(|(a, b)| a * b).sum::<Complex>()
         };
@@ -543,7 +644,8 @@ impl<const D: usize> ZoneSearch<D> {
             Objective::Scaled => {
                 let laplacian = self.reference.laplacian(k);
                 let quotient = eigenvalue.re / laplacian;
-                (slope - self.reference.laplacian_gradient(k) * quotient) / (self.speed_squared * laplacian)
+                (slope - self.reference.laplacian_gradient(k) * quotient)
+                    / (self.speed_squared * laplacian)
             }
         }
     }
@@ -595,16 +697,22 @@ impl<const D: usize> Grid<D> {
     fn neighbors(&self, index: usize) -> impl Iterator<Item = usize> {
         let n = self.resolution;
         let center = grid_coordinates::<D>(index, n);
-        (0..3_usize.pow(D as u32)).filter(move |&shift| shift != 3_usize.pow(D as u32) / 2).map(move |shift| {
-            let offsets = grid_coordinates::<D>(shift, 3);
-            (0..D).fold(0, |sum, i| sum * n + (center[i] + offsets[i] + n - 1) % n)
-        })
+        (0..3_usize.pow(D as u32))
+            .filter(move |&shift| shift != 3_usize.pow(D as u32) / 2)
+            .map(move |shift| {
+                let offsets = grid_coordinates::<D>(shift, 3);
+                (0..D).fold(0, |sum, i| sum * n + (center[i] + offsets[i] + n - 1) % n)
+            })
     }
 }
 
 /// The fastest growth among complex eigenvalues.
 fn complex_growth(omega_squared: &[Complex]) -> f64 {
-    omega_squared.iter().filter(|value| value.im != 0.0).map(|value| growth_rate(*value)).fold(0.0, f64::max)
+    omega_squared
+        .iter()
+        .filter(|value| value.im != 0.0)
+        .map(|value| growth_rate(*value))
+        .fold(0.0, f64::max)
 }
 
 fn opposite_index<const D: usize>(index: usize, resolution: usize) -> usize {
@@ -631,7 +739,7 @@ fn golden_section(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
     let (mut fa, mut fb) = (f(a), f(b));
-    for _ in 0..40 {
+    for _ in 0..30 {
         if fa <= fb {
             (high, b, fb) = (b, a, fa);
             a = high - ratio * (high - low);

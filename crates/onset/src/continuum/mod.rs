@@ -37,7 +37,9 @@ impl<const D: usize> Stiffness<D> {
         let block = |j: usize, l: usize| {
             SMatrix::from_fn(|i, k| 0.5 * (component(i, j, k, l) + component(i, l, k, j)))
         };
-        Self(std::array::from_fn(|j| std::array::from_fn(|l| block(j, l))))
+        Self(std::array::from_fn(|j| {
+            std::array::from_fn(|l| block(j, l))
+        }))
     }
 
     /// The part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D,
@@ -73,7 +75,9 @@ impl<const D: usize> Stiffness<D> {
             }
             sum
         };
-        Self(std::array::from_fn(|a| std::array::from_fn(|b| block(a, b))))
+        Self(std::array::from_fn(|a| {
+            std::array::from_fn(|b| block(a, b))
+        }))
     }
 
     /// The smallest eigenvalue over all directions, with direction and polarization.
@@ -87,7 +91,11 @@ impl<const D: usize> Stiffness<D> {
             _ => spherical::minimizing_direction(self),
         };
         let (eigenvalue, polarization) = self.smallest_eigenpair(&direction);
-        AcousticMinimum { eigenvalue, direction: oriented(direction), polarization }
+        AcousticMinimum {
+            eigenvalue,
+            direction: oriented(direction),
+            polarization,
+        }
     }
 
     /// Whether the acoustic tensor is positive definite in every direction, equation (28).
@@ -103,12 +111,21 @@ impl<const D: usize> Stiffness<D> {
 
     /// The smallest eigenvalue (by real part) in one direction, and its polarization.
     fn smallest_eigenpair(&self, direction: &SVector<f64, D>) -> (Complex, SVector<f64, D>) {
-        let q = self.acoustic_tensor(direction).map(|entry| Complex::new(entry, 0.0));
+        let q = self
+            .acoustic_tensor(direction)
+            .map(|entry| Complex::new(entry, 0.0));
         let scale = q.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
         let eigenvalue = eigenvalues(&q, f64::EPSILON * scale)[0];
         let vector = eigenvector(&q, eigenvalue).map(|component| component.re);
         let length = vector.norm();
-        (eigenvalue, if length > 0.0 { vector / length } else { vector })
+        (
+            eigenvalue,
+            if length > 0.0 {
+                vector / length
+            } else {
+                vector
+            },
+        )
     }
 
     /// The largest real part of an eigenvalue over all directions: the fastest wave.
@@ -122,7 +139,13 @@ impl<const D: usize> Stiffness<D> {
 /// Of `N` and `-N`, which are the same direction, the one whose first component that is not
 /// negligible is positive.
 fn oriented<const D: usize>(direction: SVector<f64, D>) -> SVector<f64, D> {
-    let cleaned = direction.map(|component| if component.abs() < 1e-15 { 0.0 } else { component });
+    let cleaned = direction.map(|component| {
+        if component.abs() < 1e-15 {
+            0.0
+        } else {
+            component
+        }
+    });
     match cleaned.iter().find(|component| **component != 0.0) {
         Some(first) if *first < 0.0 => cleaned.map(|component| 0.0 - component),
         _ => cleaned,

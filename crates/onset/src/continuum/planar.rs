@@ -20,13 +20,20 @@ struct Entries {
 
 impl Entries {
     fn of<const D: usize>(stiffness: &Stiffness<D>) -> Self {
-        let blocks: [[&SMatrix<f64, D, D>; 2]; 2] =
-            [[&stiffness.0[0][0], &stiffness.0[0][1]], [&stiffness.0[1][0], &stiffness.0[1][1]]];
+        let blocks: [[&SMatrix<f64, D, D>; 2]; 2] = [
+            [&stiffness.0[0][0], &stiffness.0[0][1]],
+            [&stiffness.0[1][0], &stiffness.0[1][1]],
+        ];
         let entry = |i: usize, k: usize| {
             let [[xx, xy], [yx, yy]] = blocks.map(|row| row.map(|block| block[(i, k)]));
             TrigonometricPolynomial::first_order(0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx))
         };
-        Self { q11: entry(0, 0), q12: entry(0, 1), q21: entry(1, 0), q22: entry(1, 1) }
+        Self {
+            q11: entry(0, 0),
+            q12: entry(0, 1),
+            q21: entry(1, 0),
+            q22: entry(1, 1),
+        }
     }
 
     fn half_trace(&self) -> TrigonometricPolynomial {
@@ -35,11 +42,14 @@ impl Entries {
 
     fn discriminant(&self) -> TrigonometricPolynomial {
         let half = self.q11.combine(0.5, &self.q22, -0.5);
-        half.times(&half).combine(1.0, &self.q12.times(&self.q21), 1.0)
+        half.times(&half)
+            .combine(1.0, &self.q12.times(&self.q21), 1.0)
     }
 
     fn determinant(&self) -> TrigonometricPolynomial {
-        self.q11.times(&self.q22).combine(1.0, &self.q12.times(&self.q21), -1.0)
+        self.q11
+            .times(&self.q22)
+            .combine(1.0, &self.q12.times(&self.q21), -1.0)
     }
 }
 
@@ -52,12 +62,19 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
     let entries = Entries::of(stiffness);
     let (h, d) = (entries.half_trace(), entries.discriminant());
     let (slope, d_slope) = (h.derivative(), d.derivative());
-    let stationary = d.times(&slope.times(&slope)).combine(4.0, &d_slope.times(&d_slope), -1.0);
+    let stationary = d
+        .times(&slope.times(&slope))
+        .combine(4.0, &d_slope.times(&d_slope), -1.0);
 
     let eigenvalue = |t: f64| h.at(t) - d.at(t).max(0.0).sqrt();
     // The axes are added for the isotropic case, in which every direction is stationary.
     let mut candidates = vec![0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI];
-    candidates.extend(stationary.zero_candidates());
+    // Where one eigenvalue is the same in all directions the polynomial vanishes identically, and the other
+    // one is stationary with the trace.
+    let expected = d.magnitude() * slope.magnitude().powi(2) + d_slope.magnitude().powi(2);
+    if stationary.magnitude() > 1e-13 * expected {
+        candidates.extend(stationary.zero_candidates());
+    }
     candidates.extend(slope.zero_candidates());
     let mut best = (candidates[0], eigenvalue(candidates[0]));
     for t in candidates {
@@ -69,7 +86,13 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
         }
     }
     let half_angle = 0.5 * best.0;
-    SVector::from_fn(|i, _| if i == 0 { half_angle.cos() } else { half_angle.sin() })
+    SVector::from_fn(|i, _| {
+        if i == 0 {
+            half_angle.cos()
+        } else {
+            half_angle.sin()
+        }
+    })
 }
 
 /// Newton's method on the derivative of `h - sqrt(d)`, kept only while the eigenvalue falls: removes

@@ -1,7 +1,8 @@
 //! Directions on the sphere: a search from many starts with local refinement.
 
 use super::Stiffness;
-use nalgebra::SVector;
+use crate::algebra::{Complex, eigenvalues};
+use nalgebra::{SMatrix, SVector};
 
 /// Starting directions spread over the half sphere (a direction and its opposite are the same).
 const STARTS: usize = 160;
@@ -9,7 +10,7 @@ const STARTS: usize = 160;
 const REFINED: usize = 5;
 
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
-    let eigenvalue = |n: &SVector<f64, D>| stiffness.smallest_eigenpair(n).0.re;
+    let eigenvalue = |n: &SVector<f64, D>| smallest_real_part(&stiffness.acoustic_tensor(n));
     let mut starts: Vec<(f64, SVector<f64, D>)> = (0..STARTS)
         .map(fibonacci_direction)
         .chain((0..D).map(|axis| SVector::from_fn(|i, _| f64::from(u8::from(i == axis)))))
@@ -24,6 +25,27 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
         }
     }
     best.1
+}
+
+/// The smallest real part of an eigenvalue. For a symmetric 3 x 3 matrix from the trigonometric solution of the
+/// characteristic equation: good to the square root of rounding near double eigenvalues, enough to search with.
+fn smallest_real_part<const D: usize>(q: &SMatrix<f64, D, D>) -> f64 {
+    let asymmetry = (q - q.transpose()).amax();
+    if D != 3 || asymmetry > 1e-12 * q.amax() {
+        return eigenvalues(&q.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
+    }
+    let mean = q.trace() / 3.0;
+    let deviator = q - SMatrix::<f64, D, D>::identity() * mean;
+    let spread = (deviator.norm_squared() / 6.0).sqrt();
+    if spread == 0.0 {
+        return mean;
+    }
+    let b = |i: usize, j: usize| deviator[(i, j)] / spread;
+    let determinant = b(0, 0) * (b(1, 1) * b(2, 2) - b(1, 2) * b(2, 1))
+        - b(0, 1) * (b(1, 0) * b(2, 2) - b(1, 2) * b(2, 0))
+        + b(0, 2) * (b(1, 0) * b(2, 1) - b(1, 1) * b(2, 0));
+    let angle = (0.5 * determinant).clamp(-1.0, 1.0).acos() / 3.0;
+    mean + 2.0 * spread * (angle + std::f64::consts::TAU / 3.0).cos()
 }
 
 /// The `n`-th of evenly spread directions on the upper half sphere (golden-angle spiral).

@@ -4,7 +4,11 @@ use nalgebra::{SMatrix, SVector};
 
 /// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Kernel {
     /// The quartic spline, equation (35): `W = 1 - 6 q^2 + 8 q^3 - 3 q^4 = (1 - q)^3 (1 + 3 q)`.
     /// `W`, `W'` and `W''` vanish at `q = 1`; the third derivative jumps there and at `q = 0`.
@@ -108,7 +112,9 @@ mod tests {
             .map(|i| {
                 let q = (f64::from(i) + 0.5) / f64::from(n);
                 let x = SVector::<f64, D>::from_fn(|j, _| if j == 0 { q } else { 0.0 });
-                let weight = kernel.weight(&x, 1.0, &SMatrix::identity()).map_or(0.0, |w| w.value);
+                let weight = kernel
+                    .weight(&x, 1.0, &SMatrix::identity())
+                    .map_or(0.0, |w| w.value);
                 surface * weight * q.powi(D as i32 - 1) / f64::from(n)
             })
             .sum()
@@ -127,7 +133,9 @@ mod tests {
     fn equation_35_as_printed_equals_the_factored_form() {
         for q in [0.0_f64, 0.1, 0.5, 0.9, 0.999] {
             let x = SVector::<f64, 2>::new(q * 1.7, 0.0);
-            let weight = Kernel::QuarticSpline.weight(&x, 1.7, &SMatrix::identity()).expect("inside");
+            let weight = Kernel::QuarticSpline
+                .weight(&x, 1.7, &SMatrix::identity())
+                .expect("inside");
             let printed = 1.0 - 6.0 * q.powi(2) + 8.0 * q.powi(3) - 3.0 * q.powi(4);
             assert!((weight.value - printed).abs() < 1e-14);
         }

@@ -66,9 +66,14 @@ impl<R: Real> DeformationGradient<R> {
     /// The right Cauchy-Green tensor `C_IJ = F_kI F_kJ`.
     pub fn right_cauchy_green(&self) -> [[R; 3]; 3] {
         let f = &self.0;
-        let product = |i: usize, j: usize| f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j];
+        let product =
+            |i: usize, j: usize| f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j];
         let (c01, c02, c12) = (product(0, 1), product(0, 2), product(1, 2));
-        [[product(0, 0), c01, c02], [c01, product(1, 1), c12], [c02, c12, product(2, 2)]]
+        [
+            [product(0, 0), c01, c02],
+            [c01, product(1, 1), c12],
+            [c02, c12, product(2, 2)],
+        ]
     }
 
     /// The determinant `J = det F`.
@@ -149,7 +154,10 @@ impl DeformationGradient {
                 return Err(KinematicsError::NotFinite { value });
             }
             if value <= 0.0 {
-                return Err(KinematicsError::StretchNotPositive { index: index + 1, value });
+                return Err(KinematicsError::StretchNotPositive {
+                    index: index + 1,
+                    value,
+                });
             }
         }
         let mut components = [[0.0; 3]; 3];
@@ -164,7 +172,11 @@ impl DeformationGradient {
     /// # Errors
     /// [`KinematicsError`] as for [`DeformationGradient::new`].
     pub fn plane_strain(f: [[f64; 2]; 2], out_of_plane: f64) -> Result<Self, KinematicsError> {
-        Self::new([[f[0][0], f[0][1], 0.0], [f[1][0], f[1][1], 0.0], [0.0, 0.0, out_of_plane]])
+        Self::new([
+            [f[0][0], f[0][1], 0.0],
+            [f[1][0], f[1][1], 0.0],
+            [0.0, 0.0, out_of_plane],
+        ])
     }
 
     /// The volume ratio `J = det F`.
@@ -212,8 +224,15 @@ impl StraightPath {
     ///
     /// # Errors
     /// [`KinematicsError::EmptyPath`] when both are the same.
-    pub fn new(from: DeformationGradient, to: DeformationGradient) -> Result<Self, KinematicsError> {
-        if from == to { Err(KinematicsError::EmptyPath) } else { Ok(Self { from, to }) }
+    pub fn new(
+        from: DeformationGradient,
+        to: DeformationGradient,
+    ) -> Result<Self, KinematicsError> {
+        if from == to {
+            Err(KinematicsError::EmptyPath)
+        } else {
+            Ok(Self { from, to })
+        }
     }
 
     /// The state at the path parameter `s`.

@@ -34,7 +34,9 @@ pub enum LatticeError {
         requested: usize,
     },
     /// Voronoi volumes are computed in one and two dimensions.
-    #[error("Voronoi volumes of a periodic point set are available in 1 and 2 dimensions, not in {dimension}")]
+    #[error(
+        "Voronoi volumes of a periodic point set are available in 1 and 2 dimensions, not in {dimension}"
+    )]
     VoronoiDimension {
         /// The dimension asked for.
         dimension: usize,
@@ -66,7 +68,13 @@ impl<const D: usize> BravaisLattice<D> {
         let inverse = dynamic.try_inverse()?;
         let reciprocal: SMatrix<f64, D, D> =
             SMatrix::from_fn(|i, j| std::f64::consts::TAU * inverse[(i, j)]);
-        reciprocal.iter().all(|value| value.is_finite()).then_some(Self { vectors, reciprocal })
+        reciprocal
+            .iter()
+            .all(|value| value.is_finite())
+            .then_some(Self {
+                vectors,
+                reciprocal,
+            })
     }
 
     /// Primitive vectors `a_i` as columns; length.
@@ -96,19 +104,25 @@ impl<const D: usize> BravaisLattice<D> {
             let sine = (0.5 * k.dot(&a)).sin();
             4.0 * sine * sine / a.norm_squared()
         };
-        (0..D).map(|i| term(self.vectors.column(i).into_owned())).sum()
+        (0..D)
+            .map(|i| term(self.vectors.column(i).into_owned()))
+            .sum()
     }
 
     /// The gradient of [`BravaisLattice::laplacian`] with respect to `k`.
     pub fn laplacian_gradient(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         let term = |a: SVector<f64, D>| a * (2.0 * k.dot(&a).sin() / a.norm_squared());
-        (0..D).map(|i| term(self.vectors.column(i).into_owned())).sum()
+        (0..D)
+            .map(|i| term(self.vectors.column(i).into_owned()))
+            .sum()
     }
 
     /// The metric `G` with `|k|_h^2 -> k . G k` for long waves, `G = sum_i a_i (x) a_i / |a_i|^2`.
     pub fn long_wave_metric(&self) -> SMatrix<f64, D, D> {
         let term = |a: SVector<f64, D>| a * a.transpose() / a.norm_squared();
-        (0..D).map(|i| term(self.vectors.column(i).into_owned())).sum()
+        (0..D)
+            .map(|i| term(self.vectors.column(i).into_owned()))
+            .sum()
     }
 }
 
@@ -124,7 +138,11 @@ pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
 /// How the particles are arranged: one at each point of a Bravais lattice. The centers of the
 /// Delaunay cells are the basis on which stress points may sit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Arrangement {
     /// One dimension: particles at equal distances.
     Chain,
@@ -193,9 +211,12 @@ impl Arrangement {
     pub fn zone_path<const D: usize>(self) -> Vec<(&'static str, Fractional<D>)> {
         let points: &[(&str, [f64; 2])] = match self {
             Self::Chain => &[("Γ", [0.0, 0.0]), ("X", [0.5, 0.0])],
-            Self::Square => {
-                &[("Γ", [0.0, 0.0]), ("X", [0.5, 0.0]), ("M", [0.5, 0.5]), ("Γ", [0.0, 0.0])]
-            }
+            Self::Square => &[
+                ("Γ", [0.0, 0.0]),
+                ("X", [0.5, 0.0]),
+                ("M", [0.5, 0.5]),
+                ("Γ", [0.0, 0.0]),
+            ],
             Self::Hexagonal => &[
                 ("Γ", [0.0, 0.0]),
                 ("M", [0.5, 0.0]),
@@ -203,6 +224,9 @@ impl Arrangement {
                 ("Γ", [0.0, 0.0]),
             ],
         };
-        points.iter().map(|(name, k)| (*name, SVector::from_fn(|i, _| k[i]))).collect()
+        points
+            .iter()
+            .map(|(name, k)| (*name, SVector::from_fn(|i, _| k[i])))
+            .collect()
     }
 }

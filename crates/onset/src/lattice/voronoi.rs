@@ -28,7 +28,9 @@ pub fn voronoi_volumes<const D: usize>(
         2 => cell_area,
         dimension => return Err(LatticeError::VoronoiDimension { dimension }),
     };
-    Ok((0..points.len()).map(|center| volume(&neighbors(center))).collect())
+    Ok((0..points.len())
+        .map(|center| volume(&neighbors(center)))
+        .collect())
 }
 
 /// The vectors from one point to all others and their images near enough to shape its cell.
@@ -54,7 +56,9 @@ fn relative_images<const D: usize>(
                 images.push(relative);
             }
         }
-        let Some(axis) = (0..D).find(|&i| cell[i] < reach[i]) else { return images };
+        let Some(axis) = (0..D).find(|&i| cell[i] < reach[i]) else {
+            return images;
+        };
         for lower in 0..axis {
             cell[lower] = -reach[lower];
         }
@@ -64,15 +68,20 @@ fn relative_images<const D: usize>(
 
 fn cell_length<const D: usize>(neighbors: &[SVector<f64, D>]) -> f64 {
     let nearest = |sign: f64| {
-        neighbors.iter().map(|r| sign * r[0]).filter(|&x| x > 0.0).fold(f64::INFINITY, f64::min)
+        neighbors
+            .iter()
+            .map(|r| sign * r[0])
+            .filter(|&x| x > 0.0)
+            .fold(f64::INFINITY, f64::min)
     };
     0.5 * (nearest(1.0) + nearest(-1.0))
 }
 
 fn cell_area<const D: usize>(neighbors: &[SVector<f64, D>]) -> f64 {
     let farthest = neighbors.iter().map(|r| r.norm()).fold(0.0, f64::max);
-    let mut polygon: Vec<[f64; 2]> =
-        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|p| p.map(|x| x * farthest)).to_vec();
+    let mut polygon: Vec<[f64; 2]> = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+        .map(|p| p.map(|x| x * farthest))
+        .to_vec();
     for r in neighbors {
         polygon = super::zone::clipped(&polygon, [r[0], r[1]], 0.5 * r.norm_squared());
     }

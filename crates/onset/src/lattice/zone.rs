@@ -16,7 +16,11 @@ impl<const D: usize> BrillouinZone<D> {
     pub fn new(lattice: BravaisLattice<D>) -> Self {
         // A strongly sheared or stretched lattice has its shortest reciprocal vectors at larger
         // integer coordinates: |G| <= radius bounds coordinate i by radius |a_i| / (2 pi).
-        let radius = lattice.reciprocal().column_iter().map(|b| b.norm()).sum::<f64>();
+        let radius = lattice
+            .reciprocal()
+            .column_iter()
+            .map(|b| b.norm())
+            .sum::<f64>();
         let reach: [i64; D] = std::array::from_fn(|i| {
             let bound = radius * lattice.vectors().column(i).norm() / std::f64::consts::TAU;
             bound.ceil().min(64.0) as i64
@@ -28,13 +32,18 @@ impl<const D: usize> BrillouinZone<D> {
             if cell.iter().any(|&n| n != 0) && g.norm() <= radius * (1.0 + 1e-12) {
                 reciprocal.push(g);
             }
-            let Some(axis) = (0..D).find(|&i| cell[i] < reach[i]) else { break };
+            let Some(axis) = (0..D).find(|&i| cell[i] < reach[i]) else {
+                break;
+            };
             for lower in 0..axis {
                 cell[lower] = -reach[lower];
             }
             cell[axis] += 1;
         }
-        Self { lattice, reciprocal }
+        Self {
+            lattice,
+            reciprocal,
+        }
     }
 
     /// The lattice whose zone this is.
@@ -49,7 +58,10 @@ impl<const D: usize> BrillouinZone<D> {
         // Each step shortens the vector; few are needed, and the bound only guards rounding.
         for _ in 0..64 {
             let excess = |g: &SVector<f64, D>| folded.dot(g) - 0.5 * g.norm_squared();
-            let farthest = self.reciprocal.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
+            let farthest = self
+                .reciprocal
+                .iter()
+                .max_by(|a, b| excess(a).total_cmp(&excess(b)));
             match farthest {
                 Some(g) if excess(g) > 1e-12 * g.norm_squared() => folded -= g,
                 _ => break,
@@ -60,7 +72,9 @@ impl<const D: usize> BrillouinZone<D> {
 
     /// Whether a wave vector lies in the zone, up to a relative tolerance.
     pub fn contains(&self, k: &SVector<f64, D>, tolerance: f64) -> bool {
-        self.reciprocal.iter().all(|g| k.dot(g) <= (0.5 + tolerance) * g.norm_squared())
+        self.reciprocal
+            .iter()
+            .all(|g| k.dot(g) <= (0.5 + tolerance) * g.norm_squared())
     }
 
     /// The wave vector with the given coordinates in units of the reciprocal vectors.
@@ -72,16 +86,28 @@ impl<const D: usize> BrillouinZone<D> {
     pub fn corners(&self) -> Vec<SVector<f64, D>> {
         let farthest = self.reciprocal.iter().map(|g| g.norm()).fold(0.0, f64::max);
         if D != 2 {
-            let end = self.reciprocal.iter().map(|g| 0.5 * g[0].abs()).fold(farthest, f64::min);
-            return if D == 1 { vec![SVector::repeat(-end), SVector::repeat(end)] } else { Vec::new() };
+            let end = self
+                .reciprocal
+                .iter()
+                .map(|g| 0.5 * g[0].abs())
+                .fold(farthest, f64::min);
+            return if D == 1 {
+                vec![SVector::repeat(-end), SVector::repeat(end)]
+            } else {
+                Vec::new()
+            };
         }
-        let mut polygon: Vec<[f64; 2]> =
-            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|p| p.map(|x| x * farthest)).to_vec();
+        let mut polygon: Vec<[f64; 2]> = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|p| p.map(|x| x * farthest))
+            .to_vec();
         for g in &self.reciprocal {
             polygon = clipped(&polygon, [g[0], g[1]], 0.5 * g.norm_squared());
         }
         polygon.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9 * farthest);
-        polygon.into_iter().map(|p| SVector::from_fn(|i, _| p[i])).collect()
+        polygon
+            .into_iter()
+            .map(|p| SVector::from_fn(|i, _| p[i]))
+            .collect()
     }
 }
 
@@ -97,7 +123,10 @@ pub(super) fn clipped(polygon: &[[f64; 2]], normal: [f64; 2], offset: f64) -> Ve
         }
         if (start < 0.0 && end > 0.0) || (start > 0.0 && end < 0.0) {
             let t = start / (start - end);
-            kept.push([from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]);
+            kept.push([
+                from[0] + t * (to[0] - from[0]),
+                from[1] + t * (to[1] - from[1]),
+            ]);
         }
     }
     kept

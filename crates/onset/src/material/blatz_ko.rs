@@ -25,7 +25,9 @@ impl BlatzKo {
     /// # Errors
     /// [`MaterialError::Parameter`] when `mu` is not positive and finite.
     pub fn new(mu: f64) -> Result<Self, MaterialError> {
-        Ok(Self { mu: MaterialError::positive("mu", mu)? })
+        Ok(Self {
+            mu: MaterialError::positive("mu", mu)?,
+        })
     }
 }
 

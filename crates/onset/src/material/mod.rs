@@ -32,7 +32,9 @@ pub enum MaterialError {
         expected: &'static str,
     },
     /// Energy, stress or tangent over- or underflow at this state.
-    #[error("the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})")]
+    #[error(
+        "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"
+    )]
     NotFinite {
         /// The volume ratio of the state.
         jacobian: f64,
@@ -45,7 +47,11 @@ impl MaterialError {
         if value.is_finite() {
             Ok(value)
         } else {
-            Err(Self::Parameter { name, value, expected: "a finite number" })
+            Err(Self::Parameter {
+                name,
+                value,
+                expected: "a finite number",
+            })
         }
     }
 
@@ -54,7 +60,11 @@ impl MaterialError {
         if value.is_finite() && value > 0.0 {
             Ok(value)
         } else {
-            Err(Self::Parameter { name, value, expected: "a positive finite number" })
+            Err(Self::Parameter {
+                name,
+                value,
+                expected: "a positive finite number",
+            })
         }
     }
 }
@@ -108,7 +118,9 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         if finite {
             Ok(response)
         } else {
-            Err(MaterialError::NotFinite { jacobian: f.jacobian() })
+            Err(MaterialError::NotFinite {
+                jacobian: f.jacobian(),
+            })
         }
     }
 }

@@ -38,7 +38,11 @@ impl ModifiedMooneyRivlin {
 
 impl Default for ModifiedMooneyRivlin {
     fn default() -> Self {
-        Self { c1: 0.1256, c2: 0.01012, lambda: 10.12 }
+        Self {
+            c1: 0.1256,
+            c2: 0.01012,
+            lambda: 10.12,
+        }
     }
 }
 

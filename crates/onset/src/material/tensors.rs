@@ -20,15 +20,23 @@ impl FourthOrder {
 
     /// Whether every component is a finite number.
     pub fn is_finite(&self) -> bool {
-        self.0.as_flattened().as_flattened().as_flattened().iter().all(|value| value.is_finite())
+        self.0
+            .as_flattened()
+            .as_flattened()
+            .as_flattened()
+            .iter()
+            .all(|value| value.is_finite())
     }
 
     /// All four indices transformed by the same matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
     fn transformed(&self, m: &Matrix3<f64>) -> Self {
         // One index at a time: 4 x 3^5 products instead of 3^8.
-        let first = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(i, a)] * self[(a, j, k, l)]).sum());
-        let second = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(j, a)] * first[(i, a, k, l)]).sum());
-        let third = Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(k, a)] * second[(i, j, a, l)]).sum());
+        let first =
+            Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(i, a)] * self[(a, j, k, l)]).sum());
+        let second =
+            Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(j, a)] * first[(i, a, k, l)]).sum());
+        let third =
+            Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(k, a)] * second[(i, j, a, l)]).sum());
         Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(l, a)] * third[(i, j, k, a)]).sum())
     }
 }
@@ -73,7 +81,9 @@ impl Response {
         let geometric_free =
             FourthOrder::from_fn(|i, j, k, l| self.tangent[(i, j, k, l)] - delta(i, k) * s[(j, l)]);
         let first = FourthOrder::from_fn(|r, j, k, l| {
-            (0..3).map(|i| g[(r, i)] * geometric_free[(i, j, k, l)]).sum()
+            (0..3)
+                .map(|i| g[(r, i)] * geometric_free[(i, j, k, l)])
+                .sum()
         });
         FourthOrder::from_fn(|r, j, p, l| (0..3).map(|k| g[(p, k)] * first[(r, j, k, l)]).sum())
     }
@@ -81,7 +91,8 @@ impl Response {
     /// The fourth elasticity tensor `C^tau_ijkl = F_im F_jn F_kp F_lq C^SE_mnpq`, equation (10): the
     /// convected rate of Kirchhoff stress per rate of deformation. Spatial indices, units of stress.
     pub fn fourth_elasticity(&self) -> FourthOrder {
-        self.second_elasticity().transformed(&self.deformation.matrix())
+        self.second_elasticity()
+            .transformed(&self.deformation.matrix())
     }
 
     /// The Truesdell tangent `C^sigmaT = C^tau / J`, equation (11). Spatial indices, units of stress.
@@ -106,7 +117,10 @@ impl Response {
             (0..3).map(|m| f[(j, m)] * self.tangent[(i, m, k, l)]).sum()
         });
         FourthOrder::from_fn(|i, j, k, l| {
-            (0..3).map(|m| f[(l, m)] * pushed[(i, j, k, m)]).sum::<f64>() / jacobian
+            (0..3)
+                .map(|m| f[(l, m)] * pushed[(i, j, k, m)])
+                .sum::<f64>()
+                / jacobian
         })
     }
 
@@ -123,6 +137,9 @@ impl Response {
 
     fn inverse_deformation(&self) -> Matrix3<f64> {
         // The determinant of a checked deformation gradient is positive.
-        self.deformation.matrix().try_inverse().unwrap_or_else(Matrix3::zeros)
+        self.deformation
+            .matrix()
+            .try_inverse()
+            .unwrap_or_else(Matrix3::zeros)
     }
 }

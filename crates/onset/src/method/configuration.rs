@@ -56,25 +56,39 @@ impl<const D: usize> Method<D> {
             return Err(MethodError::NotPlanar { dimension: D });
         }
         let layout = self.layout(f);
-        let points = self.points.iter().map(|point| self.configured(point, &layout, f, order));
-        Ok(Configuration { points: points.collect::<Result<_, _>>()? })
+        let points = self
+            .points
+            .iter()
+            .map(|point| self.configured(point, &layout, f, order));
+        Ok(Configuration {
+            points: points.collect::<Result<_, _>>()?,
+        })
     }
 
     fn layout(&self, f: &DeformationGradient) -> Layout<D> {
         let radius = self.support_radius();
         let eulerian = self.discretization.frame == Frame::Eulerian;
-        let support_size = if eulerian { self.discretization.support_size } else { SupportSize::Fixed };
+        let support_size = if eulerian {
+            self.discretization.support_size
+        } else {
+            SupportSize::Fixed
+        };
         let home = self.home_map(f);
         let (radius, metric) = match support_size {
             SupportSize::Fixed => (radius, SMatrix::identity()),
             // The mean stretch within the dimensions of the lattice.
-            SupportSize::Scaled => {
-                (radius * determinant(&f.leading::<D>()).powf(1.0 / D as f64), SMatrix::identity())
-            }
+            SupportSize::Scaled => (
+                radius * determinant(&f.leading::<D>()).powf(1.0 / D as f64),
+                SMatrix::identity(),
+            ),
             // Convected with the particles: on the regular arrangement these have not moved.
             SupportSize::Convected => (radius, inverted(&home)),
         };
-        Layout { vectors: home * self.lattice.vectors(), radius, metric }
+        Layout {
+            vectors: home * self.lattice.vectors(),
+            radius,
+            metric,
+        }
     }
 
     fn configured(
@@ -84,7 +98,11 @@ impl<const D: usize> Method<D> {
         f: &DeformationGradient,
         order: Order,
     ) -> Result<ConfiguredPoint<D>, MethodError> {
-        let kind = if point.is_node { "particle" } else { "stress point" };
+        let kind = if point.is_node {
+            "particle"
+        } else {
+            "stress point"
+        };
         let cells = cells_in_support(&point.place, layout)?;
         let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for cell in cells {
@@ -108,12 +126,22 @@ impl<const D: usize> Method<D> {
             });
         }
         let particle_volume = determinant(&layout.vectors).abs();
-        let kernel_integral =
-            self.discretization.kernel.integral::<D>(layout.radius) / determinant(&layout.metric).abs();
+        let kernel_integral = self.discretization.kernel.integral::<D>(layout.radius)
+            / determinant(&layout.metric).abs();
         let approximation: Approximation = self.discretization.approximation;
         let shape = approximation
-            .shape_functions(&positions, &weights, particle_volume / kernel_integral, layout.radius, order)
-            .map_err(|source| MethodError::SingularMoment { point: kind, neighbors: seen.len(), source })?;
+            .shape_functions(
+                &positions,
+                &weights,
+                particle_volume / kernel_integral,
+                layout.radius,
+                order,
+            )
+            .map_err(|source| MethodError::SingularMoment {
+                point: kind,
+                neighbors: seen.len(),
+                source,
+            })?;
         let deformation = self.carried_deformation(f, &positions, &shape)?;
         Ok(ConfiguredPoint {
             volume: point.volume,
@@ -136,8 +164,11 @@ impl<const D: usize> Method<D> {
             return Ok(*f);
         }
         // sum_K y_K (x) grad phi_K: the identity for linearly complete functions.
-        let moment: SMatrix<f64, D, D> =
-            positions.iter().zip(&shape.gradients).map(|(y, gradient)| y * gradient.transpose()).sum();
+        let moment: SMatrix<f64, D, D> = positions
+            .iter()
+            .zip(&shape.gradients)
+            .map(|(y, gradient)| y * gradient.transpose())
+            .sum();
         let (leading, one) = (f.leading::<D>(), SMatrix::<f64, D, D>::identity());
         let seen = match self.discretization.frame {
             Frame::Lagrangian => one + (leading - one) * moment,
@@ -174,7 +205,11 @@ fn cells_in_support<const D: usize>(
     if !few {
         let limit = MAXIMUM_NEIGHBORS;
         let neighbors = neighbors.max(boxes / 1e3);
-        return Err(MethodError::SupportTooLarge { radius: layout.radius, neighbors, limit });
+        return Err(MethodError::SupportTooLarge {
+            radius: layout.radius,
+            neighbors,
+            limit,
+        });
     }
     let low: [i32; D] = std::array::from_fn(|i| (place[i] - reach[i]).floor() as i32);
     let high: [i32; D] = std::array::from_fn(|i| (place[i] + reach[i]).ceil() as i32);
@@ -182,7 +217,9 @@ fn cells_in_support<const D: usize>(
     let mut cell = low;
     loop {
         cells.push(cell);
-        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else { return Ok(cells) };
+        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else {
+            return Ok(cells);
+        };
         cell[..axis].copy_from_slice(&low[..axis]);
         cell[axis] += 1;
     }

@@ -22,7 +22,11 @@ pub const MAXIMUM_NEIGHBORS: usize = 1000;
 
 /// In which coordinates the kernel is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Frame {
     /// Kernels of material coordinates, `W(X - X_I)`: neighbors never change.
     Lagrangian,
@@ -32,7 +36,11 @@ pub enum Frame {
 
 /// Which deformation gradient the quadrature points carry in the homogeneous state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Background {
     /// `F` itself, everywhere (the paper).
     Imposed,
@@ -44,7 +52,11 @@ pub enum Background {
 
 /// Eulerian kernels: where the particles are in the homogeneous state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum CurrentLattice {
     /// At `F X`.
     Convected,
@@ -55,7 +67,11 @@ pub enum CurrentLattice {
 
 /// Eulerian kernels: how large the support is in the homogeneous state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum SupportSize {
     /// The radius `R0` in space, whatever the deformation.
     Fixed,
@@ -67,7 +83,11 @@ pub enum SupportSize {
 
 /// Eulerian kernels: what moves when the particles are perturbed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Linearization {
     /// Everything: the exact derivative of the discrete forces. Stress points move with the
     /// interpolated displacement, and the normalization with all particles.
@@ -87,7 +107,10 @@ pub enum Linearization {
 impl Linearization {
     /// Whether a stress point moves with the plane wave instead of the interpolated displacement.
     pub fn moves_points_with_plane_wave(self) -> bool {
-        matches!(self, Self::Paper | Self::ExactPlaneWave | Self::FrozenNormalization)
+        matches!(
+            self,
+            Self::Paper | Self::ExactPlaneWave | Self::FrozenNormalization
+        )
     }
 
     /// Whether the motion of all particles through the normalization is kept.
@@ -100,7 +123,10 @@ impl Linearization {
 /// stress points on the hexagonal arrangement, `D_mx = 2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case", default, deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
 pub struct Discretization {
     /// Arrangement of the particles.
     pub arrangement: Arrangement,
@@ -176,7 +202,9 @@ pub enum MethodError {
         dimension: usize,
     },
     /// The support holds more particles than the program admits.
-    #[error("the support radius {radius} holds about {neighbors:.0} particles; at most {limit} are admitted")]
+    #[error(
+        "the support radius {radius} holds about {neighbors:.0} particles; at most {limit} are admitted"
+    )]
     SupportTooLarge {
         /// The support radius; length.
         radius: f64,
@@ -186,7 +214,9 @@ pub enum MethodError {
         limit: usize,
     },
     /// The neighbors of a quadrature point do not span space.
-    #[error("the {neighbors} neighbors of a {point} do not determine its shape functions: {source}")]
+    #[error(
+        "the {neighbors} neighbors of a {point} do not determine its shape functions: {source}"
+    )]
     SingularMoment {
         /// `particle` or `stress point`.
         point: &'static str,
@@ -232,15 +262,30 @@ impl<const D: usize> Method<D> {
     /// # Errors
     /// [`MethodError`] when a setting is out of range or `D` is not the arrangement's dimension.
     pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
-        let Discretization { arrangement, spacing, density, support, quadrature, .. } = discretization;
-        for (name, value) in [("spacing", spacing), ("density", density), ("support", support)] {
+        let Discretization {
+            arrangement,
+            spacing,
+            density,
+            support,
+            quadrature,
+            ..
+        } = discretization;
+        for (name, value) in [
+            ("spacing", spacing),
+            ("density", density),
+            ("support", support),
+        ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(MethodError::NotPositive { name, value });
             }
         }
         let lattice = arrangement.lattice(spacing)?;
         let points = quadrature.points(arrangement, &lattice)?;
-        Ok(Self { discretization, lattice, points })
+        Ok(Self {
+            discretization,
+            lattice,
+            points,
+        })
     }
 
     /// The same method with quadrature points of one's own in place of `discretization.quadrature`.
@@ -277,7 +322,11 @@ impl<const D: usize> Method<D> {
 
     /// Whether plane-wave stress points make the dynamical matrix non-periodic in the wave vector.
     pub fn is_periodic(&self) -> bool {
-        let Discretization { frame, linearization, .. } = self.discretization;
+        let Discretization {
+            frame,
+            linearization,
+            ..
+        } = self.discretization;
         frame == Frame::Lagrangian
             || self.points.iter().all(|point| point.is_node)
             || !linearization.moves_points_with_plane_wave()

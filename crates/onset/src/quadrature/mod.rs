@@ -5,7 +5,11 @@ use nalgebra::SVector;
 
 /// The set of quadrature points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Quadrature {
     /// At the particles only, equation (41).
     Nodal,
@@ -45,7 +49,9 @@ impl Quadrature {
         arrangement: Arrangement,
         lattice: &BravaisLattice<D>,
     ) -> Result<Vec<QuadraturePoint<D>>, LatticeError> {
-        let nodes = (self != Self::StressPointsOnly).then(SVector::zeros).into_iter();
+        let nodes = (self != Self::StressPointsOnly)
+            .then(SVector::zeros)
+            .into_iter();
         let centers = match self {
             Self::Nodal => Vec::new(),
             Self::StressPoints | Self::StressPointsOnly => arrangement.cell_centers(),

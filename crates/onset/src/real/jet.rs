@@ -65,7 +65,11 @@ impl<const N: usize> Jet<N> {
 
 impl<const N: usize> Real for Jet<N> {
     fn constant(value: f64) -> Self {
-        Self { value, gradient: [0.0; N], hessian: [[0.0; N]; N] }
+        Self {
+            value,
+            gradient: [0.0; N],
+            hessian: [[0.0; N]; N],
+        }
     }
     fn value(self) -> f64 {
         self.value
@@ -98,7 +102,11 @@ impl<const N: usize> Real for Jet<N> {
         let n = f64::from(exponent);
         // The coefficient is tested first: 0 * x^(n-1) must be 0 also at x = 0.
         let term = |coefficient: f64, power: i32| {
-            if coefficient == 0.0 { 0.0 } else { coefficient * self.value.powi(power) }
+            if coefficient == 0.0 {
+                0.0
+            } else {
+                coefficient * self.value.powi(power)
+            }
         };
         self.chain(
             self.value.powi(exponent),
@@ -144,7 +152,10 @@ impl<const N: usize> Mul for Jet<N> {
     }
 }
 
-#[allow(clippy::suspicious_arithmetic_impl, reason = "a quotient is a product with the reciprocal")]
+#[allow(
+    clippy::suspicious_arithmetic_impl,
+    reason = "a quotient is a product with the reciprocal"
+)]
 impl<const N: usize> Div for Jet<N> {
     type Output = Self;
     fn div(self, other: Self) -> Self {

@@ -18,7 +18,11 @@ const ZERO_ENERGY: f64 = 1e-10;
 
 /// To whom the first instability belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Verdict {
     /// Elliptic, and no mode of the discretization grows.
     Stable,
@@ -36,8 +40,13 @@ pub enum Verdict {
 
 impl Verdict {
     /// All verdicts, in the order of the table in the book.
-    pub const ALL: [Self; 5] =
-        [Self::Stable, Self::Material, Self::RankDeficient, Self::Kernel, Self::Missed];
+    pub const ALL: [Self; 5] = [
+        Self::Stable,
+        Self::Material,
+        Self::RankDeficient,
+        Self::Kernel,
+        Self::Missed,
+    ];
 
     /// The word used in files, on the command line and in legends.
     pub fn name(self) -> &'static str {
@@ -67,11 +76,18 @@ impl<const D: usize> MaterialAssessment<D> {
     ///
     /// # Errors
     /// [`MaterialError`] when the response over- or underflows.
-    pub fn new(material: &dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
+    pub fn new(
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Self, MaterialError> {
         let response = material.response(f)?;
         let stiffness = Stiffness::<D>::of(&response);
         let (is_elliptic, minimum) = (stiffness.is_strongly_elliptic(), stiffness.minimum());
-        Ok(Self { response, is_elliptic, minimum })
+        Ok(Self {
+            response,
+            is_elliptic,
+            minimum,
+        })
     }
 
     /// The mean Cauchy stress within the `D` dimensions; positive in tension.
@@ -153,12 +169,26 @@ pub fn assess<const D: usize>(
         && softest.scaled.abs() <= spectrum.tolerance
         && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
-    let verdict =
-        decided(continuum.is_elliptic, spectrum.is_stable(), has_zero_mode, long_waves_grow);
-    Ok(Assessment { verdict, material: continuum, spectrum, gradient_norm })
+    let verdict = decided(
+        continuum.is_elliptic,
+        spectrum.is_stable(),
+        has_zero_mode,
+        long_waves_grow,
+    );
+    Ok(Assessment {
+        verdict,
+        material: continuum,
+        spectrum,
+        gradient_norm,
+    })
 }
 
-fn decided(is_elliptic: bool, is_stable: bool, has_zero_mode: bool, long_waves_grow: bool) -> Verdict {
+fn decided(
+    is_elliptic: bool,
+    is_stable: bool,
+    has_zero_mode: bool,
+    long_waves_grow: bool,
+) -> Verdict {
     match (is_elliptic, is_stable) {
         (true, true) if has_zero_mode => Verdict::RankDeficient,
         (true, true) => Verdict::Stable,
@@ -188,7 +218,10 @@ pub fn judge<const D: usize>(
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     let long_waves_grow = search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
-    Ok((decided(is_elliptic, is_stable, false, long_waves_grow), stability))
+    Ok((
+        decided(is_elliptic, is_stable, false, long_waves_grow),
+        stability,
+    ))
 }
 
 /// The zone search of a method at a state, with the material's scale of wave speeds.

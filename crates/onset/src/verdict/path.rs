@@ -16,7 +16,11 @@ const DIP_STEPS: usize = 30;
 
 /// Stable, unstable, or not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Phase {
     /// No perturbation grows.
     Stable,
@@ -52,7 +56,11 @@ impl Crossing {
     /// A parameter that lies in the unstable phase (or else behind the crossing), at which the critical mode
     /// can be evaluated.
     pub fn witness(&self) -> f64 {
-        if self.from.is_unstable() && !self.to.is_unstable() { self.before } else { self.behind }
+        if self.from.is_unstable() && !self.to.is_unstable() {
+            self.before
+        } else {
+            self.behind
+        }
     }
 
     /// The parameter of the crossing, the middle of its bracket.
@@ -85,7 +93,11 @@ impl PathScan {
         if self.start.is_unstable() {
             return Some(Onset::AtStart);
         }
-        self.crossings.iter().find(|crossing| crossing.to.is_unstable()).copied().map(Onset::At)
+        self.crossings
+            .iter()
+            .find(|crossing| crossing.to.is_unstable())
+            .copied()
+            .map(Onset::At)
     }
 }
 
@@ -122,12 +134,23 @@ pub fn scan_material<const D: usize>(
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
     scan(&|s| {
-        let f = path.at(s).map_err(|source| PathError::Kinematics { parameter: s, source })?;
-        let response = material
-            .response(&f)
-            .map_err(|source| PathError::Method { parameter: s, source: source.into() })?;
+        let f = path.at(s).map_err(|source| PathError::Kinematics {
+            parameter: s,
+            source,
+        })?;
+        let response = material.response(&f).map_err(|source| PathError::Method {
+            parameter: s,
+            source: source.into(),
+        })?;
         let minimum = Stiffness::<D>::of(&response).minimum().eigenvalue.re;
-        Ok((if minimum > 0.0 { Phase::Stable } else { Phase::Unstable }, minimum))
+        Ok((
+            if minimum > 0.0 {
+                Phase::Stable
+            } else {
+                Phase::Unstable
+            },
+            minimum,
+        ))
     })
 }
 
@@ -141,7 +164,10 @@ pub fn scan_discretization<const D: usize>(
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
     scan(&|s| {
-        let f = path.at(s).map_err(|source| PathError::Kinematics { parameter: s, source })?;
+        let f = path.at(s).map_err(|source| PathError::Kinematics {
+            parameter: s,
+            source,
+        })?;
         let stability = || {
             let search = zone_search(method, material, &f)?;
             let matrix = dynamical_matrix(method, material, &f)?;
@@ -156,22 +182,34 @@ pub fn scan_discretization<const D: usize>(
                 | MethodError::SupportTooLarge { .. }
                 | MethodError::SingularMoment { .. },
             ) => Ok((Phase::Undefined, f64::NAN)),
-            Err(source) => Err(PathError::Method { parameter: s, source }),
+            Err(source) => Err(PathError::Method {
+                parameter: s,
+                source,
+            }),
         }
     })
 }
 
 fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, PathError> {
     let parameter = |n: usize| n as f64 / INTERVALS as f64;
-    let probes: Vec<Probe> = (0..=INTERVALS).map(|n| probe(parameter(n))).collect::<Result<_, _>>()?;
-    let mut knots: Vec<(f64, Phase)> =
-        probes.iter().enumerate().map(|(n, probe)| (parameter(n), probe.0)).collect();
+    let probes: Vec<Probe> = (0..=INTERVALS)
+        .map(|n| probe(parameter(n)))
+        .collect::<Result<_, _>>()?;
+    let mut knots: Vec<(f64, Phase)> = probes
+        .iter()
+        .enumerate()
+        .map(|(n, probe)| (parameter(n), probe.0))
+        .collect();
     for n in 1..INTERVALS {
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
             // A stable stretch can dip below zero between the knots, an unstable one rise above.
             // It is followed when its bottom can be that far below the middle, by the slopes beside it.
-            let sign = if middle.0 == Phase::Unstable { -1.0 } else { 1.0 };
+            let sign = if middle.0 == Phase::Unstable {
+                -1.0
+            } else {
+                1.0
+            };
             let (down, up) = (sign * (left.1 - middle.1), sign * (right.1 - middle.1));
             if down >= 0.0 && up >= 0.0 && sign * middle.1 <= down.max(up) {
                 let found = extremum(probe, middle.0, sign, parameter(n - 1), parameter(n + 1))?;
@@ -188,7 +226,10 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
             refine(probe, pair[0], pair[1], &mut crossings)?;
         }
     }
-    Ok(PathScan { start: probes[0].0, crossings })
+    Ok(PathScan {
+        start: probes[0].0,
+        crossings,
+    })
 }
 
 /// The parameter in an interval at which `sign * measure` is smallest (golden section), or the first one
@@ -245,6 +286,11 @@ fn refine(
             return refine(probe, (middle, phase), (behind, to), crossings);
         }
     }
-    crossings.push(Crossing { from, to, before, behind });
+    crossings.push(Crossing {
+        from,
+        to,
+        before,
+        behind,
+    });
     Ok(())
 }

@@ -45,15 +45,19 @@ impl Case {
 
 /// A moderately deformed state in plane strain.
 pub fn planar_state() -> impl Strategy<Value = DeformationGradient> {
-    (0.75..1.4_f64, 0.75..1.4_f64, -0.3..0.3_f64, -3.2..3.2_f64).prop_map(|(l1, l2, shear, angle)| {
-        let (s, c) = angle.sin_cos();
-        let stretched = [[l1, shear], [0.0, l2]];
-        let f = std::array::from_fn(|i| {
-            let rotation = [[c, -s], [s, c]][i];
-            std::array::from_fn(|j| rotation[0] * stretched[0][j] + rotation[1] * stretched[1][j])
-        });
-        DeformationGradient::plane_strain(f, 1.0).expect("a positive volume ratio")
-    })
+    (0.75..1.4_f64, 0.75..1.4_f64, -0.3..0.3_f64, -3.2..3.2_f64).prop_map(
+        |(l1, l2, shear, angle)| {
+            let (s, c) = angle.sin_cos();
+            let stretched = [[l1, shear], [0.0, l2]];
+            let f = std::array::from_fn(|i| {
+                let rotation = [[c, -s], [s, c]][i];
+                std::array::from_fn(|j| {
+                    rotation[0] * stretched[0][j] + rotation[1] * stretched[1][j]
+                })
+            });
+            DeformationGradient::plane_strain(f, 1.0).expect("a positive volume ratio")
+        },
+    )
 }
 
 pub fn wave_vector() -> impl Strategy<Value = Vector2<f64>> {
@@ -65,43 +69,79 @@ fn frame() -> impl Strategy<Value = (Frame, CurrentLattice, SupportSize, Lineari
     (
         prop::sample::select(vec![Frame::Lagrangian, Frame::Eulerian, Frame::Eulerian]),
         prop::sample::select(vec![CurrentLattice::Convected, CurrentLattice::Regular]),
-        prop::sample::select(vec![SupportSize::Fixed, SupportSize::Scaled, SupportSize::Convected]),
-        prop::sample::select(vec![Exact, Paper, ExactPlaneWave, PaperInterpolated, FrozenNormalization]),
+        prop::sample::select(vec![
+            SupportSize::Fixed,
+            SupportSize::Scaled,
+            SupportSize::Convected,
+        ]),
+        prop::sample::select(vec![
+            Exact,
+            Paper,
+            ExactPlaneWave,
+            PaperInterpolated,
+            FrozenNormalization,
+        ]),
     )
 }
 
 pub fn case() -> impl Strategy<Value = Case> {
     (
         prop::sample::select(vec![Arrangement::Square, Arrangement::Hexagonal]),
-        prop::sample::select(vec![Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly]),
-        prop::sample::select(vec![Approximation::Raw, Approximation::Shepard, Approximation::Mls]),
+        prop::sample::select(vec![
+            Quadrature::Nodal,
+            Quadrature::StressPoints,
+            Quadrature::StressPointsOnly,
+        ]),
+        prop::sample::select(vec![
+            Approximation::Raw,
+            Approximation::Shepard,
+            Approximation::Mls,
+        ]),
         prop::sample::select(vec![Background::Imposed, Background::Interpolated]),
         frame(),
         1.7..2.4_f64,
         any::<bool>(),
         planar_state(),
     )
-        .prop_map(|(arrangement, quadrature, approximation, background, frame, support, is_blatz_ko, state)| {
-            let (frame, lattice, support_size, linearization) = frame;
-            let discretization = Discretization {
+        .prop_map(
+            |(
                 arrangement,
                 quadrature,
                 approximation,
                 background,
                 frame,
-                lattice,
-                support_size,
-                linearization,
                 support,
-                ..Discretization::default()
-            };
-            Case { discretization, is_blatz_ko, state }
-        })
+                is_blatz_ko,
+                state,
+            )| {
+                let (frame, lattice, support_size, linearization) = frame;
+                let discretization = Discretization {
+                    arrangement,
+                    quadrature,
+                    approximation,
+                    background,
+                    frame,
+                    lattice,
+                    support_size,
+                    linearization,
+                    support,
+                    ..Discretization::default()
+                };
+                Case {
+                    discretization,
+                    is_blatz_ko,
+                    state,
+                }
+            },
+        )
 }
 
 pub fn lagrangian() -> impl Strategy<Value = Case> {
     case().prop_map(|case| Case {
-        discretization: Discretization { frame: Frame::Lagrangian, ..case.discretization },
+        discretization: Discretization {
+            frame: Frame::Lagrangian,
+            ..case.discretization
+        },
         ..case
     })
 }

@@ -8,7 +8,8 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, LatticeError};
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, Method, MethodError, SupportSize,
+    Background, CurrentLattice, Discretization, Frame, Linearization, Method, MethodError,
+    SupportSize,
 };
 use onset::quadrature::Quadrature;
 use onset::verdict::assess;
@@ -18,13 +19,18 @@ fn identity() -> DeformationGradient {
 }
 
 fn evaluated(discretization: Discretization, f: &DeformationGradient) -> Result<(), MethodError> {
-    Method::<2>::new(discretization)?.configuration(f, Order::First).map(|_| ())
+    Method::<2>::new(discretization)?
+        .configuration(f, Order::First)
+        .map(|_| ())
 }
 
 #[test]
 fn a_support_without_neighbors_is_too_small() {
-    let discretization =
-        Discretization { support: 0.9, quadrature: Quadrature::Nodal, ..Discretization::default() };
+    let discretization = Discretization {
+        support: 0.9,
+        quadrature: Quadrature::Nodal,
+        ..Discretization::default()
+    };
     let error = MethodError::SupportTooSmall {
         point: "particle",
         radius: 0.9,
@@ -37,18 +43,33 @@ fn a_support_without_neighbors_is_too_small() {
 
 #[test]
 fn a_support_that_holds_thousands_of_particles_is_too_large() {
-    let discretization = Discretization { support: 500.0, ..Discretization::default() };
-    let Err(MethodError::SupportTooLarge { radius, neighbors, limit }) = evaluated(discretization, &identity())
+    let discretization = Discretization {
+        support: 500.0,
+        ..Discretization::default()
+    };
+    let Err(MethodError::SupportTooLarge {
+        radius,
+        neighbors,
+        limit,
+    }) = evaluated(discretization, &identity())
     else {
         panic!("a support of 500 spacings is admitted");
     };
     assert_eq!((radius, limit), (500.0, onset::method::MAXIMUM_NEIGHBORS));
     // pi R0^2 / V0.
-    assert!((neighbors - std::f64::consts::PI * 250_000.0 / 0.75_f64.sqrt()).abs() < 1e-6 * neighbors);
+    assert!(
+        (neighbors - std::f64::consts::PI * 250_000.0 / 0.75_f64.sqrt()).abs() < 1e-6 * neighbors
+    );
     // Crushed to a line, any support holds too many.
     let crushed = DeformationGradient::from_stretches([1e-8, 1.0, 1.0]).expect("a state");
-    let eulerian = Discretization { frame: Frame::Eulerian, ..Discretization::default() };
-    assert!(matches!(evaluated(eulerian, &crushed), Err(MethodError::SupportTooLarge { .. })));
+    let eulerian = Discretization {
+        frame: Frame::Eulerian,
+        ..Discretization::default()
+    };
+    assert!(matches!(
+        evaluated(eulerian, &crushed),
+        Err(MethodError::SupportTooLarge { .. })
+    ));
 }
 
 #[test]
@@ -65,69 +86,144 @@ fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
     };
     let error = evaluated(discretization, &apart);
     assert!(
-        matches!(error, Err(MethodError::SingularMoment { point: "particle", neighbors: 3, .. })),
+        matches!(
+            error,
+            Err(MethodError::SingularMoment {
+                point: "particle",
+                neighbors: 3,
+                ..
+            })
+        ),
         "{error:?}"
     );
     // The same at the shape functions themselves.
     let positions: Vec<Vector2<f64>> = (-1..=1).map(|n| Vector2::new(f64::from(n), 0.0)).collect();
     let weights: Vec<_> = positions
         .iter()
-        .map(|x| Kernel::QuarticSpline.weight(x, 1.6, &SMatrix::identity()).expect("inside"))
+        .map(|x| {
+            Kernel::QuarticSpline
+                .weight(x, 1.6, &SMatrix::identity())
+                .expect("inside")
+        })
         .collect();
     let singular = Approximation::Mls.shape_functions(&positions, &weights, 1.0, 1.6, Order::First);
     assert!(singular.is_err_and(|error| error.condition > 1e12));
-    assert!(Approximation::Shepard.shape_functions(&positions, &weights, 1.0, 1.6, Order::First).is_ok());
+    assert!(
+        Approximation::Shepard
+            .shape_functions(&positions, &weights, 1.0, 1.6, Order::First)
+            .is_ok()
+    );
 }
 
 #[test]
 fn settings_that_are_not_positive_are_refused_by_name() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for (setting, discretization) in [
-            ("spacing", Discretization { spacing: bad, ..Discretization::default() }),
-            ("density", Discretization { density: bad, ..Discretization::default() }),
-            ("support", Discretization { support: bad, ..Discretization::default() }),
+            (
+                "spacing",
+                Discretization {
+                    spacing: bad,
+                    ..Discretization::default()
+                },
+            ),
+            (
+                "density",
+                Discretization {
+                    density: bad,
+                    ..Discretization::default()
+                },
+            ),
+            (
+                "support",
+                Discretization {
+                    support: bad,
+                    ..Discretization::default()
+                },
+            ),
         ] {
             let error = Method::<2>::new(discretization).map(|_| ());
-            assert!(matches!(error, Err(MethodError::NotPositive { name, .. }) if name == setting), "{error:?}");
+            assert!(
+                matches!(error, Err(MethodError::NotPositive { name, .. }) if name == setting),
+                "{error:?}"
+            );
         }
     }
     for spacing in [-1.0, 0.0, f64::NAN, 1e200, 1e-200] {
         let refused = Arrangement::Square.lattice::<2>(spacing);
-        assert!(matches!(refused, Err(LatticeError::Spacing { .. })), "{spacing:e}");
+        assert!(
+            matches!(refused, Err(LatticeError::Spacing { .. })),
+            "{spacing:e}"
+        );
     }
 }
 
 #[test]
 fn an_arrangement_has_one_dimension_only() {
-    let chain = Discretization { arrangement: Arrangement::Chain, ..Discretization::default() };
-    let error = MethodError::Lattice(LatticeError::Dimension { arrangement: "chain", actual: 1, requested: 2 });
+    let chain = Discretization {
+        arrangement: Arrangement::Chain,
+        ..Discretization::default()
+    };
+    let error = MethodError::Lattice(LatticeError::Dimension {
+        arrangement: "chain",
+        actual: 1,
+        requested: 2,
+    });
     assert_eq!(Method::<2>::new(chain).map(|_| ()), Err(error));
-    let square = Discretization { arrangement: Arrangement::Square, ..Discretization::default() };
+    let square = Discretization {
+        arrangement: Arrangement::Square,
+        ..Discretization::default()
+    };
     assert!(Method::<1>::new(square).is_err());
     assert!(Method::<3>::new(square).is_err());
 }
 
 #[test]
 fn states_that_leave_the_plane_are_refused() {
-    let sheared = DeformationGradient::new([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("a state");
-    assert_eq!(evaluated(Discretization::default(), &sheared), Err(MethodError::NotPlanar { dimension: 2 }));
-    let chain = Discretization { arrangement: Arrangement::Chain, ..Discretization::default() };
+    let sheared = DeformationGradient::new([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        .expect("a state");
+    assert_eq!(
+        evaluated(Discretization::default(), &sheared),
+        Err(MethodError::NotPlanar { dimension: 2 })
+    );
+    let chain = Discretization {
+        arrangement: Arrangement::Chain,
+        ..Discretization::default()
+    };
     let planar = DeformationGradient::plane_strain([[1.0, 0.1], [0.0, 1.0]], 1.0).expect("a state");
-    let refused = Method::<1>::new(chain).expect("a chain").configuration(&planar, Order::First);
-    assert!(matches!(refused, Err(MethodError::NotPlanar { dimension: 1 })));
+    let refused = Method::<1>::new(chain)
+        .expect("a chain")
+        .configuration(&planar, Order::First);
+    assert!(matches!(
+        refused,
+        Err(MethodError::NotPlanar { dimension: 1 })
+    ));
 }
 
 /// Nothing here is asserted but that every call returns, and that what it returns is finite.
 #[test]
 fn no_magnitude_of_stretches_panics_with_any_method() {
-    let materials: [Box<dyn Hyperelastic>; 2] =
-        [Box::new(ModifiedMooneyRivlin::default()), Box::new(BlatzKo::default())];
+    let materials: [Box<dyn Hyperelastic>; 2] = [
+        Box::new(ModifiedMooneyRivlin::default()),
+        Box::new(BlatzKo::default()),
+    ];
     let mut evaluated = 0;
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
-        for support_size in [SupportSize::Fixed, SupportSize::Scaled, SupportSize::Convected] {
+        for support_size in [
+            SupportSize::Fixed,
+            SupportSize::Scaled,
+            SupportSize::Convected,
+        ] {
             for (lattice, background, linearization) in [
-                (CurrentLattice::Convected, Background::Interpolated, Linearization::Exact),
-                (CurrentLattice::Regular, Background::Imposed, Linearization::Paper),
+                (
+                    CurrentLattice::Convected,
+                    Background::Interpolated,
+                    Linearization::Exact,
+                ),
+                (
+                    CurrentLattice::Regular,
+                    Background::Imposed,
+                    Linearization::Paper,
+                ),
             ] {
                 let discretization = Discretization {
                     frame,
@@ -141,8 +237,14 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
                 let method = Method::<2>::new(discretization).expect("a method");
                 for exponent in (-300..=300).step_by(20).chain([-3, -1, 1, 3]) {
                     let stretch = 10.0_f64.powi(exponent);
-                    for stretches in [[stretch, 1.0, 1.0], [stretch, stretch, 1.0], [stretch, stretch.recip(), 1.0]] {
-                        let Ok(f) = DeformationGradient::from_stretches(stretches) else { continue };
+                    for stretches in [
+                        [stretch, 1.0, 1.0],
+                        [stretch, stretch, 1.0],
+                        [stretch, stretch.recip(), 1.0],
+                    ] {
+                        let Ok(f) = DeformationGradient::from_stretches(stretches) else {
+                            continue;
+                        };
                         for material in &materials {
                             if let Ok(d) = dynamical_matrix(&method, &**material, &f) {
                                 assert!(d.is_finite());
@@ -150,7 +252,10 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
                             if exponent.abs() <= 20
                                 && let Ok(assessment) = assess(&method, &**material, &f)
                             {
-                                assert!(!assessment.spectrum.softest.scaled.is_nan(), "{stretches:?}");
+                                assert!(
+                                    !assessment.spectrum.softest.scaled.is_nan(),
+                                    "{stretches:?}"
+                                );
                                 evaluated += 1;
                             }
                         }
@@ -159,7 +264,10 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
             }
         }
     }
-    assert!(evaluated > 100, "only {evaluated} states could be evaluated");
+    assert!(
+        evaluated > 100,
+        "only {evaluated} states could be evaluated"
+    );
 }
 
 #[test]

@@ -24,7 +24,9 @@ fn areas_by_spade(lattice: &BravaisLattice<2>, points: &[Vector2<f64>]) -> Vec<f
         }
     }
     let area = |point: &Vector2<f64>| {
-        let vertex = triangulation.nearest_neighbor(at(*point)).expect("the point");
+        let vertex = triangulation
+            .nearest_neighbor(at(*point))
+            .expect("the point");
         let corners: Vec<Point2<f64>> = vertex
             .as_voronoi_face()
             .adjacent_edges()
@@ -104,16 +106,24 @@ fn nodes_and_stress_points_share_the_cell_equally() {
         let points = quadrature.points(arrangement, &lattice).expect("volumes");
         assert_eq!(points.len() as i32, parts);
         for point in points {
-            assert!((point.volume - expected).abs() < 1e-13, "{arrangement:?}, {quadrature:?}");
+            assert!(
+                (point.volume - expected).abs() < 1e-13,
+                "{arrangement:?}, {quadrature:?}"
+            );
         }
         // Affine images of a Bravais lattice of points keep equal shares; the honeycomb does by inversion.
-        let sheared = lattice.mapped(&Matrix2::new(1.2, 0.4, -0.1, 0.8)).expect("a lattice");
+        let sheared = lattice
+            .mapped(&Matrix2::new(1.2, 0.4, -0.1, 0.8))
+            .expect("a lattice");
         for point in quadrature.points(arrangement, &sheared).expect("volumes") {
             assert!((point.volume * f64::from(parts) - sheared.cell_volume()).abs() < 1e-13);
         }
     }
     let chain = Arrangement::Chain.lattice::<1>(0.3).expect("a lattice");
-    for point in Quadrature::StressPoints.points(Arrangement::Chain, &chain).expect("volumes") {
+    for point in Quadrature::StressPoints
+        .points(Arrangement::Chain, &chain)
+        .expect("volumes")
+    {
         assert!((point.volume - 0.15).abs() < 1e-15);
     }
 }
@@ -121,14 +131,24 @@ fn nodes_and_stress_points_share_the_cell_equally() {
 #[test]
 fn points_that_coincide_or_lie_in_space_have_no_voronoi_volumes() {
     let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
-    let twice = [Vector2::new(0.25, 0.5), Vector2::new(0.0, 0.0), Vector2::new(1.25, -0.5)];
+    let twice = [
+        Vector2::new(0.25, 0.5),
+        Vector2::new(0.0, 0.0),
+        Vector2::new(1.25, -0.5),
+    ];
     assert_eq!(
         voronoi_volumes(&lattice, &twice),
-        Err(LatticeError::CoincidentPoints { first: 0, second: 2 })
+        Err(LatticeError::CoincidentPoints {
+            first: 0,
+            second: 2
+        })
     );
     let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
     let origin = [SVector::<f64, 3>::zeros()];
-    assert_eq!(voronoi_volumes(&cubic, &origin), Err(LatticeError::VoronoiDimension { dimension: 3 }));
+    assert_eq!(
+        voronoi_volumes(&cubic, &origin),
+        Err(LatticeError::VoronoiDimension { dimension: 3 })
+    );
 }
 
 #[test]
@@ -144,7 +164,8 @@ fn the_lattice_laplacian_is_a_squared_length_for_long_waves_and_periodic() {
         assert!((lattice.laplacian(&(k * 1e-4)) * 1e8 - metric).abs() < 1e-6 * metric);
         for axis in 0..2 {
             let step = Vector2::from_fn(|i, _| if i == axis { 1e-5 } else { 0.0 });
-            let difference = (lattice.laplacian(&(k + step)) - lattice.laplacian(&(k - step))) / 2e-5;
+            let difference =
+                (lattice.laplacian(&(k + step)) - lattice.laplacian(&(k - step))) / 2e-5;
             assert!((difference - lattice.laplacian_gradient(&k)[axis]).abs() < 1e-8);
         }
     }

@@ -4,7 +4,11 @@ use nalgebra::{SMatrix, SVector};
 use onset::approximation::{Approximation, Order, ShapeFunctions};
 use onset::kernel::Kernel;
 
-const ALL: [Approximation; 3] = [Approximation::Raw, Approximation::Shepard, Approximation::Mls];
+const ALL: [Approximation; 3] = [
+    Approximation::Raw,
+    Approximation::Shepard,
+    Approximation::Mls,
+];
 const RADIUS: f64 = 1.9;
 const RAW_FACTOR: f64 = 0.4;
 
@@ -46,7 +50,13 @@ fn evaluated<const D: usize>(
         }
     }
     let shape = approximation
-        .shape_functions(&positions, &weights, RAW_FACTOR, RADIUS, Order::Sensitivities)
+        .shape_functions(
+            &positions,
+            &weights,
+            RAW_FACTOR,
+            RADIUS,
+            Order::Sensitivities,
+        )
         .expect("enough neighbors");
     let mut all = Evaluated {
         values: vec![0.0; particles.len()],
@@ -75,21 +85,42 @@ fn check_reproduction<const D: usize>() {
     let particles = scattered::<D>();
     for approximation in [Approximation::Shepard, Approximation::Mls] {
         let at = evaluated(approximation, &particles, &point());
-        assert!((at.values.iter().sum::<f64>() - 1.0).abs() < 1e-13, "a partition of unity");
+        assert!(
+            (at.values.iter().sum::<f64>() - 1.0).abs() < 1e-13,
+            "a partition of unity"
+        );
         assert!(at.gradients.iter().sum::<SVector<f64, D>>().amax() < 1e-12);
         assert!(at.hessians.iter().sum::<SMatrix<f64, D, D>>().amax() < 1e-11);
         // sum x_K phi_K = x and sum x_K (x) grad phi_K = 1.
-        let place: SVector<f64, D> = particles.iter().zip(&at.values).map(|(x, phi)| x * *phi).sum();
-        let moment: SMatrix<f64, D, D> =
-            particles.iter().zip(&at.gradients).map(|(x, gradient)| x * gradient.transpose()).sum();
-        let error = (place - point()).amax().max((moment - SMatrix::identity()).amax());
+        let place: SVector<f64, D> = particles
+            .iter()
+            .zip(&at.values)
+            .map(|(x, phi)| x * *phi)
+            .sum();
+        let moment: SMatrix<f64, D, D> = particles
+            .iter()
+            .zip(&at.gradients)
+            .map(|(x, gradient)| x * gradient.transpose())
+            .sum();
+        let error = (place - point())
+            .amax()
+            .max((moment - SMatrix::identity()).amax());
         match approximation {
             Approximation::Mls => assert!(error < 1e-12, "linear completeness: {error:e}"),
-            _ => assert!(error > 1e-3, "weights without a linear basis are not linearly complete"),
+            _ => assert!(
+                error > 1e-3,
+                "weights without a linear basis are not linearly complete"
+            ),
         }
     }
-    let raw: f64 = evaluated(Approximation::Raw, &particles, &point()).values.iter().sum();
-    assert!((raw - 1.0).abs() > 1e-3, "raw weights are no partition of unity");
+    let raw: f64 = evaluated(Approximation::Raw, &particles, &point())
+        .values
+        .iter()
+        .sum();
+    assert!(
+        (raw - 1.0).abs() > 1e-3,
+        "raw weights are no partition of unity"
+    );
 }
 
 #[test]
@@ -111,7 +142,10 @@ fn check_derivatives<const D: usize>() {
             let behind = evaluated(approximation, &particles, &(x - step));
             for n in 0..particles.len() {
                 let first = (ahead.values[n] - behind.values[n]) / (2.0 * h);
-                assert!((center.gradients[n][axis] - first).abs() < 1e-7, "{approximation:?}, {D}D");
+                assert!(
+                    (center.gradients[n][axis] - first).abs() < 1e-7,
+                    "{approximation:?}, {D}D"
+                );
                 let second = (ahead.gradients[n] - behind.gradients[n]) / (2.0 * h);
                 let error = (center.hessians[n].column(axis) - second).amax();
                 assert!(error < 1e-6, "{approximation:?}, {D}D: {error:e}");
@@ -144,15 +178,22 @@ fn check_sensitivities<const D: usize>() {
                 for (i, &of) in center.seen.iter().enumerate() {
                     let difference = (ahead[of] - behind[of]) / (2.0 * h);
                     let error = (center.shape.sensitivity(i, k).column(axis) - difference).amax();
-                    assert!(error < 1e-6, "{approximation:?}, {D}D, {i} by {k}: {error:e}");
+                    assert!(
+                        error < 1e-6,
+                        "{approximation:?}, {D}D, {i} by {k}: {error:e}"
+                    );
                 }
             }
         }
         // Moving all particles is moving the point the other way.
         for i in 0..center.seen.len() {
-            let all: SMatrix<f64, D, D> =
-                (0..center.seen.len()).map(|k| *center.shape.sensitivity(i, k)).sum();
-            assert!((all + center.shape.hessians[i]).amax() < 1e-11, "{approximation:?}, {D}D");
+            let all: SMatrix<f64, D, D> = (0..center.seen.len())
+                .map(|k| *center.shape.sensitivity(i, k))
+                .sum();
+            assert!(
+                (all + center.shape.hessians[i]).amax() < 1e-11,
+                "{approximation:?}, {D}D"
+            );
         }
     }
 }
@@ -169,11 +210,18 @@ fn frozen_second_derivatives_hold_the_normalization() {
     let particles = scattered::<2>();
     let metric = SMatrix::<f64, 2, 2>::identity();
     let shepard = evaluated(Approximation::Shepard, &particles, &point());
-    let weight = |n: usize| Kernel::QuarticSpline.weight(&(particles[n] - point()), RADIUS, &metric).expect("seen");
+    let weight = |n: usize| {
+        Kernel::QuarticSpline
+            .weight(&(particles[n] - point()), RADIUS, &metric)
+            .expect("seen")
+    };
     let sum: f64 = shepard.seen.iter().map(|&n| weight(n).value).sum();
     for (k, &n) in shepard.seen.iter().enumerate() {
         assert!((shepard.shape.frozen_hessians[k] - weight(n).hessian / sum).amax() < 1e-13);
     }
     let raw = evaluated(Approximation::Raw, &particles, &point());
-    assert_eq!(raw.shape.frozen_hessians, raw.shape.hessians, "raw weights have no normalization");
+    assert_eq!(
+        raw.shape.frozen_hessians, raw.shape.hessians,
+        "raw weights have no normalization"
+    );
 }

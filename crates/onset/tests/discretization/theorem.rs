@@ -49,10 +49,18 @@ proptest! {
 
 /// Only the triangles that point up, with the whole volume.
 fn up_triangles(support: f64) -> Method<2> {
-    let method = Method::<2>::new(Discretization { support, ..Discretization::default() }).expect("a method");
+    let method = Method::<2>::new(Discretization {
+        support,
+        ..Discretization::default()
+    })
+    .expect("a method");
     let volume = method.lattice().cell_volume();
     let place = Vector2::repeat(1.0 / 3.0);
-    method.with_quadrature_points(vec![QuadraturePoint { place, volume, is_node: false }])
+    method.with_quadrature_points(vec![QuadraturePoint {
+        place,
+        volume,
+        is_node: false,
+    }])
 }
 
 #[test]
@@ -61,16 +69,28 @@ fn one_family_of_triangles_alone_is_unstable_in_elliptic_states() {
     // equibiaxial stretch where g'(J) = c1 + c2, long before the material's 1.66977.
     let material = ModifiedMooneyRivlin::default();
     let onset = 1.0068048003;
-    let corners = [Vector2::new(4.0 * PI / 3.0, 0.0), Vector2::new(-4.0 * PI / 3.0, 0.0)];
+    let corners = [
+        Vector2::new(4.0 * PI / 3.0, 0.0),
+        Vector2::new(-4.0 * PI / 3.0, 0.0),
+    ];
     for support in [1.6, 2.0, 2.2] {
         let method = up_triangles(support);
         for (stretch, is_stable) in [(onset - 1e-8, true), (onset + 1e-8, false), (1.2, false)] {
             let f = DeformationGradient::from_stretches([stretch, stretch, 1.0]).expect("a state");
-            assert!(Stiffness::<2>::of(&material.response(&f).expect("finite")).is_strongly_elliptic());
+            assert!(
+                Stiffness::<2>::of(&material.response(&f).expect("finite")).is_strongly_elliptic()
+            );
             let d = dynamical_matrix(&method, &material, &f).expect("finite");
             assert!(d.is_hermitian() && !d.is_centrosymmetric());
-            let lowest = corners.map(|k| d.omega_squared(&k)[0].re).into_iter().fold(f64::INFINITY, f64::min);
-            assert_eq!(lowest > 0.0, is_stable, "omega^2 = {lowest:e} at {stretch}, D_mx = {support}");
+            let lowest = corners
+                .map(|k| d.omega_squared(&k)[0].re)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min);
+            assert_eq!(
+                lowest > 0.0,
+                is_stable,
+                "omega^2 = {lowest:e} at {stretch}, D_mx = {support}"
+            );
         }
     }
 }
@@ -81,7 +101,10 @@ fn assert_zero_mode(discretization: Discretization, k: Vector2<f64>) {
         let method = Method::<2>::new(discretization).expect("a method");
         let d = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &f).expect("finite");
         for omega_squared in d.omega_squared(&k) {
-            assert!(omega_squared.norm() < 64.0 * d.noise(), "{omega_squared} at {k:?} for {discretization:?}");
+            assert!(
+                omega_squared.norm() < 64.0 * d.noise(),
+                "{omega_squared} at {k:?} for {discretization:?}"
+            );
         }
         let norm = gradient_norm(&method, &f).expect("finite").at(&k)[(0, 0)].norm();
         assert!(norm < 1e-13, "gradient norm {norm:e}");
@@ -91,18 +114,41 @@ fn assert_zero_mode(discretization: Discretization, k: Vector2<f64>) {
 #[test]
 fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_centers() {
     let m = TAU / 3.0_f64.sqrt();
-    for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+    for approximation in [
+        Approximation::Raw,
+        Approximation::Shepard,
+        Approximation::Mls,
+    ] {
         for support in [1.4, 2.0, 2.7] {
-            let of = |arrangement, quadrature| {
-                Discretization { arrangement, quadrature, approximation, support, ..Discretization::default() }
+            let of = |arrangement, quadrature| Discretization {
+                arrangement,
+                quadrature,
+                approximation,
+                support,
+                ..Discretization::default()
             };
-            for k in [(0.0, m), (PI, 0.5 * m), (-PI, 0.5 * m), (4.0 * PI / 3.0, 0.0), (-2.0 * PI / 3.0, m)] {
-                assert_zero_mode(of(Arrangement::Hexagonal, Quadrature::Nodal), Vector2::new(k.0, k.1));
+            for k in [
+                (0.0, m),
+                (PI, 0.5 * m),
+                (-PI, 0.5 * m),
+                (4.0 * PI / 3.0, 0.0),
+                (-2.0 * PI / 3.0, m),
+            ] {
+                assert_zero_mode(
+                    of(Arrangement::Hexagonal, Quadrature::Nodal),
+                    Vector2::new(k.0, k.1),
+                );
             }
             for k in [(PI, 0.0), (0.0, PI), (PI, PI)] {
-                assert_zero_mode(of(Arrangement::Square, Quadrature::Nodal), Vector2::new(k.0, k.1));
+                assert_zero_mode(
+                    of(Arrangement::Square, Quadrature::Nodal),
+                    Vector2::new(k.0, k.1),
+                );
             }
-            assert_zero_mode(of(Arrangement::Square, Quadrature::StressPoints), Vector2::new(PI, PI));
+            assert_zero_mode(
+                of(Arrangement::Square, Quadrature::StressPoints),
+                Vector2::new(PI, PI),
+            );
         }
     }
 }
@@ -111,15 +157,28 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
 fn stress_points_on_triangles_lift_the_zero_modes_except_at_isolated_supports() {
     let k = Vector2::new(4.0 * PI / 3.0, 0.0);
     let norm = |support: f64| {
-        let discretization = Discretization { support, ..Discretization::default() };
+        let discretization = Discretization {
+            support,
+            ..Discretization::default()
+        };
         let method = Method::<2>::new(discretization).expect("a method");
-        let at = gradient_norm(&method, &DeformationGradient::identity()).expect("finite").at(&k);
+        let at = gradient_norm(&method, &DeformationGradient::identity())
+            .expect("finite")
+            .at(&k);
         at[(0, 0)].re / method.lattice().laplacian(&k)
     };
     for support in [1.2, 1.6, 2.0, 2.2, 2.5] {
-        assert!(norm(support) > 1e-6, "D_mx = {support}: {:e}", norm(support));
+        assert!(
+            norm(support) > 1e-6,
+            "D_mx = {support}: {:e}",
+            norm(support)
+        );
     }
     for support in [2.2750687324, 2.4014170277, 3.7267653927, 4.0162479014] {
-        assert!(norm(support) < 1e-16, "D_mx = {support}: {:e}", norm(support));
+        assert!(
+            norm(support) < 1e-16,
+            "D_mx = {support}: {:e}",
+            norm(support)
+        );
     }
 }

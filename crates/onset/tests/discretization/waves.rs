@@ -25,7 +25,11 @@ fn matrix_at(case: &Case, f: &DeformationGradient) -> DynamicalMatrix<2> {
 }
 
 /// The state after a rotation, and before one.
-fn rotated(after: &Matrix2<f64>, f: &DeformationGradient, before: &Matrix2<f64>) -> DeformationGradient {
+fn rotated(
+    after: &Matrix2<f64>,
+    f: &DeformationGradient,
+    before: &Matrix2<f64>,
+) -> DeformationGradient {
     f.with_leading::<2>(&(after * f.leading::<2>() * before.transpose()))
 }
 
@@ -35,7 +39,10 @@ fn rotation(angle: f64) -> Matrix2<f64> {
 
 /// The size of the entries, by a few waves.
 fn scale(d: &DynamicalMatrix<2>) -> f64 {
-    [(3.0, 0.0), (0.0, 3.0), (1.5, 1.5), (2.0, -1.0)].iter().map(|k| amax(&d.at(&Vector2::new(k.0, k.1)))).fold(0.0, f64::max)
+    [(3.0, 0.0), (0.0, 3.0), (1.5, 1.5), (2.0, -1.0)]
+        .iter()
+        .map(|k| amax(&d.at(&Vector2::new(k.0, k.1))))
+        .fold(0.0, f64::max)
 }
 
 proptest! {

@@ -14,7 +14,9 @@ fn smallest(q: &Matrix2<f64>) -> f64 {
 
 fn acoustic<const D: usize>(t: &FourthOrder, n: [f64; D]) -> nalgebra::SMatrix<f64, D, D> {
     nalgebra::SMatrix::from_fn(|i, k| {
-        (0..D * D).map(|m| t[(i, m / D, k, m % D)] * n[m / D] * n[m % D]).sum()
+        (0..D * D)
+            .map(|m| t[(i, m / D, k, m % D)] * n[m / D] * n[m % D])
+            .sum()
     })
 }
 
@@ -32,7 +34,9 @@ fn scanned(t: &FourthOrder) -> f64 {
             let (mut center, mut width) = (n as f64 * step, step);
             for _ in 0..14 {
                 let nearby = (-10..=10).map(|m| center + width * 0.1 * f64::from(m));
-                center = nearby.min_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap_or(center);
+                center = nearby
+                    .min_by(|a, b| at(*a).total_cmp(&at(*b)))
+                    .unwrap_or(center);
                 width *= 0.2;
             }
             lowest = lowest.min(at(center));
@@ -46,9 +50,15 @@ fn assert_minimum(t: &FourthOrder, scale: f64) {
     let minimum = Stiffness::<2>::from_tangent(t).minimum();
     let difference = minimum.eigenvalue.re - scanned(t);
     // The minimum is found wherever it lies: neither above the scan nor, to its resolution, below it.
-    assert!(difference.abs() < 1e-9 * scale, "off by {difference:e} of {scale:e}");
+    assert!(
+        difference.abs() < 1e-9 * scale,
+        "off by {difference:e} of {scale:e}"
+    );
     let at = smallest(&acoustic(t, [minimum.direction[0], minimum.direction[1]]));
-    assert!((minimum.eigenvalue.re - at).abs() < 1e-12 * scale, "the direction has the eigenvalue");
+    assert!(
+        (minimum.eigenvalue.re - at).abs() < 1e-12 * scale,
+        "the direction has the eigenvalue"
+    );
 }
 
 #[test]
@@ -56,7 +66,10 @@ fn the_minimum_in_the_plane_is_that_of_a_dense_scan() {
     for entry in laws() {
         let mut random = Random::new(21);
         for _ in 0..150 {
-            let response = entry.law.response(&random.planar_state(4.0)).expect("finite");
+            let response = entry
+                .law
+                .response(&random.planar_state(4.0))
+                .expect("finite");
             let scale = (0..16)
                 .map(|n| response.tangent[(n / 8, n / 4 % 2, n / 2 % 2, n % 2)].abs())
                 .fold(0.0, f64::max);
@@ -88,9 +101,15 @@ fn eigenpairs_of_the_minimum_satisfy_their_equation() {
     for entry in laws() {
         let mut random = Random::new(23);
         for _ in 0..100 {
-            let response = entry.law.response(&random.planar_state(3.0)).expect("finite");
+            let response = entry
+                .law
+                .response(&random.planar_state(3.0))
+                .expect("finite");
             let minimum = Stiffness::<2>::of(&response).minimum();
-            let q = acoustic(&response.tangent, [minimum.direction[0], minimum.direction[1]]);
+            let q = acoustic(
+                &response.tangent,
+                [minimum.direction[0], minimum.direction[1]],
+            );
             let residual = q * minimum.polarization - minimum.polarization * minimum.eigenvalue.re;
             assert!(residual.amax() < 1e-10 * q.amax());
             assert!((minimum.direction.norm() - 1.0).abs() < 1e-14);
@@ -118,7 +137,10 @@ fn rotating_state_and_directions_changes_no_eigenvalue() {
             assert!((q_turned - block * q * block.transpose()).amax() < 1e-11 * q.amax());
             // And the minimum over all of them.
             let [a, b] = [one, other].map(|r| Stiffness::<2>::of(&r).minimum());
-            assert!((a.eigenvalue.re - b.eigenvalue.re).abs() < 1e-10 * q.amax().max(a.eigenvalue.re.abs()));
+            assert!(
+                (a.eigenvalue.re - b.eigenvalue.re).abs()
+                    < 1e-10 * q.amax().max(a.eigenvalue.re.abs())
+            );
         }
     }
 }
@@ -138,16 +160,27 @@ fn the_minimum_in_space_is_not_above_a_dense_scan_and_turns_with_the_state() {
                         std::f64::consts::PI * (f64::from(row) + 0.5) / 80.0,
                         std::f64::consts::TAU * f64::from(column) / 80.0,
                     );
-                    let n = [polar.sin() * around.cos(), polar.sin() * around.sin(), polar.cos()];
+                    let n = [
+                        polar.sin() * around.cos(),
+                        polar.sin() * around.sin(),
+                        polar.cos(),
+                    ];
                     let q: Matrix3<f64> = acoustic(&response.tangent, n);
                     scan = scan.min(q.symmetric_eigenvalues().min());
                 }
             }
             let scale = response.tangent[(0, 0, 0, 0)].abs();
-            assert!(minimum <= scan + 1e-9 * scale, "{minimum} above the scan's {scan}");
-            assert!(minimum > scan - 0.05 * scale, "{minimum} far below the scan's {scan}");
+            assert!(
+                minimum <= scan + 1e-9 * scale,
+                "{minimum} above the scan's {scan}"
+            );
+            assert!(
+                minimum > scan - 0.05 * scale,
+                "{minimum} far below the scan's {scan}"
+            );
             let rotated = of(&(random.rotation() * f.matrix() * random.rotation()));
-            let turned = Stiffness::<3>::of(&entry.law.response(&rotated).expect("finite")).minimum();
+            let turned =
+                Stiffness::<3>::of(&entry.law.response(&rotated).expect("finite")).minimum();
             assert!((turned.eigenvalue.re - minimum).abs() < 1e-7 * scale);
         }
     }
@@ -157,13 +190,18 @@ fn the_minimum_in_space_is_not_above_a_dense_scan_and_turns_with_the_state() {
 fn minima_between_samples_every_ten_degrees_are_found() {
     // Just beyond the onset only directions near the critical one lose ellipticity; turned by five degrees
     // against the samples, none of these sees it.
-    let tilt = *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 5.0_f64.to_radians()).matrix();
-    let onset = DeformationGradient::from_stretches([1.0, 2.754613297216 * 1.00001, 1.0]).expect("a state");
+    let tilt =
+        *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 5.0_f64.to_radians()).matrix();
+    let onset =
+        DeformationGradient::from_stretches([1.0, 2.754613297216 * 1.00001, 1.0]).expect("a state");
     let state = of(&(tilt * onset.matrix() * tilt.transpose()));
     let response = laws()[0].law.response(&state).expect("finite");
     for n in 0..18 {
         let angle = f64::from(10 * n).to_radians();
-        assert!(smallest(&acoustic(&response.tangent, [angle.cos(), angle.sin()])) > 0.0, "{n}0 degrees");
+        assert!(
+            smallest(&acoustic(&response.tangent, [angle.cos(), angle.sin()])) > 0.0,
+            "{n}0 degrees"
+        );
     }
     let stiffness = Stiffness::<2>::of(&response);
     assert!(!stiffness.is_strongly_elliptic());
@@ -171,13 +209,20 @@ fn minima_between_samples_every_ten_degrees_are_found() {
     assert!(minimum.eigenvalue.re < 0.0);
     // The critical normal lies along the smaller stretch.
     let critical = Vector2::new(tilt[(0, 0)], tilt[(1, 0)]);
-    assert!(minimum.direction.dot(&critical).abs() > 1.0 - 1e-6, "{:?}", minimum.direction);
+    assert!(
+        minimum.direction.dot(&critical).abs() > 1.0 - 1e-6,
+        "{:?}",
+        minimum.direction
+    );
 }
 
 #[test]
 fn the_largest_eigenvalue_is_that_of_the_fastest_wave() {
     for entry in laws() {
-        let response = entry.law.response(&DeformationGradient::identity()).expect("finite");
+        let response = entry
+            .law
+            .response(&DeformationGradient::identity())
+            .expect("finite");
         // Longitudinal waves: K + 4/3 mu.
         let fastest = entry.bulk_modulus + 4.0 / 3.0 * entry.shear_modulus;
         let computed = [
@@ -186,7 +231,11 @@ fn the_largest_eigenvalue_is_that_of_the_fastest_wave() {
             Stiffness::<3>::of(&response).maximum_eigenvalue(),
         ];
         for value in computed {
-            assert!((value - fastest).abs() < 1e-12 * fastest, "{}: {value} against {fastest}", entry.name);
+            assert!(
+                (value - fastest).abs() < 1e-12 * fastest,
+                "{}: {value} against {fastest}",
+                entry.name
+            );
         }
     }
 }

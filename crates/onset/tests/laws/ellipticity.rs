@@ -24,13 +24,19 @@ fn the_domain_of_the_law_5_is_its_closed_form() {
         let stiffness = Stiffness::<2>::of(&law.response(&f).expect("finite"));
         let minimum = stiffness.minimum().eigenvalue.re;
         let scale = stiffness.maximum_eigenvalue().abs();
-        assert!((minimum - closed.min(C1 + C2)).abs() < 1e-9 * scale.max(1.0), "{minimum}, {closed} at {f:?}");
+        assert!(
+            (minimum - closed.min(C1 + C2)).abs() < 1e-9 * scale.max(1.0),
+            "{minimum}, {closed} at {f:?}"
+        );
         if closed.abs() > 1e-9 * scale {
             assert_eq!(stiffness.is_strongly_elliptic(), closed > 0.0, "at {f:?}");
             seen[usize::from(closed > 0.0)] += 1;
         }
     }
-    assert!(seen[0] > 100 && seen[1] > 100, "both sides of the boundary are sampled: {seen:?}");
+    assert!(
+        seen[0] > 100 && seen[1] > 100,
+        "both sides of the boundary are sampled: {seen:?}"
+    );
 }
 
 #[test]
@@ -68,7 +74,10 @@ fn the_planar_domain_of_blatz_and_ko_is_inequality_62() {
             seen[usize::from(margin > 0.0)] += 1;
         }
     }
-    assert!(seen[0] > 100 && seen[1] > 100, "both sides of the boundary are sampled: {seen:?}");
+    assert!(
+        seen[0] > 100 && seen[1] > 100,
+        "both sides of the boundary are sampled: {seen:?}"
+    );
 }
 
 #[test]
@@ -77,9 +86,14 @@ fn the_boundary_of_inequality_62_is_met_to_eleven_digits() {
     for (scale, sign) in [(0.5, 1.0), (1.0, 1.0), (1.7, -1.0)] {
         for (distance, expected) in [(1e-11, false), (-1e-11, true)] {
             let ratio = (2.0 + 3.0_f64.sqrt()) * (1.0 + distance);
-            let f = DeformationGradient::from_stretches([scale, scale * ratio.powf(sign), 1.0]).expect("a state");
+            let f = DeformationGradient::from_stretches([scale, scale * ratio.powf(sign), 1.0])
+                .expect("a state");
             let stiffness = Stiffness::<2>::of(&law.response(&f).expect("finite"));
-            assert_eq!(stiffness.is_strongly_elliptic(), expected, "ratio off by {distance:e}");
+            assert_eq!(
+                stiffness.is_strongly_elliptic(),
+                expected,
+                "ratio off by {distance:e}"
+            );
         }
     }
 }
@@ -95,9 +109,16 @@ fn the_domain_of_blatz_and_ko_in_space_is_inequality_60() {
         if margin.abs() > 1e-4 {
             let f = DeformationGradient::from_stretches([l1, l2, 1.0]).expect("a state");
             let stiffness = Stiffness::<3>::of(&law.response(&f).expect("finite"));
-            assert_eq!(stiffness.is_strongly_elliptic(), margin > 0.0, "at {l1}, {l2}");
+            assert_eq!(
+                stiffness.is_strongly_elliptic(),
+                margin > 0.0,
+                "at {l1}, {l2}"
+            );
             seen[usize::from(margin > 0.0)] += 1;
         }
     }
-    assert!(seen[0] > 30 && seen[1] > 30, "both sides of the boundary are sampled: {seen:?}");
+    assert!(
+        seen[0] > 30 && seen[1] > 30,
+        "both sides of the boundary are sampled: {seen:?}"
+    );
 }

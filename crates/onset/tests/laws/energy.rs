@@ -19,13 +19,21 @@ fn stress_is_the_derivative_of_the_energy() {
             let response = entry.law.response(&f).expect("finite");
             let plain = (entry.energy)(&f);
             let difference = (response.energy - plain).abs();
-            assert!(difference < 1e-13 * entry.bulk_modulus.max(plain), "{}: the energy of jets", entry.name);
+            assert!(
+                difference < 1e-13 * entry.bulk_modulus.max(plain),
+                "{}: the energy of jets",
+                entry.name
+            );
             let scale = response.first_piola.amax().max(entry.shear_modulus);
             for i in 0..3 {
                 for j in 0..3 {
                     let along = |t: f64| (entry.energy)(&of(&(f.matrix() + unit(i, j) * t)));
                     let error = response.first_piola[(i, j)] - differentiated(1e-3, along);
-                    assert!(error.abs() < 1e-8 * scale, "{}: P{i}{j} is off by {error:e} at {f:?}", entry.name);
+                    assert!(
+                        error.abs() < 1e-8 * scale,
+                        "{}: P{i}{j} is off by {error:e} at {f:?}",
+                        entry.name
+                    );
                 }
             }
         }
@@ -39,7 +47,9 @@ fn all_81_tangent_components_are_second_derivatives_of_the_energy() {
         for _ in 0..8 {
             let f = random.state();
             let response = entry.law.response(&f).expect("finite");
-            let scale = quadruples().map(|n| response.tangent[n].abs()).fold(0.0, f64::max);
+            let scale = quadruples()
+                .map(|n| response.tangent[n].abs())
+                .fold(0.0, f64::max);
             for (i, j, k, l) in quadruples() {
                 let second = differentiated(2e-3, |s| {
                     differentiated(2e-3, |t| {
@@ -68,12 +78,20 @@ fn stress_and_elasticity_tensor_are_those_of_the_closed_forms() {
             let stress = (entry.second_piola)(&c);
             let scale = stress.amax().max(entry.shear_modulus);
             let error = (response.second_piola() - stress).amax();
-            assert!(error < 1e-11 * scale, "{}: S is off by {error:e} at {f:?}", entry.name);
+            assert!(
+                error < 1e-11 * scale,
+                "{}: S is off by {error:e} at {f:?}",
+                entry.name
+            );
             let (computed, closed) = (response.second_elasticity(), (entry.second_elasticity)(&c));
             let scale = quadruples().map(|n| computed[n].abs()).fold(0.0, f64::max);
             for (i, j, k, l) in quadruples() {
                 let error = computed[(i, j, k, l)] - closed(i, j, k, l);
-                assert!(error.abs() < 1e-11 * scale, "{}: C^SE {i}{j}{k}{l} is off by {error:e}", entry.name);
+                assert!(
+                    error.abs() < 1e-11 * scale,
+                    "{}: C^SE {i}{j}{k}{l} is off by {error:e}",
+                    entry.name
+                );
                 // The tangent A from the closed forms alone.
                 let m = f.matrix();
                 let mut tangent = delta(i, k) * stress[(j, l)];
@@ -83,7 +101,11 @@ fn stress_and_elasticity_tensor_are_those_of_the_closed_forms() {
                     }
                 }
                 let error = response.tangent[(i, j, k, l)] - tangent;
-                assert!(error.abs() < 1e-10 * scale, "{}: A {i}{j}{k}{l} is off by {error:e}", entry.name);
+                assert!(
+                    error.abs() < 1e-10 * scale,
+                    "{}: A {i}{j}{k}{l} is off by {error:e}",
+                    entry.name
+                );
             }
         }
     }
@@ -99,9 +121,19 @@ fn tangents_have_the_symmetries_of_a_potential() {
             let scale = quadruples().map(|n| a[n].abs()).fold(0.0, f64::max);
             for (i, j, k, l) in quadruples() {
                 let major = (a[(i, j, k, l)] - a[(k, l, i, j)]).abs();
-                assert!(major < 1e-14 * scale, "{}: major symmetry of A: {major:e}", entry.name);
-                let minor = (c[(i, j, k, l)] - c[(j, i, k, l)]).abs().max((c[(i, j, k, l)] - c[(i, j, l, k)]).abs());
-                assert!(minor < 1e-11 * scale, "{}: minor symmetry of C^SE: {minor:e}", entry.name);
+                assert!(
+                    major < 1e-14 * scale,
+                    "{}: major symmetry of A: {major:e}",
+                    entry.name
+                );
+                let minor = (c[(i, j, k, l)] - c[(j, i, k, l)])
+                    .abs()
+                    .max((c[(i, j, k, l)] - c[(i, j, l, k)]).abs());
+                assert!(
+                    minor < 1e-11 * scale,
+                    "{}: minor symmetry of C^SE: {minor:e}",
+                    entry.name
+                );
             }
             // The balance of angular momentum: sigma is symmetric.
             let sigma = response.cauchy();
@@ -120,8 +152,16 @@ fn rotations_before_and_after_change_no_energy() {
             let tolerance = 1e-12 * energy.abs().max(entry.bulk_modulus);
             let objective = (entry.energy)(&of(&(q * f.matrix()))) - energy;
             let isotropic = (entry.energy)(&of(&(f.matrix() * q))) - energy;
-            assert!(objective.abs() < tolerance, "{}: W(QF) - W(F) = {objective:e}", entry.name);
-            assert!(isotropic.abs() < tolerance, "{}: W(FQ) - W(F) = {isotropic:e}", entry.name);
+            assert!(
+                objective.abs() < tolerance,
+                "{}: W(QF) - W(F) = {objective:e}",
+                entry.name
+            );
+            assert!(
+                isotropic.abs() < tolerance,
+                "{}: W(FQ) - W(F) = {isotropic:e}",
+                entry.name
+            );
         }
     }
 }
@@ -129,15 +169,30 @@ fn rotations_before_and_after_change_no_energy() {
 #[test]
 fn the_undeformed_state_is_free_of_stress_and_has_the_moduli_of_the_law() {
     for entry in laws() {
-        let response = entry.law.response(&DeformationGradient::identity()).expect("finite");
-        assert!(response.energy.abs() < 1e-14 * entry.bulk_modulus, "{}", entry.name);
-        assert!(response.first_piola.amax() < 1e-14 * entry.bulk_modulus, "{}", entry.name);
+        let response = entry
+            .law
+            .response(&DeformationGradient::identity())
+            .expect("finite");
+        assert!(
+            response.energy.abs() < 1e-14 * entry.bulk_modulus,
+            "{}",
+            entry.name
+        );
+        assert!(
+            response.first_piola.amax() < 1e-14 * entry.bulk_modulus,
+            "{}",
+            entry.name
+        );
         let (mu, bulk) = (entry.shear_modulus, entry.bulk_modulus);
         for (i, j, k, l) in quadruples() {
             let hooke = (bulk - 2.0 / 3.0 * mu) * delta(i, j) * delta(k, l)
                 + mu * (delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k));
             let error = response.tangent[(i, j, k, l)] - hooke;
-            assert!(error.abs() < 1e-13 * bulk, "{}: A{i}{j}{k}{l} is off by {error:e}", entry.name);
+            assert!(
+                error.abs() < 1e-13 * bulk,
+                "{}: A{i}{j}{k}{l} is off by {error:e}",
+                entry.name
+            );
         }
     }
 }
@@ -167,7 +222,10 @@ fn equations_30_and_31_hold_in_plane_strain() {
             (c[(0, 0, 0, 1)], 0.0),
         ];
         for (n, (computed, printed)) in expected.into_iter().enumerate() {
-            assert!((computed - printed).abs() < 1e-11, "component {n}: {computed} against {printed}");
+            assert!(
+                (computed - printed).abs() < 1e-11,
+                "component {n}: {computed} against {printed}"
+            );
         }
     }
 }

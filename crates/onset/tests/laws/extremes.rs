@@ -8,9 +8,15 @@ use onset::material::{BlatzKo, MaterialError, ModifiedMooneyRivlin};
 fn stretches_that_overflow_the_energy_are_errors() {
     for entry in laws() {
         for stretch in [1e200, 1e160] {
-            let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a finite state");
+            let f =
+                DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a finite state");
             let response = entry.law.response(&f);
-            assert_eq!(response, Err(MaterialError::NotFinite { jacobian: stretch }), "{}", entry.name);
+            assert_eq!(
+                response,
+                Err(MaterialError::NotFinite { jacobian: stretch }),
+                "{}",
+                entry.name
+            );
         }
     }
 }
@@ -37,12 +43,32 @@ fn no_magnitude_of_stretches_panics_or_yields_numbers_that_are_not_finite() {
 fn states_that_are_no_deformations_are_refused_with_what_is_wrong() {
     use KinematicsError::{Extreme, JacobianNotPositive, NotFinite, StretchNotPositive};
     let stretches = DeformationGradient::from_stretches;
-    assert_eq!(stretches([1.0, -0.5, 1.0]), Err(StretchNotPositive { index: 2, value: -0.5 }));
-    assert_eq!(stretches([1.0, 1.0, 0.0]), Err(StretchNotPositive { index: 3, value: 0.0 }));
-    assert_eq!(stretches([f64::INFINITY, 1.0, 1.0]), Err(NotFinite { value: f64::INFINITY }));
+    assert_eq!(
+        stretches([1.0, -0.5, 1.0]),
+        Err(StretchNotPositive {
+            index: 2,
+            value: -0.5
+        })
+    );
+    assert_eq!(
+        stretches([1.0, 1.0, 0.0]),
+        Err(StretchNotPositive {
+            index: 3,
+            value: 0.0
+        })
+    );
+    assert_eq!(
+        stretches([f64::INFINITY, 1.0, 1.0]),
+        Err(NotFinite {
+            value: f64::INFINITY
+        })
+    );
     assert!(matches!(stretches([1.0, f64::NAN, 1.0]), Err(NotFinite { value }) if value.is_nan()));
     assert!(matches!(stretches([1e120; 3]), Err(Extreme { jacobian }) if jacobian.is_infinite()));
-    assert!(matches!(stretches([1e-110; 3]), Err(Extreme { .. } | JacobianNotPositive { .. })));
+    assert!(matches!(
+        stretches([1e-110; 3]),
+        Err(Extreme { .. } | JacobianNotPositive { .. })
+    ));
     // Two negative stretches are no reflection, one is.
     let turned = DeformationGradient::plane_strain([[-1.0, 0.0], [0.0, -1.0]], 1.0);
     assert_eq!(turned.map(|f| f.jacobian()), Ok(1.0));
@@ -64,7 +90,9 @@ fn invariants_are_the_coefficients_of_the_characteristic_polynomial() {
             x * x * x - invariants.first * x * x + invariants.second * x - invariants.third;
         let determinant = (nalgebra::Matrix3::identity() * x - c).determinant();
         assert!((polynomial - determinant).abs() < 1e-12 * (1.0 + c.norm().powi(3)));
-        assert!((invariants.jacobian - f.matrix().determinant()).abs() < 1e-14 * (1.0 + f.jacobian()));
+        assert!(
+            (invariants.jacobian - f.matrix().determinant()).abs() < 1e-14 * (1.0 + f.jacobian())
+        );
     }
 }
 
@@ -76,17 +104,25 @@ fn straight_paths_meet_their_ends_exactly_and_refuse_to_turn_matter_inside_out()
     assert_eq!((path.at(0.0), path.at(1.0)), (Ok(from), Ok(to)));
     let middle = path.at(0.25).expect("a state").matrix();
     assert!((middle - (from.matrix() * 0.75 + to.matrix() * 0.25)).amax() < 1e-15);
-    assert_eq!(StraightPath::new(from, from), Err(KinematicsError::EmptyPath));
+    assert_eq!(
+        StraightPath::new(from, from),
+        Err(KinematicsError::EmptyPath)
+    );
     // Half a turn leads through the singular state.
-    let turned = DeformationGradient::plane_strain([[-1.0, 0.0], [0.0, -1.0]], 1.0).expect("a rotation");
+    let turned =
+        DeformationGradient::plane_strain([[-1.0, 0.0], [0.0, -1.0]], 1.0).expect("a rotation");
     let through = StraightPath::new(DeformationGradient::identity(), turned).expect("a path");
-    assert_eq!(through.at(0.5), Err(KinematicsError::JacobianNotPositive { jacobian: 0.0 }));
+    assert_eq!(
+        through.at(0.5),
+        Err(KinematicsError::JacobianNotPositive { jacobian: 0.0 })
+    );
 }
 
 #[test]
 fn parameters_out_of_range_are_refused_by_name() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let refused = |error: MaterialError| matches!(error, MaterialError::Parameter { name: "mu", .. });
+        let refused =
+            |error: MaterialError| matches!(error, MaterialError::Parameter { name: "mu", .. });
         assert!(BlatzKo::new(bad).is_err_and(refused));
     }
     let refused = |c1, c2, lambda, expected: &str| {

@@ -111,18 +111,30 @@ fn applied<R: Real>(operation: usize, a: R, b: R, constant: f64) -> R {
 fn run<R: Real>(program: &[Instruction], variables: [R; 3]) -> R {
     let mut results: Vec<R> = variables.to_vec();
     for step in program {
-        let (a, b) = (results[step.first % results.len()], results[step.second % results.len()]);
+        let (a, b) = (
+            results[step.first % results.len()],
+            results[step.second % results.len()],
+        );
         let result = applied(step.operation, a, b, step.constant);
         // Towers of squares must not run away.
-        results.push(if result.value().abs() > 20.0 { result.sin() } else { result });
+        results.push(if result.value().abs() > 20.0 {
+            result.sin()
+        } else {
+            result
+        });
     }
     results[results.len() - 1]
 }
 
 fn instruction() -> impl Strategy<Value = Instruction> {
-    (0..OPERATIONS, 0..64_usize, 0..64_usize, -2.0..2.0).prop_map(|(operation, first, second, constant)| {
-        Instruction { operation, first, second, constant }
-    })
+    (0..OPERATIONS, 0..64_usize, 0..64_usize, -2.0..2.0).prop_map(
+        |(operation, first, second, constant)| Instruction {
+            operation,
+            first,
+            second,
+            constant,
+        },
+    )
 }
 
 proptest! {
@@ -156,7 +168,12 @@ proptest! {
 #[test]
 fn every_operation_has_the_derivatives_that_differences_show() {
     for operation in 0..OPERATIONS {
-        let program = [Instruction { operation, first: 0, second: 1, constant: 1.3 }];
+        let program = [Instruction {
+            operation,
+            first: 0,
+            second: 1,
+            constant: 1.3,
+        }];
         let point = [0.7, -0.4, 0.2];
         let jet = run(&program, Jet::variables(point));
         for i in 0..3 {
@@ -168,10 +185,16 @@ fn every_operation_has_the_derivatives_that_differences_show() {
             let value = |t: f64| run(&program, shifted(t));
             let gradient = |t: f64| run(&program, Jet::variables(shifted(t))).gradient;
             let first = differentiated(1e-3, value);
-            assert!((jet.gradient[i] - first).abs() < 1e-9, "operation {operation}, variable {i}");
+            assert!(
+                (jet.gradient[i] - first).abs() < 1e-9,
+                "operation {operation}, variable {i}"
+            );
             for j in 0..3 {
                 let second = differentiated(1e-3, |t| gradient(t)[j]);
-                assert!((jet.hessian[i][j] - second).abs() < 1e-9, "operation {operation}, {i} and {j}");
+                assert!(
+                    (jet.hessian[i][j] - second).abs() < 1e-9,
+                    "operation {operation}, {i} and {j}"
+                );
             }
         }
     }
@@ -180,8 +203,17 @@ fn every_operation_has_the_derivatives_that_differences_show() {
 #[test]
 fn integer_powers_have_derivatives_at_zero() {
     let [x] = Jet::variables([0.0]);
-    for (exponent, expected) in [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 2.0]), (3, [0.0; 3])] {
+    for (exponent, expected) in [
+        (0, [1.0, 0.0, 0.0]),
+        (1, [0.0, 1.0, 0.0]),
+        (2, [0.0, 0.0, 2.0]),
+        (3, [0.0; 3]),
+    ] {
         let power = x.powi(exponent);
-        assert_eq!([power.value, power.gradient[0], power.hessian[0][0]], expected, "x^{exponent} at 0");
+        assert_eq!(
+            [power.value, power.gradient[0], power.hessian[0][0]],
+            expected,
+            "x^{exponent} at 0"
+        );
     }
 }

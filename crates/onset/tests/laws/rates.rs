@@ -7,7 +7,10 @@ use onset::material::{FourthOrder, Response};
 
 fn contracted(tensor: &FourthOrder, m: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| {
-        quadruples().filter(|n| (n.0, n.1) == (i, j)).map(|n| tensor[n] * m[(n.2, n.3)]).sum()
+        quadruples()
+            .filter(|n| (n.0, n.1) == (i, j))
+            .map(|n| tensor[n] * m[(n.2, n.3)])
+            .sum()
     })
 }
 
@@ -30,7 +33,9 @@ fn for_motions(
                 let moved: DeformationGradient = of(&((Matrix3::identity() + l * t) * f.matrix()));
                 entry.law.response(&moved).expect("finite")
             };
-            let scale = quadruples().map(|n| response.tangent[n].abs()).fold(0.0, f64::max);
+            let scale = quadruples()
+                .map(|n| response.tangent[n].abs())
+                .fold(0.0, f64::max);
             check(entry.name, &response, &l, &along, scale);
         }
     }
@@ -40,7 +45,10 @@ fn for_motions(
 fn assert_equal(name: &str, computed: Matrix3<f64>, defined: Matrix3<f64>, scale: f64) {
     let error = (computed - defined).amax();
     // The error of the differences grows with the fifth derivative of the stress.
-    assert!(error < 1e-7 * scale, "{name}: off by {error:e} of {scale:e}");
+    assert!(
+        error < 1e-7 * scale,
+        "{name}: off by {error:e} of {scale:e}"
+    );
 }
 
 fn rate_of_deformation(l: &Matrix3<f64>) -> Matrix3<f64> {
@@ -74,9 +82,18 @@ fn equation_22_gives_the_rate_of_nominal_stress() {
     for_motions(13, |name, response, l, along, scale| {
         let rate_of_f = l * response.deformation.matrix();
         let nominal = rate(|t| along(t).first_piola.transpose());
-        assert_equal(name, contracted(&response.effective_tangent(), &rate_of_f), nominal, scale);
+        assert_equal(
+            name,
+            contracted(&response.effective_tangent(), &rate_of_f),
+            nominal,
+            scale,
+        );
         // And as printed, from the second elasticity tensor.
-        let (c, s, f) = (response.second_elasticity(), response.second_piola(), response.deformation.matrix());
+        let (c, s, f) = (
+            response.second_elasticity(),
+            response.second_piola(),
+            response.deformation.matrix(),
+        );
         let printed = FourthOrder::from_fn(|i, j, k, l| {
             let mut sum = s[(i, l)] * delta(j, k);
             for r in 0..3 {
@@ -102,17 +119,27 @@ fn equation_50_gives_the_rate_of_cauchy_stress() {
 fn the_spatial_tangent_is_the_tangent_pushed_forward() {
     for_motions(15, |name, response, l, along, scale| {
         let f = response.deformation.matrix();
-        let pushed = rate(|t| along(t).first_piola) * f.transpose() / response.deformation.jacobian();
-        assert_equal(name, contracted(&response.spatial_tangent(), l), pushed, scale);
+        let pushed =
+            rate(|t| along(t).first_piola) * f.transpose() / response.deformation.jacobian();
+        assert_equal(
+            name,
+            contracted(&response.spatial_tangent(), l),
+            pushed,
+            scale,
+        );
         // Its acoustic tensor is Q(N) of the reference for n = F^-T N, per current volume.
         let reference = nalgebra::Vector3::new(0.3, -0.8, 0.52);
         let spatial = f.try_inverse().expect("invertible").transpose() * reference;
         let acoustic = |tensor: &FourthOrder, n: &nalgebra::Vector3<f64>| {
             Matrix3::from_fn(|i, k| {
-                (0..9).map(|m| tensor[(i, m / 3, k, m % 3)] * n[m / 3] * n[m % 3]).sum::<f64>()
+                (0..9)
+                    .map(|m| tensor[(i, m / 3, k, m % 3)] * n[m / 3] * n[m % 3])
+                    .sum::<f64>()
             })
         };
         let expected = acoustic(&response.tangent, &reference) / response.deformation.jacobian();
-        assert!((acoustic(&response.spatial_tangent(), &spatial) - expected).amax() < 1e-11 * scale);
+        assert!(
+            (acoustic(&response.spatial_tangent(), &spatial) - expected).amax() < 1e-11 * scale
+        );
     });
 }

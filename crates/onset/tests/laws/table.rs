@@ -23,7 +23,10 @@ pub struct Entry {
 fn entry<Law: StrainEnergy + Hyperelastic + Copy + 'static>(
     name: &'static str,
     law: Law,
-    closed: (fn(&Matrix3<f64>) -> Matrix3<f64>, fn(&Matrix3<f64>) -> Components),
+    closed: (
+        fn(&Matrix3<f64>) -> Matrix3<f64>,
+        fn(&Matrix3<f64>) -> Components,
+    ),
     (shear_modulus, bulk_modulus): (f64, f64),
 ) -> Entry {
     Entry {
@@ -47,8 +50,18 @@ pub fn laws() -> Vec<Entry> {
     let blatz_ko = BlatzKo::new(MU).expect("a positive modulus");
     let mooney = ModifiedMooneyRivlin::new(C1, C2, LAMBDA).expect("a positive shear modulus");
     vec![
-        entry("equation (5)", mooney, (equation_7, equation_9), (C1 + C2, 2.0 * LAMBDA)),
-        entry("Blatz-Ko", blatz_ko, (equation_57, equation_58), (MU, 5.0 / 3.0 * MU)),
+        entry(
+            "equation (5)",
+            mooney,
+            (equation_7, equation_9),
+            (C1 + C2, 2.0 * LAMBDA),
+        ),
+        entry(
+            "Blatz-Ko",
+            blatz_ko,
+            (equation_57, equation_58),
+            (MU, 5.0 / 3.0 * MU),
+        ),
     ]
 }
 
@@ -107,7 +120,8 @@ fn equation_58(c: &Matrix3<f64>) -> Components {
         let identity = 0.5 * (delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k));
         let first = delta(i, j) * delta(k, l) - i1 * g[(i, j)] * delta(k, l) - identity
             + g[(i, j)] * c[(k, l)];
-        let second = (i1 * delta(i, j) - c[(i, j)] - i2 * g[(i, j)]) / i3 - 0.5 * i3.sqrt() * g[(i, j)];
+        let second =
+            (i1 * delta(i, j) - c[(i, j)] - i2 * g[(i, j)]) / i3 - 0.5 * i3.sqrt() * g[(i, j)];
         let last = (i2 / i3 - i3.sqrt()) * -0.5 * twice_product(&g, (i, j, k, l));
         2.0 * MU * (first / i3 - second * g[(k, l)] - last)
     })
@@ -127,7 +141,10 @@ impl Random {
     }
 
     pub fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
@@ -154,7 +171,8 @@ impl Random {
 
     /// A full, strongly deformed state.
     pub fn state(&mut self) -> DeformationGradient {
-        let stretches = Matrix3::from_diagonal(&nalgebra::Vector3::from_fn(|_, _| self.stretch(1.6)));
+        let stretches =
+            Matrix3::from_diagonal(&nalgebra::Vector3::from_fn(|_, _| self.stretch(1.6)));
         of(&(self.rotation() * stretches * self.rotation()))
     }
 

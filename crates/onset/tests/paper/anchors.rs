@@ -17,17 +17,26 @@ use std::f64::consts::{PI, TAU};
 #[test]
 fn stresses_and_effective_tangents() {
     let anchors = anchors();
-    for (key, name) in
-        [("material_F_1.2_0.9_mooney", "mooney"), ("material_F_1.2_0.9_blatzko_mu1", "blatzko1")]
-    {
-        let response = material(name).response(&stretched(1.2, 0.9)).expect("finite");
+    for (key, name) in [
+        ("material_F_1.2_0.9_mooney", "mooney"),
+        ("material_F_1.2_0.9_blatzko_mu1", "blatzko1"),
+    ] {
+        let response = material(name)
+            .response(&stretched(1.2, 0.9))
+            .expect("finite");
         let (s, sigma) = (response.second_piola(), response.cauchy());
-        let (nominal, spatial) = (response.effective_tangent(), response.effective_cauchy_tangent());
+        let (nominal, spatial) = (
+            response.effective_tangent(),
+            response.effective_cauchy_tangent(),
+        );
         let entries = anchors[key].as_object().expect("a table");
         assert_eq!(entries.len(), 16);
         for (component, reference) in entries {
-            let digits: Vec<usize> =
-                component.chars().filter_map(|c| c.to_digit(10)).map(|d| d as usize - 1).collect();
+            let digits: Vec<usize> = component
+                .chars()
+                .filter_map(|c| c.to_digit(10))
+                .map(|d| d as usize - 1)
+                .collect();
             let computed = match (component.trim_end_matches(char::is_numeric), &digits[..]) {
                 ("S", &[i, j]) => s[(i, j)],
                 ("sig", &[i, j]) => sigma[(i, j)],
@@ -41,22 +50,39 @@ fn stresses_and_effective_tangents() {
 }
 
 fn crossings(from: [f64; 2], to: [f64; 2]) -> Vec<f64> {
-    let path = StraightPath::new(stretched(from[0], from[1]), stretched(to[0], to[1])).expect("a path");
+    let path =
+        StraightPath::new(stretched(from[0], from[1]), stretched(to[0], to[1])).expect("a path");
     let scan = scan_material::<2>(&*material("mooney"), &path).expect("a scan");
-    scan.crossings.iter().map(|crossing| crossing.parameter()).collect()
+    scan.crossings
+        .iter()
+        .map(|crossing| crossing.parameter())
+        .collect()
 }
 
 #[test]
 fn boundary_of_strong_ellipticity() {
     let anchors = anchors();
-    for (l1, reference) in anchors["pde_boundary_mooney_lambda2_of_lambda1"].as_object().expect("a table") {
+    for (l1, reference) in anchors["pde_boundary_mooney_lambda2_of_lambda1"]
+        .as_object()
+        .expect("a table")
+    {
         let (l1, l2) = (l1.parse::<f64>().expect("a stretch"), number(reference));
         let (low, high) = (0.5 * l2, 1.5 * l2);
         let s = crossings([l1, low], [l1, high]);
-        assert_meets(&format!("lambda1 = {l1}"), low + s[0] * (high - low), l2, 1e-10);
+        assert_meets(
+            &format!("lambda1 = {l1}"),
+            low + s[0] * (high - low),
+            l2,
+            1e-10,
+        );
     }
     let s = crossings([1.0, 1.0], [12.0, 12.0]);
-    assert_meets("equibiaxial onset", 1.0 + 11.0 * s[0], number(&anchors["pde_equibiaxial_mooney"]), 1e-10);
+    assert_meets(
+        "equibiaxial onset",
+        1.0 + 11.0 * s[0],
+        number(&anchors["pde_equibiaxial_mooney"]),
+        1e-10,
+    );
     let restored = number(&anchors["pde_equibiaxial_restab_mooney"]);
     assert_meets("equibiaxial return", 1.0 + 11.0 * s[1], restored, 1e-10);
     assert_eq!(s.len(), 2);
@@ -68,7 +94,12 @@ fn boundary_of_strong_ellipticity() {
     assert!(g2.abs() < 1e-12);
     let onset = |l1: f64| crossings([l1, 0.5 * j0 / l1], [l1, 1.5 * j0 / l1])[0];
     let distance = |l1: f64| (0.5 * j0 + onset(l1) * j0 - j0).abs();
-    assert!(distance(100.0) < 1e-4 && distance(1000.0) < 1e-6, "{} {}", distance(100.0), distance(1000.0));
+    assert!(
+        distance(100.0) < 1e-4 && distance(1000.0) < 1e-6,
+        "{} {}",
+        distance(100.0),
+        distance(1000.0)
+    );
 }
 
 #[test]
@@ -77,9 +108,13 @@ fn kernel_sums_and_completeness_errors() {
         let (arrangement, support) = key.split_once('_').expect("arrangement_support");
         let support: f64 = support.parse().expect("a support");
         let method = method(lagrangian(arrangement, "sp", support));
-        let configuration =
-            method.configuration(&DeformationGradient::identity(), Order::First).expect("a configuration");
-        for (point, suffix) in [(&configuration.points[0], "node"), (&configuration.points[1], "sp")] {
+        let configuration = method
+            .configuration(&DeformationGradient::identity(), Order::First)
+            .expect("a configuration");
+        for (point, suffix) in [
+            (&configuration.points[0], "node"),
+            (&configuration.points[1], "sp"),
+        ] {
             let positions: Vec<Vector2<f64>> = point
                 .cells
                 .iter()
@@ -88,10 +123,22 @@ fn kernel_sums_and_completeness_errors() {
                         * (vector![f64::from(cell[0]), f64::from(cell[1])] - point.place)
                 })
                 .collect();
-            assert_eq!(point.cells.len() as f64, number(&reference[&format!("n{suffix}")]), "{key} {suffix}");
-            let alpha: f64 =
-                positions.iter().zip(&point.shape.gradients).map(|(x, gradient)| x[0] * gradient[0]).sum();
-            assert_meets("alpha", alpha, number(&reference[&format!("alpha_{suffix}")]), 1e-9);
+            assert_eq!(
+                point.cells.len() as f64,
+                number(&reference[&format!("n{suffix}")]),
+                "{key} {suffix}"
+            );
+            let alpha: f64 = positions
+                .iter()
+                .zip(&point.shape.gradients)
+                .map(|(x, gradient)| x[0] * gradient[0])
+                .sum();
+            assert_meets(
+                "alpha",
+                alpha,
+                number(&reference[&format!("alpha_{suffix}")]),
+                1e-9,
+            );
             // The sum of the weights, from phi = W / S at any one neighbor.
             let q = positions[0].norm() / support;
             let weight = (1.0 - q).powi(3) * (1.0 + 3.0 * q);
@@ -102,8 +149,14 @@ fn kernel_sums_and_completeness_errors() {
 }
 
 /// `omega^2`, both real, at a reference wave vector.
-fn omega_squared(discretization: Discretization, name: &str, f: &DeformationGradient, k: Vector2<f64>) -> [Complex; 2] {
-    let matrix = dynamical_matrix(&method(discretization), &*material(name), f).expect("a dynamical matrix");
+fn omega_squared(
+    discretization: Discretization,
+    name: &str,
+    f: &DeformationGradient,
+    k: Vector2<f64>,
+) -> [Complex; 2] {
+    let matrix =
+        dynamical_matrix(&method(discretization), &*material(name), f).expect("a dynamical matrix");
     matrix.omega_squared(&k)
 }
 
@@ -116,8 +169,16 @@ fn assert_spectrum(key: &str, computed: [Complex; 2], reference: &[f64], toleran
 
 #[test]
 fn rank_deficiency_of_lagrangian_kernels() {
-    for (key, reference) in anchors()["rank_F_1.1_0.95_mooney"].as_object().expect("a table") {
-        let k = match key.split_once('_').and_then(|(_, rest)| rest.split_once('_')).expect("a point").1 {
+    for (key, reference) in anchors()["rank_F_1.1_0.95_mooney"]
+        .as_object()
+        .expect("a table")
+    {
+        let k = match key
+            .split_once('_')
+            .and_then(|(_, rest)| rest.split_once('_'))
+            .expect("a point")
+            .1
+        {
             "M1 (0, 2pi/sqrt3)" => vector![0.0, TAU / 3.0_f64.sqrt()],
             "M2 (pi, pi/sqrt3)" => vector![PI, PI / 3.0_f64.sqrt()],
             "K (4pi/3, 0) theta=0" => vector![4.0 * PI / 3.0, 0.0],
@@ -128,7 +189,10 @@ fn rank_deficiency_of_lagrangian_kernels() {
         };
         let mut parts = key.split('_');
         let arrangement = parts.next().expect("an arrangement");
-        let support: f64 = parts.next().and_then(|s| s.parse().ok()).expect("a support");
+        let support: f64 = parts
+            .next()
+            .and_then(|s| s.parse().ok())
+            .expect("a support");
         for quadrature in ["nodal", "sp"] {
             let discretization = lagrangian(arrangement, quadrature, support);
             let computed = omega_squared(discretization, "mooney", &stretched(1.1, 0.95), k);
@@ -140,7 +204,9 @@ fn rank_deficiency_of_lagrangian_kernels() {
 #[test]
 fn spectra_of_all_methods_at_one_state() {
     let anchors = anchors();
-    let table = anchors["omega2_F_1.2_0.9_k_2.0_1.1"].as_object().expect("a table");
+    let table = anchors["omega2_F_1.2_0.9_k_2.0_1.1"]
+        .as_object()
+        .expect("a table");
     assert_eq!(table.len(), 256);
     let k = vector![2.0, 1.1];
     let f = stretched(1.2, 0.9);
@@ -150,7 +216,11 @@ fn spectra_of_all_methods_at_one_state() {
         let (geometry, linearization) = (parts.get(5).unwrap_or(&""), parts.get(6).unwrap_or(&""));
         let discretization = with_frame(base, parts[4], geometry, linearization);
         // The reference gives spatial wave vectors for Eulerian kernels on the convected lattice.
-        let k = if geometry.ends_with("stretched") { f.leading::<2>().transpose() * k } else { k };
+        let k = if geometry.ends_with("stretched") {
+            f.leading::<2>().transpose() * k
+        } else {
+            k
+        };
         let computed = omega_squared(discretization, parts[0], &f, k);
         assert_spectrum(key, computed, &numbers(reference), 1e-9);
     }
@@ -160,14 +230,25 @@ fn spectra_of_all_methods_at_one_state() {
 fn quadrature_without_an_inversion_center_needs_the_complex_matrix() {
     let base = method(lagrangian("hex", "sp", 2.0));
     let points = base.quadrature_points();
-    let up_only = vec![points[0], QuadraturePoint { volume: 2.0 * points[1].volume, ..points[1] }];
+    let up_only = vec![
+        points[0],
+        QuadraturePoint {
+            volume: 2.0 * points[1].volume,
+            ..points[1]
+        },
+    ];
     let method = base.clone().with_quadrature_points(up_only);
     let f = stretched(1.2, 0.9);
     let matrix = dynamical_matrix(&method, &*material("mooney"), &f).expect("a dynamical matrix");
     assert!(!matrix.is_centrosymmetric());
     let k = vector![2.0, 1.1];
     let reference = anchors()["no_inversion"]["up_only_hex_2.0_F_1.2_0.9"].clone();
-    assert_spectrum("up only", matrix.omega_squared(&k), &numbers(&reference["exact"]), 1e-9);
+    assert_spectrum(
+        "up only",
+        matrix.omega_squared(&k),
+        &numbers(&reference["exact"]),
+        1e-9,
+    );
     let cosines = matrix.at(&k).map(|entry| Complex::new(entry.re, 0.0));
     let cosines = onset::algebra::eigenvalues(&cosines, matrix.noise());
     assert_spectrum("cosines only", cosines, &numbers(&reference["cos"]), 1e-9);
@@ -206,7 +287,9 @@ fn eulerian_spectra_at_the_rank_deficient_wave_vectors() {
 #[test]
 fn long_wave_shear_stiffness_of_eulerian_kernels() {
     let anchors = anchors();
-    let table = anchors["euler_longwave_shear_w2_over_k2"].as_object().expect("a table");
+    let table = anchors["euler_longwave_shear_w2_over_k2"]
+        .as_object()
+        .expect("a table");
     assert_eq!(table.len(), 180);
     for (key, reference) in table {
         let parts: Vec<&str> = key.split('|').collect();
@@ -214,28 +297,49 @@ fn long_wave_shear_stiffness_of_eulerian_kernels() {
         let discretization = with_frame(base, "euler", "regular", parts[1]);
         let stretch: f64 = parts[2].parse().expect("a stretch");
         let f = stretched(stretch, stretch);
-        let matrix = dynamical_matrix(&method(discretization), &*material("mooney"), &f).expect("a matrix");
-        let shear = matrix.long_wave_stiffness().acoustic_tensor(&vector![1.0, 0.0])[(1, 1)];
+        let matrix =
+            dynamical_matrix(&method(discretization), &*material("mooney"), &f).expect("a matrix");
+        let shear = matrix
+            .long_wave_stiffness()
+            .acoustic_tensor(&vector![1.0, 0.0])[(1, 1)];
         // The reference took the limit at a small finite wave number.
-        assert!((shear - number(reference)).abs() < 1e-6 * shear.abs().max(0.1), "{key}: {shear} {reference}");
+        assert!(
+            (shear - number(reference)).abs() < 1e-6 * shear.abs().max(0.1),
+            "{key}: {shear} {reference}"
+        );
     }
 }
 
 #[test]
 fn equibiaxial_onset_with_the_interpolated_background() {
-    for (support, reference) in anchors()["pointwiseF_equibiaxial"].as_object().expect("a table") {
-        let (support, reference) = (support.parse::<f64>().expect("a support"), number(reference));
+    for (support, reference) in anchors()["pointwiseF_equibiaxial"]
+        .as_object()
+        .expect("a table")
+    {
+        let (support, reference) = (
+            support.parse::<f64>().expect("a support"),
+            number(reference),
+        );
         let base = lagrangian("hex", "sp", support);
-        let method = method(Discretization { background: Background::Interpolated, ..base });
+        let method = method(Discretization {
+            background: Background::Interpolated,
+            ..base
+        });
         let material = material("mooney");
         // The reference is the onset of long waves: their measure vanishes there.
         let measure = |stretch: f64| {
             let f = stretched(stretch, stretch);
             let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
-            zone_search(&method, &*material, &f).expect("a search").long_wave_limit(&matrix).scaled
+            zone_search(&method, &*material, &f)
+                .expect("a search")
+                .long_wave_limit(&matrix)
+                .scaled
         };
         let slope = (measure(reference + 1e-4) - measure(reference - 1e-4)) / 2e-4;
-        assert!((measure(reference) / slope).abs() < 1e-9 * reference, "D_mx {support}");
+        assert!(
+            (measure(reference) / slope).abs() < 1e-9 * reference,
+            "D_mx {support}"
+        );
 
         let path = StraightPath::new(stretched(1.5, 1.5), stretched(1.8, 1.8)).expect("a path");
         let scan = scan_discretization(&method, &*material, &path).expect("a scan");
@@ -264,26 +368,44 @@ fn rank_gap_and_deficient_supports_of_hexagonal_stress_points() {
         let measure = |k: &Vector2<f64>| norm.at(k)[(0, 0)].re / k.norm_squared();
         let mut best = (f64::INFINITY, Vector2::zeros());
         for index in 1..96 * 96 {
-            let k = zone.folded(&zone.wave_vector(&vector![f64::from(index / 96) / 96.0, f64::from(index % 96) / 96.0]));
+            let k = zone.folded(&zone.wave_vector(&vector![
+                f64::from(index / 96) / 96.0,
+                f64::from(index % 96) / 96.0
+            ]));
             if measure(&k) < best.0 {
                 best = (measure(&k), k);
             }
         }
         let mut step = 0.05;
         while step > 1e-9 {
-            let trial = [vector![step, 0.0], vector![-step, 0.0], vector![0.0, step], vector![0.0, -step]]
-                .map(|shift| best.1 + shift)
-                .into_iter()
-                .filter(|k| zone.contains(k, 1e-12))
-                .map(|k| (measure(&k), k))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .expect("four trials");
-            if trial.0 < best.0 { best = trial } else { step *= 0.5 }
+            let trial = [
+                vector![step, 0.0],
+                vector![-step, 0.0],
+                vector![0.0, step],
+                vector![0.0, -step],
+            ]
+            .map(|shift| best.1 + shift)
+            .into_iter()
+            .filter(|k| zone.contains(k, 1e-12))
+            .map(|k| (measure(&k), k))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .expect("four trials");
+            if trial.0 < best.0 {
+                best = trial
+            } else {
+                step *= 0.5
+            }
         }
-        assert_meets(&format!("gap at D_mx {support}"), best.0, number(reference), 1e-6);
+        assert_meets(
+            &format!("gap at D_mx {support}"),
+            best.0,
+            number(reference),
+            1e-6,
+        );
     }
     for support in numbers(&anchors["hex_sp_K_deficient_Dmx"]) {
-        let norm = gradient_norm(&method(lagrangian("hex", "sp", support)), &reference_state).expect("a norm");
+        let norm = gradient_norm(&method(lagrangian("hex", "sp", support)), &reference_state)
+            .expect("a norm");
         let at_k = norm.at(&vector![4.0 * PI / 3.0, 0.0])[(0, 0)].re;
         assert!(at_k.abs() < 1e-15, "D_mx {support}: {at_k:e}");
     }
@@ -292,7 +414,10 @@ fn rank_gap_and_deficient_supports_of_hexagonal_stress_points() {
 #[test]
 fn blatz_ko_frequencies_of_equibiaxial_states() {
     let material = material("blatzko1");
-    for (support, reference) in anchors()["fig9_coefficients_mu1"].as_object().expect("a table") {
+    for (support, reference) in anchors()["fig9_coefficients_mu1"]
+        .as_object()
+        .expect("a table")
+    {
         let method = method(lagrangian("hex", "sp", support.parse().expect("a support")));
         for (point, k) in [
             ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
@@ -301,7 +426,8 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
             ("pi/2,0", vector![PI / 2.0, 0.0]),
         ] {
             let stretch = 1.7;
-            let matrix = dynamical_matrix(&method, &*material, &stretched(stretch, stretch)).expect("a matrix");
+            let matrix = dynamical_matrix(&method, &*material, &stretched(stretch, stretch))
+                .expect("a matrix");
             let reference = numbers(&reference[point]);
             for (value, reference) in matrix.omega_squared(&k).iter().zip(&reference) {
                 // At K the eigenvalue is double and the reference carries the square root of rounding.
@@ -315,14 +441,19 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
         let maximum = search.summary(&matrix).maximum_omega.powi(2);
         // The reference is the maximum of a 96 x 96 grid: never above ours, and close.
         let sampled = number(&reference["max over zone"]);
-        assert!(maximum >= sampled * (1.0 - 1e-12) && maximum < sampled * 1.002, "{maximum} {sampled}");
+        assert!(
+            maximum >= sampled * (1.0 - 1e-12) && maximum < sampled * 1.002,
+            "{maximum} {sampled}"
+        );
     }
 }
 
 #[test]
 fn minima_over_the_zone_are_met_or_beaten() {
     let anchors = anchors();
-    let table = anchors["min_omega2_full_zone"].as_object().expect("a table");
+    let table = anchors["min_omega2_full_zone"]
+        .as_object()
+        .expect("a table");
     assert_eq!(table.len(), 45);
     let material = material("mooney");
     for (key, reference) in table {
@@ -335,16 +466,26 @@ fn minima_over_the_zone_are_met_or_beaten() {
         };
         let state = parts.last().expect("a state").trim_matches(['(', ')']);
         let (l1, l2) = state.split_once(", ").expect("two stretches");
-        let f = stretched(l1.parse().expect("a stretch"), l2.parse().expect("a stretch"));
+        let f = stretched(
+            l1.parse().expect("a stretch"),
+            l2.parse().expect("a stretch"),
+        );
         let method = method(discretization);
         let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
         let search = zone_search(&method, &*material, &f).expect("a search");
         let lowest = search.summary(&matrix).lowest;
         let reference = number(&reference["w2"]);
         // Below 1e-13 the reference is the zero of k = 0: the state is stable.
-        let reference = if reference.abs() < 1e-13 { 0.0 } else { reference };
+        let reference = if reference.abs() < 1e-13 {
+            0.0
+        } else {
+            reference
+        };
         assert_meets(key, lowest.omega_squared.re, reference, 1e-6);
-        assert!(lowest.omega_squared.re <= reference + 1e-9 * reference.abs(), "{key}: not the minimum");
+        assert!(
+            lowest.omega_squared.re <= reference + 1e-9 * reference.abs(),
+            "{key}: not the minimum"
+        );
     }
 }
 
@@ -373,24 +514,45 @@ fn eulerian_onsets(name: &str) -> [usize; 3] {
         let state = |stretch: f64| stretched(stretch, if uniaxial { 1.0 } else { stretch });
         let path = StraightPath::new(state(1.0), state(far)).expect("a path");
         let scan = scan_discretization(&method, &*material, &path).expect("a scan");
-        fluttered += usize::from(scan.crossings.first().is_some_and(|first| first.to == Phase::Flutter));
-        let divergence = scan.crossings.iter().find(|crossing| crossing.to == Phase::Unstable);
-        let Some(onset) = divergence.map(|crossing| 1.0 + (far - 1.0) * crossing.parameter()) else {
+        fluttered += usize::from(
+            scan.crossings
+                .first()
+                .is_some_and(|first| first.to == Phase::Flutter),
+        );
+        let divergence = scan
+            .crossings
+            .iter()
+            .find(|crossing| crossing.to == Phase::Unstable);
+        let Some(onset) = divergence.map(|crossing| 1.0 + (far - 1.0) * crossing.parameter())
+        else {
             assert!(reference.is_null(), "{key}: no onset");
             met += 1;
             continue;
         };
-        if reference.as_f64().is_some_and(|reference| (onset - reference).abs() <= 1e-9 * reference) {
+        if reference
+            .as_f64()
+            .is_some_and(|reference| (onset - reference).abs() <= 1e-9 * reference)
+        {
             met += 1;
             continue;
         }
         let distance = |stretch: f64| (stretch - 1.0).abs();
-        assert!(reference.is_null() || distance(onset) < distance(number(reference)), "{key}: {onset}");
+        assert!(
+            reference.is_null() || distance(onset) < distance(number(reference)),
+            "{key}: {onset}"
+        );
         let f = state(1.0 + (onset - 1.0) * (1.0 + 1e-6));
-        let mode = assess(&method, &*material, &f).expect("an assessment").spectrum.lowest;
+        let mode = assess(&method, &*material, &f)
+            .expect("an assessment")
+            .spectrum
+            .lowest;
         let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
-        let residual = matrix.at(&mode.wave_vector) * mode.polarization - mode.polarization * mode.omega_squared;
-        assert!(mode.omega_squared.re < 0.0 && residual.norm() < 1e-9, "{key}: no witness");
+        let residual = matrix.at(&mode.wave_vector) * mode.polarization
+            - mode.polarization * mode.omega_squared;
+        assert!(
+            mode.omega_squared.re < 0.0 && residual.norm() < 1e-9,
+            "{key}: no witness"
+        );
         earlier.push(format!("{key}: {onset:.10} (reference {reference})"));
     }
     println!("{}", earlier.join("\n"));

@@ -1,9 +1,9 @@
 //! The reference numbers of `validation/anchors.json` and the methods that their keys name.
 
+use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::approximation::Approximation;
 use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize};
 use onset::quadrature::Quadrature;
 use serde_json::Value;
@@ -20,12 +20,24 @@ pub fn anchors() -> Value {
 #[track_caller]
 pub fn assert_meets(what: &str, computed: f64, reference: f64, tolerance: f64) {
     let error = (computed - reference).abs();
-    let scale = if reference.abs() < 1e-13 { 1.0 } else { reference.abs() };
-    assert!(error <= tolerance * scale, "{what}: computed {computed:e}, reference {reference:e}");
+    let scale = if reference.abs() < 1e-13 {
+        1.0
+    } else {
+        reference.abs()
+    };
+    assert!(
+        error <= tolerance * scale,
+        "{what}: computed {computed:e}, reference {reference:e}"
+    );
 }
 
 pub fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+    value
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|x| x.as_f64().expect("a number"))
+        .collect()
 }
 
 pub fn number(value: &Value) -> f64 {
@@ -61,10 +73,18 @@ pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> Discreti
 }
 
 /// `lagrange`, `lagrange_mls`, or `euler` with geometry (`fixed-stretched`, ...) and linearization.
-pub fn with_frame(base: Discretization, frame: &str, geometry: &str, linearization: &str) -> Discretization {
+pub fn with_frame(
+    base: Discretization,
+    frame: &str,
+    geometry: &str,
+    linearization: &str,
+) -> Discretization {
     match frame {
         "lagrange" => base,
-        "lagrange_mls" => Discretization { approximation: Approximation::Mls, ..base },
+        "lagrange_mls" => Discretization {
+            approximation: Approximation::Mls,
+            ..base
+        },
         "euler" => {
             let (support_size, lattice) = match geometry {
                 "fixed-stretched" | "stretched" => (SupportSize::Fixed, CurrentLattice::Convected),
@@ -81,7 +101,13 @@ pub fn with_frame(base: Discretization, frame: &str, geometry: &str, linearizati
                 "frozenS" => Linearization::FrozenNormalization,
                 _ => panic!("unknown linearization {linearization}"),
             };
-            Discretization { frame: Frame::Eulerian, support_size, lattice, linearization, ..base }
+            Discretization {
+                frame: Frame::Eulerian,
+                support_size,
+                lattice,
+                linearization,
+                ..base
+            }
         }
         _ => panic!("unknown frame {frame}"),
     }

@@ -61,14 +61,24 @@ pub struct Patch<const D: usize> {
 }
 
 fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
-    if D == 1 { m[(0, 0)] } else { m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)] }
+    if D == 1 {
+        m[(0, 0)]
+    } else {
+        m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)]
+    }
 }
 
 fn inverse<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     if D == 1 {
         return SMatrix::repeat(1.0 / m[(0, 0)]);
     }
-    let adjugate = |i: usize, j: usize| if i == j { m[(1 - i, 1 - i)] } else { -m[(i, j)] };
+    let adjugate = |i: usize, j: usize| {
+        if i == j {
+            m[(1 - i, 1 - i)]
+        } else {
+            -m[(i, j)]
+        }
+    };
     SMatrix::from_fn(adjugate) / determinant(m)
 }
 
@@ -97,7 +107,11 @@ impl<const D: usize> Patch<D> {
             SupportSize::Convected if eulerian => metric = inverse(&home),
             _ => {}
         }
-        let integral = if D == 1 { 0.8 * radius } else { PI / 5.0 * radius * radius };
+        let integral = if D == 1 {
+            0.8 * radius
+        } else {
+            PI / 5.0 * radius * radius
+        };
         let raw_factor = determinant(&vectors) * determinant(&metric) / integral;
 
         let count = SIDE.pow(D as u32);
@@ -132,8 +146,10 @@ impl<const D: usize> Patch<D> {
         // All Voronoi cells are congruent: the union of the points is a Bravais lattice or a honeycomb.
         let volume = cell_volume / (nodes.len() + centers.len()) as f64;
         for (n, cell) in cells.iter().enumerate() {
-            for (particle, &along) in
-                nodes.iter().map(|x| (Some(n), x)).chain(centers.iter().map(|x| (None, x)))
+            for (particle, &along) in nodes
+                .iter()
+                .map(|x| (Some(n), x))
+                .chain(centers.iter().map(|x| (None, x)))
             {
                 let fractional = cell.map(|x| x + along);
                 let place = vectors * fractional;
@@ -141,7 +157,15 @@ impl<const D: usize> Patch<D> {
                 let deformation = patch.carried(f, &shapes);
                 let hessians = patch.hessians(&place);
                 let reference = reference_vectors * fractional;
-                let point = Point { place, reference, particle, volume, deformation, shapes, hessians };
+                let point = Point {
+                    place,
+                    reference,
+                    particle,
+                    volume,
+                    deformation,
+                    shapes,
+                    hessians,
+                };
                 patch.points.push(point);
             }
         }
@@ -157,7 +181,10 @@ impl<const D: usize> Patch<D> {
         let leading: SMatrix<f64, D, D> = SMatrix::from_fn(|i, j| carried[(i, j)]);
         // The displacement gradient that the shape functions make of `x_K - X_K = a x_K`.
         let interpolated = |a: SMatrix<f64, D, D>| {
-            shapes.iter().map(|s| a * s.relative * s.gradient.transpose()).sum::<SMatrix<f64, D, D>>()
+            shapes
+                .iter()
+                .map(|s| a * s.relative * s.gradient.transpose())
+                .sum::<SMatrix<f64, D, D>>()
         };
         let one = SMatrix::<f64, D, D>::identity();
         let seen = match self.choices.frame {
@@ -207,7 +234,11 @@ impl<const D: usize> Patch<D> {
         let weights: Vec<HyperDual64> = xi.iter().map(|xi| self.weight(xi)).collect();
         let one = HyperDual64::from(1.0);
         // The basis p(xi) and the coefficients alpha with (sum W p (x) p) alpha = e0.
-        let size = if self.choices.approximation == Approximation::Mls { D + 1 } else { 1 };
+        let size = if self.choices.approximation == Approximation::Mls {
+            D + 1
+        } else {
+            1
+        };
         let basis = |k: usize, b: usize| if b == 0 { one } else { xi[k][b - 1] };
         let alpha = if self.choices.approximation == Approximation::Raw {
             vec![HyperDual64::from(self.raw_factor)]
@@ -217,15 +248,25 @@ impl<const D: usize> Patch<D> {
                     .map(|k| basis(k, a) * basis(k, b) * weights[k])
                     .fold(HyperDual64::from(0.0), |sum, term| sum + term)
             };
-            solved((0..size).map(|a| (0..size).map(|b| moment(a, b)).collect()).collect())
+            solved(
+                (0..size)
+                    .map(|a| (0..size).map(|b| moment(a, b)).collect())
+                    .collect(),
+            )
         };
-        let alpha: Vec<_> =
-            alpha.into_iter().map(|a| if frozen { HyperDual64::from(a.re) } else { a }).collect();
+        let alpha: Vec<_> = alpha
+            .into_iter()
+            .map(|a| if frozen { HyperDual64::from(a.re) } else { a })
+            .collect();
         let value = |k: usize| {
-            (0..size).map(|b| alpha[b] * basis(k, b)).fold(HyperDual64::from(0.0), |sum, a| sum + a)
+            (0..size)
+                .map(|b| alpha[b] * basis(k, b))
+                .fold(HyperDual64::from(0.0), |sum, a| sum + a)
                 * weights[k]
         };
-        (0..seen.len()).map(|k| (seen[k].0, seen[k].1, value(k))).collect()
+        (0..seen.len())
+            .map(|k| (seen[k].0, seen[k].1, value(k)))
+            .collect()
     }
 
     /// Equation (35) as printed, in the square of the distance, in which it is smooth at the particle.
@@ -239,7 +280,11 @@ impl<const D: usize> Patch<D> {
             square += y * y;
         }
         // q^3 has no second derivative at zero other than zero.
-        let cube = if square.re == 0.0 { HyperDual64::from(0.0) } else { square * square.sqrt() };
+        let cube = if square.re == 0.0 {
+            HyperDual64::from(0.0)
+        } else {
+            square * square.sqrt()
+        };
         HyperDual64::from(1.0) - square * 6.0 + cube * 8.0 - square * square * 3.0
     }
 
@@ -250,7 +295,10 @@ impl<const D: usize> Patch<D> {
             value: phi.re,
             gradient: SVector::from_fn(|i, _| if i == 0 { phi.eps1 } else { phi.eps2 }),
         };
-        self.hyperdual(particles, x, (0, D - 1), false).into_iter().map(shape).collect()
+        self.hyperdual(particles, x, (0, D - 1), false)
+            .into_iter()
+            .map(shape)
+            .collect()
     }
 
     fn hessians(&self, x: &SVector<f64, D>) -> Vec<SMatrix<f64, D, D>> {
@@ -273,14 +321,19 @@ impl<const D: usize> Patch<D> {
     ) -> Vec<SVector<f64, D>> {
         use Linearization::{Exact, ExactPlaneWave, FrozenNormalization, Paper, PaperInterpolated};
         let mut forces = vec![SVector::zeros(); u.len()];
-        let moved: Vec<SVector<f64, D>> = self.particles.iter().zip(u).map(|(x, u)| x + u).collect();
+        let moved: Vec<SVector<f64, D>> =
+            self.particles.iter().zip(u).map(|(x, u)| x + u).collect();
         for point in &self.points {
-            let strain: SMatrix<f64, D, D> =
-                point.shapes.iter().map(|s| u[s.particle] * s.gradient.transpose()).sum();
+            let strain: SMatrix<f64, D, D> = point
+                .shapes
+                .iter()
+                .map(|s| u[s.particle] * s.gradient.transpose())
+                .sum();
             if self.choices.frame == Frame::Lagrangian {
                 // The kernel is one of material coordinates: F = F0 + sum u_K (x) grad phi_K.
                 let mut f = point.deformation;
-                f.fixed_view_mut::<D, D>(0, 0).zip_apply(&strain, |f, s| *f += s);
+                f.fixed_view_mut::<D, D>(0, 0)
+                    .zip_apply(&strain, |f, s| *f += s);
                 let stress = self.law.first_piola(&f);
                 for s in &point.shapes {
                     forces[s.particle] += leading(&stress) * s.gradient * point.volume;
@@ -289,7 +342,9 @@ impl<const D: usize> Patch<D> {
             }
             // Fdot = L F with L at rest: to first order every update of F is this one.
             let mut update = Matrix3::<f64>::identity();
-            update.fixed_view_mut::<D, D>(0, 0).zip_apply(&strain, |one, s| *one += s);
+            update
+                .fixed_view_mut::<D, D>(0, 0)
+                .zip_apply(&strain, |one, s| *one += s);
             let f = update * point.deformation;
             let sigma = leading::<D>(&self.law.cauchy(&f)) * (f.determinant() * point.volume);
             let interpolated: SVector<f64, D> =
@@ -308,7 +363,8 @@ impl<const D: usize> Patch<D> {
                 // Equation (49): d(phi_I,j) = phi_I,jt (u_q - u_I).
                 Paper | PaperInterpolated | FrozenNormalization => {
                     for (s, hessian) in point.shapes.iter().zip(&point.hessians) {
-                        forces[s.particle] += sigma * (s.gradient + hessian * (shift - u[s.particle]));
+                        forces[s.particle] +=
+                            sigma * (s.gradient + hessian * (shift - u[s.particle]));
                     }
                 }
             }
@@ -355,7 +411,9 @@ impl<const D: usize> Patch<D> {
     /// The wave vectors that fit into the patch.
     pub fn commensurate(&self) -> Vec<SVector<f64, D>> {
         let reciprocal = inverse(&self.reference_vectors).transpose() * TAU;
-        (0..SIDE.pow(D as u32)).map(|n| reciprocal * counter::<D>(n, SIDE) / SIDE as f64).collect()
+        (0..SIDE.pow(D as u32))
+            .map(|n| reciprocal * counter::<D>(n, SIDE) / SIDE as f64)
+            .collect()
     }
 
     /// The crate's answer.
@@ -365,7 +423,9 @@ impl<const D: usize> Patch<D> {
         k: &SVector<f64, D>,
     ) -> SMatrix<Complex<f64>, D, D> {
         let method = Method::<D>::new(self.choices).expect("an admissible method");
-        dynamical_matrix(&method, &*self.law.material(), f).expect("an admissible state").at(k)
+        dynamical_matrix(&method, &*self.law.material(), f)
+            .expect("an admissible state")
+            .at(k)
     }
 
     /// The largest deviation, over all particles, commensurate waves and polarizations, of the forces of a
@@ -388,7 +448,10 @@ impl<const D: usize> Patch<D> {
                         }
                     }
                 }
-                deviation = (sum - d).iter().map(|entry| entry.norm()).fold(deviation, f64::max);
+                deviation = (sum - d)
+                    .iter()
+                    .map(|entry| entry.norm())
+                    .fold(deviation, f64::max);
             }
         }
         deviation / largest
@@ -430,8 +493,9 @@ fn leading<const D: usize>(m: &Matrix3<f64>) -> SMatrix<f64, D, D> {
 /// The solution of `M x = e0` by elimination; `M` is positive definite.
 fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
     let size = m.len();
-    let mut x: Vec<HyperDual64> =
-        (0..size).map(|i| HyperDual64::from(if i == 0 { 1.0 } else { 0.0 })).collect();
+    let mut x: Vec<HyperDual64> = (0..size)
+        .map(|i| HyperDual64::from(if i == 0 { 1.0 } else { 0.0 }))
+        .collect();
     for pivot in 0..size {
         for row in pivot + 1..size {
             let factor = m[row][pivot] / m[pivot][pivot];
@@ -454,7 +518,10 @@ fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
 #[track_caller]
 pub fn assert_agrees<const D: usize>(choices: Discretization, law: Law, f: &DeformationGradient) {
     let deviation = Patch::<D>::new(choices, law, f).deviation(f);
-    assert!(deviation < 2e-9, "relative deviation {deviation:e} for {choices:?}, {law:?}, {f:?}");
+    assert!(
+        deviation < 2e-9,
+        "relative deviation {deviation:e} for {choices:?}, {law:?}, {f:?}"
+    );
 }
 
 pub fn state(f: [[f64; 2]; 2], out_of_plane: f64) -> DeformationGradient {

@@ -6,7 +6,9 @@ use nalgebra::{Complex, DMatrix};
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
-use onset::method::{Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize};
+use onset::method::{
+    Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
+};
 use onset::quadrature::Quadrature;
 
 const DIAGONAL: [[f64; 2]; 2] = [[1.15, 0.0], [0.0, 0.9]];
@@ -18,7 +20,11 @@ fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> Discretization 
         quadrature,
         // No distance in the states of this file is on the rim of the support, where the derivative of
         // the forces has a kink that differences would smear.
-        support: if arrangement == Arrangement::Square { 1.9 } else { 1.6 },
+        support: if arrangement == Arrangement::Square {
+            1.9
+        } else {
+            1.6
+        },
         frame: Frame::Eulerian,
         linearization: Linearization::Exact,
         ..Discretization::default()
@@ -28,7 +34,11 @@ fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> Discretization 
 #[test]
 fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
     for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+        for quadrature in [
+            Quadrature::Nodal,
+            Quadrature::StressPoints,
+            Quadrature::StressPointsOnly,
+        ] {
             let choices = eulerian(arrangement, quadrature);
             assert_agrees::<2>(choices, Law::MooneyRivlin, &state(DIAGONAL, 1.0));
             assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
@@ -38,9 +48,16 @@ fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
 
 #[test]
 fn every_correction_of_the_weights_agrees() {
-    for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+    for approximation in [
+        Approximation::Raw,
+        Approximation::Shepard,
+        Approximation::Mls,
+    ] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-            let choices = Discretization { approximation, ..eulerian(Arrangement::Hexagonal, quadrature) };
+            let choices = Discretization {
+                approximation,
+                ..eulerian(Arrangement::Hexagonal, quadrature)
+            };
             assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
         }
     }
@@ -49,10 +66,15 @@ fn every_correction_of_the_weights_agrees() {
 #[test]
 fn every_support_and_every_arrangement_of_the_particles_agrees() {
     for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
-        for support_size in [SupportSize::Fixed, SupportSize::Scaled, SupportSize::Convected] {
-            for (arrangement, approximation) in
-                [(Arrangement::Hexagonal, Approximation::Shepard), (Arrangement::Square, Approximation::Raw)]
-            {
+        for support_size in [
+            SupportSize::Fixed,
+            SupportSize::Scaled,
+            SupportSize::Convected,
+        ] {
+            for (arrangement, approximation) in [
+                (Arrangement::Hexagonal, Approximation::Shepard),
+                (Arrangement::Square, Approximation::Raw),
+            ] {
                 let choices = Discretization {
                     lattice,
                     support_size,
@@ -68,9 +90,10 @@ fn every_support_and_every_arrangement_of_the_particles_agrees() {
 #[test]
 fn the_interpolated_background_agrees() {
     for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
-        for (approximation, law) in
-            [(Approximation::Shepard, Law::MooneyRivlin), (Approximation::Raw, Law::BlatzKo)]
-        {
+        for (approximation, law) in [
+            (Approximation::Shepard, Law::MooneyRivlin),
+            (Approximation::Raw, Law::BlatzKo),
+        ] {
             for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
                 let choices = Discretization {
                     lattice,
@@ -86,12 +109,32 @@ fn the_interpolated_background_agrees() {
 
 #[test]
 fn a_chain_agrees() {
-    for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+    for quadrature in [
+        Quadrature::Nodal,
+        Quadrature::StressPoints,
+        Quadrature::StressPointsOnly,
+    ] {
         for (approximation, lattice, support_size) in [
-            (Approximation::Raw, CurrentLattice::Convected, SupportSize::Fixed),
-            (Approximation::Shepard, CurrentLattice::Convected, SupportSize::Fixed),
-            (Approximation::Shepard, CurrentLattice::Regular, SupportSize::Scaled),
-            (Approximation::Mls, CurrentLattice::Convected, SupportSize::Convected),
+            (
+                Approximation::Raw,
+                CurrentLattice::Convected,
+                SupportSize::Fixed,
+            ),
+            (
+                Approximation::Shepard,
+                CurrentLattice::Convected,
+                SupportSize::Fixed,
+            ),
+            (
+                Approximation::Shepard,
+                CurrentLattice::Regular,
+                SupportSize::Scaled,
+            ),
+            (
+                Approximation::Mls,
+                CurrentLattice::Convected,
+                SupportSize::Convected,
+            ),
         ] {
             let choices = Discretization {
                 support: 2.3,
@@ -115,13 +158,23 @@ fn the_power_sums_of_the_spectrum_are_those_of_the_commensurate_waves() {
     let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
     let stiffness = patch.stiffness();
     let asymmetry = (&stiffness - stiffness.transpose()).amax() / stiffness.amax();
-    assert!(asymmetry > 1e-4, "the rate form has no potential, but the asymmetry is {asymmetry:e}");
+    assert!(
+        asymmetry > 1e-4,
+        "the rate form has no potential, but the asymmetry is {asymmetry:e}"
+    );
     let mut power = DMatrix::<f64>::identity(stiffness.nrows(), stiffness.ncols());
-    let waves: Vec<_> = patch.commensurate().iter().map(|k| patch.dynamical_matrix(&f, k)).collect();
+    let waves: Vec<_> = patch
+        .commensurate()
+        .iter()
+        .map(|k| patch.dynamical_matrix(&f, k))
+        .collect();
     let mut powers = vec![nalgebra::Matrix2::<Complex<f64>>::identity(); waves.len()];
     for exponent in 1..=6 {
         power *= &stiffness;
-        powers.iter_mut().zip(&waves).for_each(|(power, d)| *power *= d);
+        powers
+            .iter_mut()
+            .zip(&waves)
+            .for_each(|(power, d)| *power *= d);
         let expected: Complex<f64> = powers.iter().map(|power| power.trace()).sum();
         let error = (power.trace() - expected).norm() / expected.norm();
         assert!(error < 1e-8, "power {exponent}: relative error {error:e}");

@@ -18,7 +18,11 @@ fn lagrangian(
     approximation: Approximation,
     background: Background,
 ) -> Discretization {
-    let support = if arrangement == Arrangement::Square { 1.9 } else { 1.6 };
+    let support = if arrangement == Arrangement::Square {
+        1.9
+    } else {
+        1.6
+    };
     Discretization {
         arrangement,
         quadrature,
@@ -34,10 +38,19 @@ fn lagrangian(
 fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
     use Approximation::{Mls, Raw, Shepard};
     for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
+        for quadrature in [
+            Quadrature::Nodal,
+            Quadrature::StressPoints,
+            Quadrature::StressPointsOnly,
+        ] {
             for (approximation, background, law, f) in [
                 (Shepard, Background::Imposed, Law::MooneyRivlin, DIAGONAL),
-                (Shepard, Background::Interpolated, Law::MooneyRivlin, SHEARED),
+                (
+                    Shepard,
+                    Background::Interpolated,
+                    Law::MooneyRivlin,
+                    SHEARED,
+                ),
                 (Mls, Background::Imposed, Law::BlatzKo, SHEARED),
                 (Raw, Background::Interpolated, Law::BlatzKo, DIAGONAL),
             ] {
@@ -53,18 +66,36 @@ fn a_stretch_out_of_plane_and_units_of_length_and_mass_are_respected() {
     let choices = Discretization {
         spacing: 0.013,
         density: 1130.0,
-        ..lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, Approximation::Shepard, Background::Imposed)
+        ..lagrangian(
+            Arrangement::Hexagonal,
+            Quadrature::StressPoints,
+            Approximation::Shepard,
+            Background::Imposed,
+        )
     };
     assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.3));
 }
 
 #[test]
 fn a_chain_agrees() {
-    for quadrature in [Quadrature::Nodal, Quadrature::StressPoints, Quadrature::StressPointsOnly] {
-        for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+    for quadrature in [
+        Quadrature::Nodal,
+        Quadrature::StressPoints,
+        Quadrature::StressPointsOnly,
+    ] {
+        for approximation in [
+            Approximation::Raw,
+            Approximation::Shepard,
+            Approximation::Mls,
+        ] {
             let choices = Discretization {
                 support: 2.3,
-                ..lagrangian(Arrangement::Chain, quadrature, approximation, Background::Interpolated)
+                ..lagrangian(
+                    Arrangement::Chain,
+                    quadrature,
+                    approximation,
+                    Background::Interpolated,
+                )
             };
             let f = DeformationGradient::from_stretches([1.3, 0.9, 1.1]).expect("a state");
             assert_agrees::<1>(choices, Law::MooneyRivlin, &f);
@@ -75,12 +106,19 @@ fn a_chain_agrees() {
 #[test]
 fn the_spectrum_of_the_patch_is_the_union_over_the_commensurate_waves() {
     let f = state(SHEARED, 1.0);
-    let choices =
-        lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, Approximation::Shepard, Background::Imposed);
+    let choices = lagrangian(
+        Arrangement::Hexagonal,
+        Quadrature::StressPoints,
+        Approximation::Shepard,
+        Background::Imposed,
+    );
     let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
     let stiffness = patch.stiffness();
     let symmetric = (&stiffness + stiffness.transpose()) * 0.5;
-    assert!((&stiffness - &symmetric).amax() < 1e-9 * stiffness.amax(), "the forces have a potential");
+    assert!(
+        (&stiffness - &symmetric).amax() < 1e-9 * stiffness.amax(),
+        "the forces have a potential"
+    );
     let mut of_patch: Vec<f64> = symmetric.symmetric_eigenvalues().iter().copied().collect();
     let mut of_waves: Vec<f64> = patch
         .commensurate()

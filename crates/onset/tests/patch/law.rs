@@ -15,7 +15,10 @@ impl Law {
     /// `P = dW/dF`.
     pub fn first_piola(self, f: &Matrix3<f64>) -> Matrix3<f64> {
         let j = f.determinant();
-        let inverse_transpose = f.try_inverse().expect("an invertible deformation").transpose();
+        let inverse_transpose = f
+            .try_inverse()
+            .expect("an invertible deformation")
+            .transpose();
         let c = f.transpose() * f;
         let i1 = c.trace();
         let i2 = 0.5 * (i1 * i1 - (c * c).trace());

@@ -23,7 +23,11 @@ fn choices(linearization: Linearization, quadrature: Quadrature) -> Discretizati
 
 #[test]
 fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
-    for approximation in [Approximation::Raw, Approximation::Shepard, Approximation::Mls] {
+    for approximation in [
+        Approximation::Raw,
+        Approximation::Shepard,
+        Approximation::Mls,
+    ] {
         for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
             let choices = Discretization {
                 approximation,
@@ -54,22 +58,40 @@ fn with_interpolated_stress_points_equation_49_agrees() {
 #[test]
 fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
     let f = state(SHEARED, 1.0);
-    for linearization in
-        [Linearization::Paper, Linearization::ExactPlaneWave, Linearization::FrozenNormalization]
-    {
+    for linearization in [
+        Linearization::Paper,
+        Linearization::ExactPlaneWave,
+        Linearization::FrozenNormalization,
+    ] {
         for approximation in [Approximation::Shepard, Approximation::Mls] {
-            let choices =
-                Discretization { approximation, ..choices(linearization, Quadrature::StressPoints) };
+            let choices = Discretization {
+                approximation,
+                ..choices(linearization, Quadrature::StressPoints)
+            };
             let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
             let all = patch.commensurate();
             // The second lies beyond the first zone: a sum of reciprocal vectors away from the first.
-            let waves = [all[1], all[1] + (all[1] + all[6]) * 6.0, all[8], all[15], all[21]];
+            let waves = [
+                all[1],
+                all[1] + (all[1] + all[6]) * 6.0,
+                all[8],
+                all[15],
+                all[21],
+            ];
             let deviation = patch.deviation_of_waves(&f, &waves);
-            assert!(deviation < 2e-9, "relative deviation {deviation:e} for {choices:?}");
-            let (first, second) =
-                (patch.dynamical_matrix(&f, &waves[0]), patch.dynamical_matrix(&f, &waves[1]));
+            assert!(
+                deviation < 2e-9,
+                "relative deviation {deviation:e} for {choices:?}"
+            );
+            let (first, second) = (
+                patch.dynamical_matrix(&f, &waves[0]),
+                patch.dynamical_matrix(&f, &waves[1]),
+            );
             let shift = (first - second).map(|entry| entry.norm()).amax();
-            assert!(shift > 1e-3, "waves on stress points make the matrix non-periodic");
+            assert!(
+                shift > 1e-3,
+                "waves on stress points make the matrix non-periodic"
+            );
         }
     }
 }
@@ -78,8 +100,16 @@ fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
 fn equation_49_is_not_the_exact_derivative() {
     // Otherwise the tests above could not tell the linearizations apart.
     let f = state(SHEARED, 1.0);
-    let exact = Patch::<2>::new(choices(Linearization::Exact, Quadrature::Nodal), Law::MooneyRivlin, &f);
-    let paper = Patch::<2>::new(choices(Linearization::Paper, Quadrature::Nodal), Law::MooneyRivlin, &f);
+    let exact = Patch::<2>::new(
+        choices(Linearization::Exact, Quadrature::Nodal),
+        Law::MooneyRivlin,
+        &f,
+    );
+    let paper = Patch::<2>::new(
+        choices(Linearization::Paper, Quadrature::Nodal),
+        Law::MooneyRivlin,
+        &f,
+    );
     let k = Vector2::new(2.0, 1.1);
     let difference = exact.dynamical_matrix(&f, &k) - paper.dynamical_matrix(&f, &k);
     assert!(difference.map(|entry| entry.norm()).amax() > 1e-2);
