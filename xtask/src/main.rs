@@ -1,3 +1,106 @@
-//! Tasks of the workspace.
+//! Tasks of the workspace: `cargo xtask test`, and `cargo xtask figures`.
 
-fn main() {}
+use std::process::{Command, ExitCode};
+
+/// A step of a task: what it is for, and its arguments to cargo.
+type Step = (&'static str, &'static [&'static str]);
+
+/// All that must hold before a change lands.
+const TEST: &[Step] = &[
+    ("formatting", &["fmt", "--all", "--check"]),
+    (
+        "lints",
+        &[
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--all-features",
+            "--",
+            "--deny",
+            "warnings",
+        ],
+    ),
+    ("tests", &["test", "--workspace", "--all-features"]),
+    (
+        "documentation",
+        &["doc", "--workspace", "--no-deps", "--all-features"],
+    ),
+    (
+        "the paper",
+        &[
+            "run",
+            "--release",
+            "--",
+            "reproduce",
+            "--out",
+            "target/reproduction",
+        ],
+    ),
+];
+
+/// The figures that README and book show.
+const FIGURES: &[Step] = &[(
+    "figures",
+    &[
+        "run",
+        "--release",
+        "--",
+        "reproduce",
+        "--out",
+        "target/reproduction",
+    ],
+)];
+
+fn main() -> ExitCode {
+    let task = std::env::args().nth(1);
+    let done = match task.as_deref() {
+        Some("test") => run(TEST),
+        Some("figures") => run(FIGURES) && copy_figures(),
+        _ => {
+            eprintln!(
+                "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction"
+            );
+            return ExitCode::from(2);
+        }
+    };
+    if done {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+fn run(steps: &[Step]) -> bool {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    steps.iter().all(|(purpose, arguments)| {
+        eprintln!("== {purpose}: cargo {}", arguments.join(" "));
+        let status = Command::new(&cargo)
+            .args(*arguments)
+            .env("RUSTDOCFLAGS", "--deny warnings")
+            .status();
+        let done = status.as_ref().is_ok_and(std::process::ExitStatus::success);
+        if !done {
+            eprintln!("== {purpose}: failed");
+        }
+        done
+    })
+}
+
+/// Copies what README and book show from the reproduction.
+fn copy_figures() -> bool {
+    let names = [
+        "figure-02",
+        "figure-04",
+        "figure-05",
+        "figure-06",
+        "figure-08",
+        "figure-10",
+    ];
+    names.iter().all(|name| {
+        let from = format!("target/reproduction/{name}.svg");
+        let to = format!("book/src/figures/{name}.svg");
+        std::fs::create_dir_all("book/src/figures")
+            .and_then(|()| std::fs::copy(&from, &to))
+            .is_ok()
+    })
+}

@@ -134,7 +134,7 @@ impl Diagram {
         });
         let margin = if high > low { 0.15 * (high - low) } else { 1.0 };
         let y = Axis::linear(
-            "frequency ω (1/time); growth rate shown negative",
+            "frequency ω; below 0: growth rate (1/time)",
             (if low < 0.0 { low - margin } else { 0.0 }, high + margin),
         );
         let x = Axis::linear("reference wave vector k", (0.0, end)).ticks(

@@ -4,6 +4,7 @@ use super::in_dimension_of;
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::state::{ComplexNumber, critical_mode, finite_wave_vector, list, rows, spatial};
+use onset::bloch::Stability;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{
     Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization,
@@ -61,6 +62,8 @@ pub struct DiscretizationOnset {
     /// Where; the start itself when it is unstable.
     #[serde(flatten)]
     pub place: Place,
+    /// How the particles are unstable behind it: `flutter` or `unstable`.
+    pub phase: Phase,
     /// Whether the critical wave is infinitely long.
     pub long_wave: bool,
     /// Reference wave vector of the critical mode; zero in the limit of long waves.
@@ -138,6 +141,7 @@ fn answer<const D: usize>(
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
                 place: place::<D>(problem, &path, parameter, tolerance)?,
+                phase: if spectrum.stability() == Stability::Flutter { Phase::Flutter } else { Phase::Unstable },
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
                 spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
@@ -242,7 +246,8 @@ impl std::fmt::Display for PathAnswer {
             )?,
             Some(onset) => writeln!(
                 formatter,
-                "The particles become unstable at {} with the wave vector {} (reference).",
+                "The particles {} at {} with the wave vector {} (reference).",
+                if onset.phase == Phase::Flutter { "begin to flutter" } else { "become unstable" },
                 at(&onset.place),
                 sentence::vector(&onset.wave_vector)
             )?,

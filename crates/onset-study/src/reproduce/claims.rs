@@ -624,7 +624,7 @@ fn c11() -> Checked {
 }
 
 /// The ratio of stretches at which Blatz-Ko loses ellipticity in the plane.
-const RATIO: f64 = 3.732_050_807_568_877_2;
+const RATIO: f64 = 3.732_050_807_568_877;
 
 fn c12() -> Checked {
     let mut error = 0.0_f64;

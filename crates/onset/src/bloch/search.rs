@@ -210,8 +210,14 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
     pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
-        // Of equivalent wave vectors the one in the zone is shown.
-        let folded = if self.is_periodic { self.folded(k) } else { *k };
+        // Of equivalent wave vectors the one in the zone is shown, of k and -k that with a positive leading component.
+        let mut folded = if self.is_periodic { self.folded(k) } else { *k };
+        let leading = folded
+            .iter()
+            .find(|component| component.abs() > 1e-9 * folded.amax());
+        if leading.is_some_and(|component| *component < 0.0) {
+            folded = -folded;
+        }
         let k = &folded;
         let d = matrix.at(k);
         let omega_squared = eigenvalues(&d, matrix.noise())[0];

@@ -2,7 +2,8 @@
 //! made unstable by a Lagrangian kernel. And what happens without the inversion center.
 
 use crate::choices::{Case, config, lagrangian, wave_vector};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
+use onset::algebra::Complex;
 use onset::approximation::Approximation;
 use onset::bloch::{dynamical_matrix, gradient_norm};
 use onset::continuum::Stiffness;
@@ -91,6 +92,33 @@ fn one_family_of_triangles_alone_is_unstable_in_elliptic_states() {
                 is_stable,
                 "omega^2 = {lowest:e} at {stretch}, D_mx = {support}"
             );
+        }
+    }
+}
+
+#[test]
+fn without_an_inversion_center_the_matrix_is_complex_but_keeps_its_symmetries() {
+    let state = DeformationGradient::plane_strain([[1.2, 0.3], [-0.1, 0.9]], 1.0).expect("a state");
+    let method = up_triangles(1.9);
+    let d = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &state).expect("finite");
+    let amax = |m: Matrix2<Complex>| m.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+    for k in [
+        Vector2::new(2.0, 1.1),
+        Vector2::new(-3.7, 0.4),
+        Vector2::new(0.6, -5.0),
+    ] {
+        let at = d.at(&k);
+        let imaginary = at.map(|entry| entry.im).amax();
+        assert!(imaginary > 1e-3, "complex: {imaginary:e}");
+        assert!(amax(at - at.adjoint()) < 1e-13 * amax(at));
+        assert!(amax(d.at(&-k) - at.conjugate()) < 1e-13 * amax(at));
+        let g = method.lattice().reciprocal() * Vector2::new(1.0, -2.0);
+        assert!(amax(d.at(&(k + g)) - at) < 1e-12 * amax(at));
+        for axis in 0..2 {
+            let h = 1e-4;
+            let step = Vector2::from_fn(|i, _| if i == axis { h } else { 0.0 });
+            let difference = (d.at(&(k + step)) - d.at(&(k - step))) / Complex::new(2.0 * h, 0.0);
+            assert!(amax(d.gradient_at(&k)[axis] - difference) < 1e-6 * amax(at));
         }
     }
 }

@@ -7,15 +7,19 @@ use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin, StrainEnergy}
 /// Components of a fourth-order tensor by index.
 pub type Components = Box<dyn Fn(usize, usize, usize, usize) -> f64>;
 
+/// A stress and an elasticity tensor as functions of `C`.
+type Stress = fn(&Matrix3<f64>) -> Matrix3<f64>;
+type Elasticity = fn(&Matrix3<f64>) -> Components;
+
 pub struct Entry {
     pub name: &'static str,
     pub law: Box<dyn Hyperelastic>,
     /// `W(F)` in plain floating point.
     pub energy: Box<dyn Fn(&DeformationGradient) -> f64>,
     /// `S(C)`, derived by hand.
-    pub second_piola: fn(&Matrix3<f64>) -> Matrix3<f64>,
+    pub second_piola: Stress,
     /// `C^SE(C) = 2 dS/dC`, derived by hand.
-    pub second_elasticity: fn(&Matrix3<f64>) -> Components,
+    pub second_elasticity: Elasticity,
     pub shear_modulus: f64,
     pub bulk_modulus: f64,
 }
@@ -23,18 +27,15 @@ pub struct Entry {
 fn entry<Law: StrainEnergy + Hyperelastic + Copy + 'static>(
     name: &'static str,
     law: Law,
-    closed: (
-        fn(&Matrix3<f64>) -> Matrix3<f64>,
-        fn(&Matrix3<f64>) -> Components,
-    ),
+    (second_piola, second_elasticity): (Stress, Elasticity),
     (shear_modulus, bulk_modulus): (f64, f64),
 ) -> Entry {
     Entry {
         name,
         law: Box::new(law),
         energy: Box::new(move |f| law.energy(f)),
-        second_piola: closed.0,
-        second_elasticity: closed.1,
+        second_piola,
+        second_elasticity,
         shear_modulus,
         bulk_modulus,
     }

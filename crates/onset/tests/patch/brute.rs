@@ -10,7 +10,7 @@ use onset::lattice::Arrangement;
 use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize,
 };
-use onset::quadrature::Quadrature;
+use onset::quadrature::{Quadrature, QuadraturePoint};
 use std::f64::consts::{PI, TAU};
 
 /// Cells of the patch along each primitive vector: a multiple of six has the wave vectors M, X and K.
@@ -58,6 +58,7 @@ pub struct Patch<const D: usize> {
     metric: SMatrix<f64, D, D>,
     raw_factor: f64,
     mass: f64,
+    only_up: bool,
 }
 
 fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
@@ -88,6 +89,17 @@ fn counter<const D: usize>(index: usize, side: usize) -> SVector<f64, D> {
 
 impl<const D: usize> Patch<D> {
     pub fn new(choices: Discretization, law: Law, f: &DeformationGradient) -> Self {
+        Self::with_triangles(choices, law, f, false)
+    }
+
+    /// As `new`; of the hexagonal stress points, `only_up` keeps those in triangles that point up, with the
+    /// volume of both.
+    pub fn with_triangles(
+        choices: Discretization,
+        law: Law,
+        f: &DeformationGradient,
+        only_up: bool,
+    ) -> Self {
         let h = choices.spacing;
         let reference_vectors: SMatrix<f64, D, D> = match choices.arrangement {
             Arrangement::Chain | Arrangement::Square => SMatrix::identity() * h,
@@ -132,9 +144,11 @@ impl<const D: usize> Patch<D> {
             metric,
             raw_factor,
             mass: choices.density * cell_volume,
+            only_up,
         };
 
         let centers: &[f64] = match choices.arrangement {
+            Arrangement::Hexagonal if only_up => &[1.0 / 3.0],
             Arrangement::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
             _ => &[0.5],
         };
@@ -422,7 +436,17 @@ impl<const D: usize> Patch<D> {
         f: &DeformationGradient,
         k: &SVector<f64, D>,
     ) -> SMatrix<Complex<f64>, D, D> {
-        let method = Method::<D>::new(self.choices).expect("an admissible method");
+        let mut method = Method::<D>::new(self.choices).expect("an admissible method");
+        if self.only_up {
+            let volume = determinant(&self.reference_vectors);
+            let place = SVector::repeat(1.0 / 3.0);
+            let points = vec![QuadraturePoint {
+                place,
+                volume,
+                is_node: false,
+            }];
+            method = method.with_quadrature_points(points);
+        }
         dynamical_matrix(&method, &*self.law.material(), f)
             .expect("an admissible state")
             .at(k)

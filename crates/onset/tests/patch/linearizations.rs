@@ -114,3 +114,27 @@ fn equation_49_is_not_the_exact_derivative() {
     let difference = exact.dynamical_matrix(&f, &k) - paper.dynamical_matrix(&f, &k);
     assert!(difference.map(|entry| entry.norm()).amax() > 1e-2);
 }
+
+#[test]
+fn quadrature_without_an_inversion_center_agrees_in_both_frames() {
+    // The only case in which the dynamical matrix is complex.
+    let f = state(SHEARED, 1.0);
+    for frame in [Frame::Lagrangian, Frame::Eulerian] {
+        for linearization in [Linearization::Exact, Linearization::PaperInterpolated] {
+            let choices = Discretization {
+                frame,
+                ..choices(linearization, Quadrature::StressPointsOnly)
+            };
+            let patch = Patch::<2>::with_triangles(choices, Law::MooneyRivlin, &f, true);
+            let deviation = patch.deviation(&f);
+            assert!(
+                deviation < 2e-9,
+                "relative deviation {deviation:e} for {choices:?}"
+            );
+            let imaginary = patch
+                .dynamical_matrix(&f, &Vector2::new(2.0, 1.1))
+                .map(|entry| entry.im);
+            assert!(imaginary.amax() > 1e-2);
+        }
+    }
+}
