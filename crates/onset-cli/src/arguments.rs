@@ -1,7 +1,22 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand};
+use onset_study::settings::KEYS;
 use std::path::PathBuf;
+
+/// The keys that `--set` takes, from the one table that defines them.
+fn keys() -> String {
+    let line = |key: &onset_study::settings::Key| {
+        format!(
+            "  {:<31} {}\n{:34}{}\n",
+            key.name, key.meaning, "", key.expects
+        )
+    };
+    format!(
+        "Keys of --set:\n{}",
+        KEYS.iter().map(line).collect::<String>()
+    )
+}
 
 /// Tells where your material and your particle discretization are stable, and whether the first instability
 /// belongs to the material or to the method.
@@ -22,6 +37,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Is this state stable, and if not, whose instability is it?
+    #[command(after_help = keys())]
     State {
         /// The problem.
         #[command(flatten)]
@@ -31,6 +47,7 @@ pub enum Command {
         strain: StrainArguments,
     },
     /// Frequencies of plane waves: of one wave vector, or along a path through the Brillouin zone.
+    #[command(after_help = keys())]
     Dispersion {
         /// The problem.
         #[command(flatten)]
@@ -50,10 +67,16 @@ pub enum Command {
         #[arg(long, conflicts_with = "wave_vector")]
         path: bool,
         /// Folder for dispersion.svg and dispersion.png.
-        #[arg(long, value_name = "DIR", default_value = ".", requires = "path")]
+        #[arg(
+            long,
+            value_name = "DIR",
+            default_value = ".",
+            conflicts_with = "wave_vector"
+        )]
         out: PathBuf,
     },
     /// Where along a straight path of deformations is stability lost, and regained?
+    #[command(after_help = keys())]
     Path {
         /// The problem.
         #[command(flatten)]

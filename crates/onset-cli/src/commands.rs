@@ -74,8 +74,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Path { problem, from, to } => {
             let json = problem.json;
             let problem = problem.build()?;
-            let from = Strain::of_either(&from, problem.dimension())?;
-            let to = Strain::of_either(&to, problem.dimension())?;
+            let from = Strain::of_either("--from", &from, problem.dimension())?;
+            let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
         Command::Reproduce { out, json } => reproduce(&out, json),
@@ -93,8 +93,12 @@ impl StrainArguments {
     fn build(&self, problem: &Problem) -> Result<Strain, Failure> {
         let dimension = problem.dimension();
         match (&self.stretch, &self.deformation_gradient) {
-            (Some(stretches), _) => Ok(Strain::of_stretches(stretches, dimension)?),
-            (None, Some(components)) => Ok(Strain::of_components(components, dimension)?),
+            (Some(stretches), _) => Ok(Strain::of_stretches("--stretch", stretches, dimension)?),
+            (None, Some(components)) => Ok(Strain::of_components(
+                "--deformation-gradient",
+                components,
+                dimension,
+            )?),
             (None, None) => Err(Failure::input("give --stretch or --deformation-gradient")),
         }
     }

@@ -169,16 +169,20 @@ fn at_wave_vector<const D: usize>(
     f: &DeformationGradient,
     text: &str,
 ) -> Result<DispersionAnswer, ProblemError> {
-    let components = numbers("the wave vector", text)?;
+    let components = numbers("--wave-vector", text)?;
     if components.len() != D {
         return Err(ProblemError::Numbers {
-            what: "the wave vector",
+            what: "--wave-vector",
             given: components.len(),
             expected: D.to_string(),
         });
     }
-    let waves = waves::<D>(problem, f)?;
-    Ok(waves(&SVector::from_fn(|i, _| components[i])))
+    let k = SVector::<f64, D>::from_fn(|i, _| components[i]);
+    let value = k.amax() * problem.settings.discretization.spacing;
+    if value > 1e6 {
+        return Err(ProblemError::WaveVector { value });
+    }
+    Ok(waves::<D>(problem, f)?(&k))
 }
 
 fn waves<const D: usize>(

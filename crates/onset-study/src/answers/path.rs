@@ -34,7 +34,7 @@ pub struct PathAnswer {
 pub struct CrossingAnswer {
     /// Path parameter, 0 at the start, 1 at the end.
     pub parameter: f64,
-    /// `[F11, F22]` there (`[F11]` in one dimension): the stretches of a path without shear.
+    /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
     pub stretch: Vec<f64>,
     /// Phase before.
     pub from: Phase,
@@ -83,7 +83,7 @@ pub struct DiscretizationOnset {
 pub struct Place {
     /// Path parameter.
     pub parameter: f64,
-    /// `[F11, F22]` there (`[F11]` in one dimension).
+    /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
     pub stretch: Vec<f64>,
     /// `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
@@ -141,7 +141,11 @@ fn answer<const D: usize>(
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
                 place: place::<D>(problem, &path, parameter, tolerance)?,
-                phase: if spectrum.stability() == Stability::Flutter { Phase::Flutter } else { Phase::Unstable },
+                phase: if spectrum.stability() == Stability::Flutter {
+                    Phase::Flutter
+                } else {
+                    Phase::Unstable
+                },
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
                 spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
@@ -184,7 +188,23 @@ fn tolerance(crossing: &Crossing) -> f64 {
 }
 
 fn stretch<const D: usize>(f: &DeformationGradient) -> Vec<f64> {
-    (0..D).map(|i| f.components()[i][i]).collect()
+    let components = f.components();
+    let diagonal = (0..3).all(|i| (0..3).all(|j| i == j || components[i][j] == 0.0));
+    if diagonal {
+        return (0..D).map(|i| components[i][i]).collect();
+    }
+    // The stretches in the dimensions of the arrangement: those of the leading block.
+    let leading = DeformationGradient::identity().with_leading(&f.leading::<D>());
+    let mut stretches = leading.principal_stretches().to_vec();
+    if let Some(unit) = stretches
+        .iter()
+        .position(|stretch| (stretch - 1.0).abs() < 1e-15)
+        .filter(|_| D < 3)
+    {
+        stretches.remove(unit);
+    }
+    stretches.truncate(D);
+    stretches
 }
 
 fn place<const D: usize>(
@@ -247,7 +267,11 @@ impl std::fmt::Display for PathAnswer {
             Some(onset) => writeln!(
                 formatter,
                 "The particles {} at {} with the wave vector {} (reference).",
-                if onset.phase == Phase::Flutter { "begin to flutter" } else { "become unstable" },
+                if onset.phase == Phase::Flutter {
+                    "begin to flutter"
+                } else {
+                    "become unstable"
+                },
                 at(&onset.place),
                 sentence::vector(&onset.wave_vector)
             )?,

@@ -2,7 +2,7 @@
 
 use crate::settings::{SettingError, Settings};
 use onset::kinematics::{DeformationGradient, KinematicsError};
-use onset::material::Hyperelastic;
+use onset::material::{Hyperelastic, MaterialError};
 use onset::method::{Method, MethodError};
 use onset::verdict::PathError;
 use thiserror::Error;
@@ -24,12 +24,22 @@ pub enum ProblemError {
         expected: String,
     },
     /// A number that is none.
-    #[error("{what}: `{text}` is not a number")]
+    #[error(
+        "{what}: `{text}` is not a number; expected numbers separated by commas, for example 1.2,0.9"
+    )]
     NotANumber {
         /// Which argument.
         what: &'static str,
         /// What was typed.
         text: String,
+    },
+    /// A wave vector of which double precision cannot tell the phase.
+    #[error(
+        "the wave vector is too large: |k| times the spacing is {value:.1e}; at most 1e6 is admitted"
+    )]
+    WaveVector {
+        /// `|k|` times the spacing.
+        value: f64,
     },
     /// A number that is not finite.
     #[error("{what} holds {value}; all its numbers must be finite")]
@@ -61,15 +71,18 @@ pub enum ProblemError {
 fn hint(error: &MethodError) -> &'static str {
     match error {
         MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
-            "\n  hint: enlarge discretization.support, or let the support follow the particles with \
+            "\n  hint: enlarge discretization.support; the support of an Eulerian kernel can also follow the particles, \
              discretization.support-size=scaled or convected"
         }
         MethodError::SupportTooLarge { .. } => {
-            "\n  hint: reduce discretization.support; supports of 1.2 to 4 spacings are usual"
+            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual); the support of an Eulerian kernel can \
+             also follow the particles, discretization.support-size=scaled or convected"
         }
         MethodError::NotPlanar { .. } => "\n  hint: give in-plane components only",
+        MethodError::Material(MaterialError::Parameter { .. }) => "",
         MethodError::Material(_) | MethodError::NotFinite => {
-            "\n  hint: choose a less extreme deformation"
+            "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
+             density are not that large or small"
         }
         _ => "",
     }
@@ -92,11 +105,15 @@ impl Strain {
     ///
     /// # Errors
     /// [`ProblemError`] when the numbers are too few, too many, or no stretches.
-    pub fn of_stretches(text: &str, dimension: usize) -> Result<Self, ProblemError> {
-        let numbers = numbers("the list of stretches", text)?;
+    pub fn of_stretches(
+        what: &'static str,
+        text: &str,
+        dimension: usize,
+    ) -> Result<Self, ProblemError> {
+        let numbers = numbers(what, text)?;
         if !(dimension..=3).contains(&numbers.len()) {
             return Err(ProblemError::Numbers {
-                what: "the list of stretches",
+                what,
                 given: numbers.len(),
                 expected: format!("{dimension} (one for each dimension of the arrangement) to 3"),
             });
@@ -110,8 +127,12 @@ impl Strain {
     ///
     /// # Errors
     /// [`ProblemError`] when their number is another, or `det F` is not positive.
-    pub fn of_components(text: &str, dimension: usize) -> Result<Self, ProblemError> {
-        let numbers = numbers("the deformation gradient", text)?;
+    pub fn of_components(
+        what: &'static str,
+        text: &str,
+        dimension: usize,
+    ) -> Result<Self, ProblemError> {
+        let numbers = numbers(what, text)?;
         let side = match numbers.len() {
             9 => 3,
             count if count == dimension * dimension => dimension,
@@ -121,7 +142,7 @@ impl Strain {
                     other => format!("{} or 9", other * other),
                 };
                 return Err(ProblemError::Numbers {
-                    what: "the deformation gradient",
+                    what,
                     given,
                     expected,
                 });
@@ -138,11 +159,15 @@ impl Strain {
     ///
     /// # Errors
     /// As for the two other constructors.
-    pub fn of_either(text: &str, dimension: usize) -> Result<Self, ProblemError> {
+    pub fn of_either(
+        what: &'static str,
+        text: &str,
+        dimension: usize,
+    ) -> Result<Self, ProblemError> {
         if text.split(',').count() > 3 {
-            Self::of_components(text, dimension)
+            Self::of_components(what, text, dimension)
         } else {
-            Self::of_stretches(text, dimension)
+            Self::of_stretches(what, text, dimension)
         }
     }
 }

@@ -45,10 +45,22 @@ pub(super) fn of<const D: usize>(
              particles follow it; their fastest mode, {wave}, {growth}.",
             vector(assessment.material.minimum.direction.as_slice())
         ),
-        Verdict::RankDeficient => format!(
-            "Not usable as it is although the material is stable: the quadrature is rank-deficient, a wave of \
-             {wave} has no energy, at any state."
-        ),
+        Verdict::RankDeficient => {
+            let when = match method.discretization().frame {
+                Frame::Lagrangian => "at any state",
+                Frame::Eulerian => "at this state",
+            };
+            let which = if mode.is_long_wave {
+                let along = spatial(method, f, &mode.wave_vector).normalize();
+                format!("even long waves along {} have", vector(along.as_slice()))
+            } else {
+                format!("a wave of {wave} has")
+            };
+            format!(
+                "Not usable as it is although the material is stable: the quadrature is rank-deficient, {which} no energy, \
+                 {when}."
+            )
+        }
         Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(
             "Unstable although the material is stable: flutter of the kernel ({tension} mean stress), {wave}, {growth}."
         ),
@@ -74,8 +86,8 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
     } else {
         let direction = k / norm;
         format!(
-            "wavelength {:.4} along {}",
-            std::f64::consts::TAU / norm,
+            "wavelength {} along {}",
+            number(std::f64::consts::TAU / norm),
             vector(direction.as_slice())
         )
     }
@@ -83,23 +95,32 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
 
 fn growth(rate: f64) -> String {
     if rate > 0.0 {
-        format!("grows e-fold in {:.4} time units", 1.0 / rate)
+        format!("grows e-fold in {} time units", number(1.0 / rate))
     } else {
         "grows the faster the shorter the wave".to_owned()
     }
 }
 
+/// A number with four decimals, or with an exponent where these would not show it.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{value:.4}")
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
 /// A vector with four decimals.
 pub(super) fn vector(components: &[f64]) -> String {
+    let largest = components
+        .iter()
+        .fold(0.0_f64, |largest, component| largest.max(component.abs()));
     let one = |component: &f64| {
-        format!(
-            "{:.4}",
-            if component.abs() < 5e-5 {
-                0.0
-            } else {
-                *component
-            }
-        )
+        number(if component.abs() < 5e-5 * largest {
+            0.0
+        } else {
+            *component
+        })
     };
     format!(
         "({})",

@@ -281,7 +281,11 @@ fn unknown_key<'a>(
     origin: Origin,
 ) -> SettingError {
     let error = SettingError::new(origin, format!("unknown key `{name}`"));
-    match error::nearest(name, known.clone()) {
+    // A key without its section names the section's key.
+    let completed = known
+        .clone()
+        .find(|key| key.rsplit('.').next() == Some(name));
+    match completed.or_else(|| error::nearest(name, known.clone())) {
         Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
         None => error.hint(format!(
             "known keys: {}",

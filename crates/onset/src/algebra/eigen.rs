@@ -22,6 +22,12 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
             // The same as below in real numbers: most matrices are real, and this is the innermost loop.
             let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|index| matrix[index].re);
             let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
+            let largest = half.abs().max(b.abs()).max(c.abs());
+            if largest > 0.0 && !(1e-140..1e140).contains(&largest) {
+                // Squares would over- or underflow.
+                let scaled = matrix.map(|entry| entry / largest);
+                return eigenvalues(&scaled, noise / largest).map(|value| value * largest);
+            }
             let discriminant = half * half + b * c;
             let explained = 2.0 * noise * (half.abs() + b.abs() + c.abs() + noise);
             if discriminant > -explained {

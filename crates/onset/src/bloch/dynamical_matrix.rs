@@ -323,9 +323,10 @@ impl<const D: usize> HalfPhases<D> {
         };
         let steps: [Complex; D] =
             std::array::from_fn(|d| half_phase(matrix.vectors.column(d).into_owned()));
-        let mut powers = vec![[Complex::new(1.0, 0.0); D]];
+        let mut powers = Vec::with_capacity(matrix.reach + 1);
+        powers.push([Complex::new(1.0, 0.0); D]);
         for n in 0..matrix.reach {
-            powers.push(std::array::from_fn(|d| powers[n][d] * steps[d]));
+            powers.push(std::array::from_fn(|d: usize| -> Complex { powers[n][d] * steps[d] }));
         }
         let sites = matrix
             .sites

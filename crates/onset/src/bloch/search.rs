@@ -15,8 +15,10 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 const ROUNDING: f64 = 4.0;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
-/// Distinct wells of the grid that are followed to their bottom.
-const WELLS: usize = 6;
+/// Distinct wells of the grid that are followed to their bottom, deepest first.
+const WELLS: usize = 16;
+/// How much finer the grid is where the extremes themselves are wanted, and not only their sign.
+const FINE: usize = 2;
 /// Below this fraction of the zone a wave vector counts as a long wave, which the limit covers.
 const LONG_WAVE: f64 = 1e-3;
 
@@ -38,7 +40,9 @@ pub struct Mode<const D: usize> {
 /// The extremes of the spectrum over the zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumSummary<const D: usize> {
-    /// The mode with the smallest scaled measure `mu`: the softest one.
+    /// The mode with the smallest scaled measure `mu`: the softest one. Where a rigid translation is not free
+    /// (raw weights on a distorted lattice) the measure has no limit for long waves, and the modes below a
+    /// thousandth of the zone are left out.
     pub softest: Mode<D>,
     /// The softest mode of the long-wave limit.
     pub long_wave: Mode<D>,
@@ -146,7 +150,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The extremes of the spectrum.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        let grid = self.grid(matrix);
+        let grid = self.grid(matrix, FINE);
         let long_wave = self.long_wave_limit(matrix);
         let softest = self
             .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
@@ -161,12 +165,12 @@ impl<const D: usize> ZoneSearch<D> {
                     && mode.scaled < -self.tolerance(matrix)
             })
             .unwrap_or(rest);
-        let fluttering = self
-            .flutter(matrix, &grid)
-            .map(|mode| self.fastest_flutter(matrix, &mode));
-        let fastest_growing = fluttering
-            .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
-            .unwrap_or(lowest);
+        let flutters = self.flutter(matrix, &grid).is_some();
+        let fastest_growing = if flutters {
+            self.fastest(matrix, &grid, lowest)
+        } else {
+            lowest
+        };
         let highest = self
             .bottom(matrix, &grid, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -177,7 +181,7 @@ impl<const D: usize> ZoneSearch<D> {
             fastest_growing,
             maximum_omega: highest.max(0.0).sqrt(),
             tolerance: self.tolerance(matrix),
-            flutters: fluttering.is_some(),
+            flutters,
         }
     }
 
@@ -185,17 +189,23 @@ impl<const D: usize> ZoneSearch<D> {
     /// whose sign it is where the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let tolerance = self.tolerance(matrix);
-        let grid = self.grid(matrix);
-        let sampled = grid
+        let coarse = self.grid(matrix, 1);
+        let sampled = coarse
             .points
             .iter()
             .map(|point| point.scaled)
             .fold(f64::INFINITY, f64::min);
         let mut measure = sampled.min(self.long_wave_limit(matrix).scaled);
-        // One witness is enough, and most unstable states have one on the grid.
+        // One witness is enough, and most unstable states have one on a coarse grid.
         if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
             return (Stability::Divergence, measure);
         }
+        // Branches of a matrix that is not Hermitian can be complex in small pockets.
+        let grid = if matrix.is_hermitian() {
+            coarse
+        } else {
+            self.grid(matrix, FINE)
+        };
         if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, -tolerance) {
             measure = measure.min(bottom.0);
         }
@@ -309,9 +319,9 @@ impl<const D: usize> ZoneSearch<D> {
 
     // ---- the grid ------------------------------------------------------------------------------
 
-    fn grid(&self, matrix: &DynamicalMatrix<D>) -> Grid<D> {
+    fn grid(&self, matrix: &DynamicalMatrix<D>, fineness: usize) -> Grid<D> {
         // Six points per period of the fastest phase; a multiple of six has M, X and K among its points.
-        let resolution = (6 * matrix.reach()).clamp(24, 192);
+        let resolution = fineness * (6 * matrix.reach()).clamp(24, 192);
         let resolution = if D == 3 {
             resolution.min(48)
         } else {
@@ -364,6 +374,7 @@ impl<const D: usize> ZoneSearch<D> {
                 lowest: value(Objective::Lowest),
                 highest: value(Objective::Highest),
                 discriminant: value(Objective::Discriminant),
+                growth: complex_growth(&omega_squared),
             });
         }
         Grid { resolution, points }
@@ -383,13 +394,46 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             self.boundary_minima(matrix, objective)
         };
-        grid.wells(objective)
-            .into_iter()
-            .take(WELLS)
-            .map(|start| self.descend(matrix, objective, start, floor))
-            .filter(|(value, k)| value.is_finite() && self.is_admissible(k))
-            .chain(boundary)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+        let mut best: Option<Candidate<D>> =
+            boundary.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let starts = grid.wells(objective).into_iter().take(WELLS);
+        for start in starts.chain(self.long_starts(matrix, grid, objective)) {
+            let to_beat = best.map_or(floor, |best| floor.min(best.0));
+            let (value, k) = self.descend(matrix, objective, start, to_beat);
+            let better = best.is_none_or(|best| value < best.0);
+            if value.is_finite() && better && self.is_admissible(&k) {
+                best = Some((value, k));
+            }
+        }
+        best
+    }
+
+    /// Starts between the origin and the first points of the grid: the best of a ring at each of some radii.
+    fn long_starts(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        grid: &Grid<D>,
+        objective: Objective,
+    ) -> Vec<Candidate<D>> {
+        if !matches!(objective, Objective::Scaled | Objective::Lowest) {
+            return Vec::new();
+        }
+        let directions: Vec<SVector<f64, D>> = match D {
+            1 => vec![SVector::repeat(1.0)],
+            _ => (0..12)
+                .map(|n| (std::f64::consts::PI * f64::from(n) / 12.0).sin_cos())
+                .map(|(sine, cosine)| SVector::from_fn(|i, _| [cosine, sine, 0.0][i]))
+                .collect(),
+        };
+        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
+        let start = |radius: f64| {
+            let ring = directions
+                .iter()
+                .map(|direction| direction * (radius * step));
+            ring.map(|k| (self.value_at(matrix, objective, &k), k))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        [0.25, 0.6].into_iter().filter_map(start).collect()
     }
 
     /// Whether a wave vector belongs to the search: inside of the zone where `D` is not periodic.
@@ -456,9 +500,10 @@ impl<const D: usize> ZoneSearch<D> {
         (growth_rate(mode.omega_squared) > threshold).then_some(mode)
     }
 
-    /// The fastest growing mode with a complex `omega^2`, from one that flutters.
-    fn fastest_flutter(&self, matrix: &DynamicalMatrix<D>, start: &Mode<D>) -> Mode<D> {
-        let step = 0.05 * self.reference.reciprocal().column(0).norm();
+    /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
+    /// the deepest well of the discriminant and from the fastest point of the grid.
+    fn fastest(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>, lowest: Mode<D>) -> Mode<D> {
+        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
         let slowness = |k: &SVector<f64, D>| {
             if self.is_admissible(k) {
                 -complex_growth(&matrix.omega_squared(k))
@@ -466,8 +511,19 @@ impl<const D: usize> ZoneSearch<D> {
                 0.0
             }
         };
-        let (_, k) = coordinate_search(&slowness, start.wave_vector, step);
-        self.fluttering_mode(matrix, &k).unwrap_or(*start)
+        let on_grid = grid
+            .points
+            .iter()
+            .max_by(|a, b| a.growth.total_cmp(&b.growth))
+            .map(|point| point.k);
+        let in_well = self.flutter(matrix, grid).map(|mode| mode.wave_vector);
+        [on_grid, in_well]
+            .into_iter()
+            .flatten()
+            .filter_map(|k| self.fluttering_mode(matrix, &coordinate_search(&slowness, k, step).1))
+            .chain([lowest])
+            .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
+            .unwrap_or(lowest)
     }
 
     /// The fastest growing mode with a complex `omega^2` at a wave vector.
@@ -521,7 +577,7 @@ impl<const D: usize> ZoneSearch<D> {
             if value > floor {
                 return (value, k);
             }
-            let around = coordinate_search(&at, k, 1e-4 * longest);
+            let around = coordinate_search(&at, k, 1e-2 * longest);
             if around.0 >= value - 1e-9 * value.abs() {
                 return if around.0 < value { around } else { (value, k) };
             }
@@ -671,6 +727,8 @@ struct GridPoint<const D: usize> {
     lowest: f64,
     highest: f64,
     discriminant: f64,
+    /// Fastest growth of a mode with complex `omega^2`.
+    growth: f64,
 }
 
 impl<const D: usize> Grid<D> {

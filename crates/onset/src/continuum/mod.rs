@@ -85,6 +85,28 @@ impl<const D: usize> Stiffness<D> {
     /// Exact (to rounding) in one and two dimensions; in three dimensions a search from many
     /// directions with local refinement, which is an upper bound of the minimum.
     pub fn minimum(&self) -> AcousticMinimum<D> {
+        let scale = self.magnitude();
+        if scale != 1.0 && scale.is_normal() {
+            // The products of the search must neither over- nor underflow, whatever the units.
+            let minimum = Self(self.0.map(|row| row.map(|block| block / scale))).minimum_of_unit();
+            return AcousticMinimum {
+                eigenvalue: minimum.eigenvalue * scale,
+                ..minimum
+            };
+        }
+        self.minimum_of_unit()
+    }
+
+    /// The largest component.
+    fn magnitude(&self) -> f64 {
+        self.0
+            .iter()
+            .flatten()
+            .map(|block| block.amax())
+            .fold(0.0, f64::max)
+    }
+
+    fn minimum_of_unit(&self) -> AcousticMinimum<D> {
         let direction = match D {
             1 => SVector::repeat(1.0),
             2 => planar::minimizing_direction(self),
@@ -101,11 +123,17 @@ impl<const D: usize> Stiffness<D> {
     /// Whether the acoustic tensor is positive definite in every direction, equation (28).
     ///
     /// In two dimensions decided on the polynomials themselves: `tr Q`, quadratic, and `det Q`,
-    /// quartic in `tan theta`, are positive at their algebraically determined minima.
+    /// quartic in `tan theta`, are positive at their algebraically determined minima. A minimum that is zero to the
+    /// rounding error of the components counts as positive: at very large strains that is all that can be known.
     pub fn is_strongly_elliptic(&self) -> bool {
+        let scale = self.magnitude();
+        if !scale.is_normal() {
+            return false;
+        }
+        let unit = Self(self.0.map(|row| row.map(|block| block / scale)));
         match D {
-            2 => planar::is_strongly_elliptic(self),
-            _ => self.minimum().eigenvalue.re > 0.0,
+            2 => planar::is_strongly_elliptic(&unit),
+            _ => unit.minimum().eigenvalue.re > -f64::EPSILON,
         }
     }
 

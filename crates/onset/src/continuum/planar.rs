@@ -55,7 +55,11 @@ impl Entries {
 
 pub(super) fn is_strongly_elliptic<const D: usize>(stiffness: &Stiffness<D>) -> bool {
     let entries = Entries::of(stiffness);
-    entries.half_trace().minimum().1 > 0.0 && entries.determinant().minimum().1 > 0.0
+    // Of a stiffness of magnitude one. The rounding error of a sum or product of components is a few units of
+    // their last place.
+    let half_trace = entries.half_trace().minimum().1;
+    half_trace > -f64::EPSILON
+        && entries.determinant().minimum().1 > -4.0 * f64::EPSILON * half_trace.abs()
 }
 
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {

@@ -18,6 +18,9 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeformationGradient<R = f64>([[R; 3]; 3]);
 
+/// Principal stretches that are admitted.
+const STRETCHES: (f64, f64) = (1e-6, 1e6);
+
 /// What can be wrong with a deformation.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KinematicsError {
@@ -28,7 +31,7 @@ pub enum KinematicsError {
         value: f64,
     },
     /// A principal stretch is not positive.
-    #[error("stretch {index} is {value}; a stretch is a ratio of lengths and must be positive")]
+    #[error("stretch {index} is {value:?}; a stretch is a ratio of lengths and must be positive")]
     StretchNotPositive {
         /// Which stretch, counted from 1.
         index: usize,
@@ -41,11 +44,18 @@ pub enum KinematicsError {
         /// The determinant.
         jacobian: f64,
     },
-    /// The determinant over- or underflows, or `F` cannot be inverted accurately.
-    #[error("the deformation is too extreme for double precision (det F = {jacobian:e})")]
+    /// A principal stretch is so far from one that double precision cannot tell a stiffness from rounding.
+    #[error(
+        "the deformation is too extreme for double precision: principal stretches from {smallest:.1e} to {largest:.1e}, \
+         admitted are {} to {}",
+        STRETCHES.0,
+        STRETCHES.1
+    )]
     Extreme {
-        /// The determinant.
-        jacobian: f64,
+        /// The smallest principal stretch.
+        smallest: f64,
+        /// The largest principal stretch.
+        largest: f64,
     },
     /// The two ends of a path are the same state.
     #[error("the path leads from a state to itself")]
@@ -131,15 +141,12 @@ impl DeformationGradient {
         }
         let f = Self(components);
         let jacobian = f.jacobian();
-        if !jacobian.is_finite() || (jacobian > 0.0 && !jacobian.is_normal()) {
-            return Err(KinematicsError::Extreme { jacobian });
-        }
-        if jacobian <= 0.0 {
+        if jacobian <= 0.0 && jacobian.is_finite() && !f.underflows() {
             return Err(KinematicsError::JacobianNotPositive { jacobian });
         }
-        let inverse = f.matrix().try_inverse();
-        if !inverse.is_some_and(|inverse| inverse.iter().all(|value| value.is_finite())) {
-            return Err(KinematicsError::Extreme { jacobian });
+        let [largest, _, smallest] = f.principal_stretches();
+        if !(smallest >= STRETCHES.0 && largest <= STRETCHES.1) {
+            return Err(KinematicsError::Extreme { smallest, largest });
         }
         Ok(f)
     }
@@ -182,6 +189,30 @@ impl DeformationGradient {
     /// The volume ratio `J = det F`.
     pub fn jacobian(&self) -> f64 {
         self.determinant()
+    }
+
+    /// The principal stretches, largest first: the singular values of `F`. NaN where they over- or underflow.
+    pub fn principal_stretches(&self) -> [f64; 3] {
+        let svd = self.matrix().try_svd(false, false, f64::EPSILON, 200);
+        let mut stretches = svd.map_or([f64::NAN; 3], |svd| {
+            [0, 1, 2].map(|i| svd.singular_values[i])
+        });
+        stretches.sort_by(|a, b| b.total_cmp(a));
+        stretches
+    }
+
+    /// Whether a vanishing determinant can be an underflow.
+    fn underflows(&self) -> bool {
+        self.jacobian() == 0.0
+            && self
+                .0
+                .iter()
+                .all(|row| row.iter().any(|value| *value != 0.0))
+            && self
+                .0
+                .iter()
+                .flatten()
+                .any(|value| *value != 0.0 && value.abs() < 1e-100)
     }
 
     /// The components as a matrix, `F_iJ` in row `i`, column `J`.

@@ -18,7 +18,9 @@ pub type Fractional<const D: usize> = SVector<f64, D>;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LatticeError {
     /// The spacing is not a positive finite length.
-    #[error("the particle spacing is {value}; it must be a positive finite length")]
+    #[error(
+        "the particle spacing is {value:?}; it must be positive, and its square neither over- nor underflow"
+    )]
     Spacing {
         /// Its value.
         value: f64,

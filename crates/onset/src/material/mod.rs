@@ -22,7 +22,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MaterialError {
     /// A parameter is outside of what the law admits.
-    #[error("material parameter {name} is {value}; expected {expected}")]
+    #[error("material parameter {name} is {value:?}; expected {expected}")]
     Parameter {
         /// The parameter's name, as in a study file.
         name: &'static str,

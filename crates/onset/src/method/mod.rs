@@ -18,7 +18,7 @@ use thiserror::Error;
 
 /// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
 /// square, and no method in use comes near.
-pub const MAXIMUM_NEIGHBORS: usize = 1000;
+pub const MAXIMUM_NEIGHBORS: usize = 400;
 
 /// In which coordinates the kernel is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +177,7 @@ impl Default for Discretization {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MethodError {
     /// A setting is not a positive finite number.
-    #[error("discretization.{name} is {value}; it must be a positive finite number")]
+    #[error("discretization.{name} is {value:?}; it must be a positive finite number")]
     NotPositive {
         /// The setting's name.
         name: &'static str,
@@ -186,7 +186,7 @@ pub enum MethodError {
     },
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
-        "a {point} has {neighbors} particle(s) within the support radius {radius} (in units of length); \
+        "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \
          a gradient in {dimension}D needs at least {needed}"
     )]
     SupportTooSmall {
@@ -203,7 +203,7 @@ pub enum MethodError {
     },
     /// The support holds more particles than the program admits.
     #[error(
-        "the support radius {radius} holds about {neighbors:.0} particles; at most {limit} are admitted"
+        "the support radius {radius:?} holds about {neighbors:.1e} particles; at most {limit} are admitted"
     )]
     SupportTooLarge {
         /// The support radius; length.

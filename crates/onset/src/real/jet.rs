@@ -40,9 +40,9 @@ impl<const N: usize> Jet<N> {
         let mut result = self;
         result.value = value;
         for i in 0..N {
-            let scaled = second * self.gradient[i];
             for j in 0..N {
-                result.hessian[i][j] = first * self.hessian[i][j] + scaled * self.gradient[j];
+                let product = self.gradient[i] * self.gradient[j];
+                result.hessian[i][j] = first * self.hessian[i][j] + second * product;
             }
             result.gradient[i] = first * self.gradient[i];
         }
@@ -141,11 +141,14 @@ impl<const N: usize> Mul for Jet<N> {
         let mut result = Self::constant(self.value * other.value);
         for i in 0..N {
             result.gradient[i] = self.value * other.gradient[i] + other.value * self.gradient[i];
-            for j in 0..N {
-                result.hessian[i][j] = self.value * other.hessian[i][j]
+            for j in 0..=i {
+                let second = self.value * other.hessian[i][j]
                     + other.value * self.hessian[i][j]
                     + self.gradient[i] * other.gradient[j]
                     + other.gradient[i] * self.gradient[j];
+                // Mirrored, so that the Hessian is symmetric to the last digit.
+                result.hessian[i][j] = second;
+                result.hessian[j][i] = second;
             }
         }
         result

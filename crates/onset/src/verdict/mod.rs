@@ -165,9 +165,7 @@ pub fn assess<const D: usize>(
         norm.at(&softest.wave_vector)[(0, 0)].re / method.lattice().laplacian(&softest.wave_vector)
     };
 
-    let has_zero_mode = !softest.is_long_wave
-        && softest.scaled.abs() <= spectrum.tolerance
-        && gradient_norm <= ZERO_ENERGY;
+    let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
     let verdict = decided(
         continuum.is_elliptic,

@@ -11,6 +11,8 @@ use thiserror::Error;
 /// Intervals in which a path is first looked at. Within an interval, dips of the stability measure that
 /// do not change its sign at the ends are followed too.
 const INTERVALS: usize = 256;
+/// How often the first and the last interval are halved towards their ends.
+const HALVINGS: i32 = 24;
 /// Evaluations spent on the bottom of a dip.
 const DIP_STEPS: usize = 30;
 
@@ -190,17 +192,34 @@ pub fn scan_discretization<const D: usize>(
     })
 }
 
+/// Where a path is first looked at: at equal distances, and between the first two and the last two of them
+/// ever nearer to the ends, since on a long path the change of stability is often near an end.
+fn parameters() -> Vec<f64> {
+    let equal = (0..=INTERVALS).map(|n| n as f64 / INTERVALS as f64);
+    let near: Vec<f64> = (1..=HALVINGS)
+        .map(|n| 0.5_f64.powi(n) / INTERVALS as f64)
+        .collect();
+    let mut all: Vec<f64> = equal
+        .chain(near.iter().copied())
+        .chain(near.iter().map(|s| 1.0 - s))
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
 fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, PathError> {
-    let parameter = |n: usize| n as f64 / INTERVALS as f64;
-    let probes: Vec<Probe> = (0..=INTERVALS)
-        .map(|n| probe(parameter(n)))
+    let parameters = parameters();
+    let parameter = |n: usize| parameters[n];
+    let probes: Vec<Probe> = parameters
+        .iter()
+        .map(|s| probe(*s))
         .collect::<Result<_, _>>()?;
     let mut knots: Vec<(f64, Phase)> = probes
         .iter()
         .enumerate()
         .map(|(n, probe)| (parameter(n), probe.0))
         .collect();
-    for n in 1..INTERVALS {
+    for n in 1..parameters.len() - 1 {
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
             // A stable stretch can dip below zero between the knots, an unstable one rise above.

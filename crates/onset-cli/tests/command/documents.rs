@@ -1,0 +1,163 @@
+//! What `--json` prints: one document with documented keys and numbers of 17 significant digits.
+
+use crate::{document, number, numbers, onset_line};
+use serde_json::Value;
+
+const STATE: &str = "state --stretch 1.2,0.9 set frame=eulerian";
+const WAVES: &str = "dispersion --stretch 1.2,0.9 --wave-vector 2.0,1.1";
+const PATH: &str = "path --from 1,1 --to 12,12";
+
+#[test]
+fn a_state_has_its_documented_keys() {
+    let state = document(STATE);
+    assert_eq!(state["verdict"], "kernel");
+    assert!(state["sentence"].as_str().is_some_and(|s| s.ends_with('.')));
+    let material = &state["material"];
+    for tensor in ["cauchy", "first_piola"] {
+        for row in 0..3 {
+            assert_eq!(numbers(material, &format!("/{tensor}/{row}")).len(), 3);
+        }
+    }
+    for i in 0..3 {
+        for j in 0..3 {
+            for k in 0..3 {
+                assert_eq!(numbers(material, &format!("/tangent/{i}/{j}/{k}")).len(), 3);
+            }
+        }
+    }
+    assert_eq!(material["elliptic"], true);
+    assert!(number(material, "/minimum_acoustic_eigenvalue") > 0.0);
+    assert_eq!(numbers(material, "/direction").len(), 2);
+    assert_eq!(numbers(material, "/polarization").len(), 2);
+
+    let discretization = &state["discretization"];
+    assert!(number(discretization, "/minimum_omega_squared/re") < 0.0);
+    number(discretization, "/minimum_omega_squared/im");
+    assert!(number(discretization, "/minimum_scaled") < 0.0);
+    assert_eq!(numbers(discretization, "/wave_vector").len(), 2);
+    assert_eq!(numbers(discretization, "/polarization").len(), 2);
+    assert!(number(discretization, "/growth_rate") > 0.0);
+    let (omega, step) = (
+        number(discretization, "/maximum_omega"),
+        number(discretization, "/critical_time_step"),
+    );
+    crate::assert_close(omega * step, 2.0, 1e-14);
+    assert_eq!(discretization["settings"]["frame"], "eulerian");
+    assert_eq!(discretization["settings"]["support-size"], "fixed");
+}
+
+#[test]
+fn the_stresses_of_a_state_are_one_another() {
+    // P_iJ = J sigma_ij F^-T_jJ; the growth rate is that of the mode of smallest omega^2.
+    let state = document(STATE);
+    let f = [1.2, 0.9, 1.0];
+    for i in 0..3 {
+        let cauchy = number(&state, &format!("/material/cauchy/{i}/{i}"));
+        let first_piola = number(&state, &format!("/material/first_piola/{i}/{i}"));
+        crate::assert_close(1.2 * 0.9 * cauchy / f[i], first_piola, 1e-14);
+    }
+    let growth = number(&state, "/discretization/growth_rate");
+    let lowest = number(&state, "/discretization/minimum_omega_squared/re");
+    crate::assert_close(growth * growth, -lowest, 1e-9);
+}
+
+#[test]
+fn a_growing_mode_is_found_again_by_its_wave_vector() {
+    let state = document(STATE);
+    let k = numbers(&state, "/discretization/wave_vector");
+    let line = format!(
+        "dispersion --stretch 1.2,0.9 set frame=eulerian --wave-vector={:e},{:e}",
+        k[0], k[1]
+    );
+    let lowest = number(&state, "/discretization/minimum_omega_squared/re");
+    crate::assert_close(number(&document(&line), "/omega_squared/0/re"), lowest, 1e-9);
+}
+
+#[test]
+fn waves_have_their_documented_keys() {
+    let waves = document(WAVES);
+    assert_eq!(waves["omega_squared"].as_array().map(Vec::len), Some(2));
+    let trace: f64 = (0..2)
+        .map(|i| {
+            number(&waves, &format!("/omega_squared/{i}/im"));
+            number(&waves, &format!("/omega_squared/{i}/re"))
+        })
+        .sum();
+    for i in 0..2 {
+        for j in 0..2 {
+            number(&waves, &format!("/dynamical_matrix/{i}/{j}/re"));
+            number(&waves, &format!("/dynamical_matrix/{i}/{j}/im"));
+        }
+    }
+    let diagonal: f64 = (0..2)
+        .map(|i| number(&waves, &format!("/dynamical_matrix/{i}/{i}/re")))
+        .sum();
+    crate::assert_close(trace, diagonal, 1e-14);
+}
+
+#[test]
+fn a_path_has_its_documented_keys() {
+    let path = document(PATH);
+    for onset in ["material_onset", "discretization_onset"] {
+        let onset = &path[onset];
+        assert_eq!(numbers(onset, "/stretch").len(), 2);
+        assert_eq!(numbers(onset, "/cauchy/0").len(), 3);
+        assert!((0.0..1e-9).contains(&number(onset, "/tolerance")));
+        assert_eq!(numbers(onset, "/direction").len(), 2);
+        assert_eq!(numbers(onset, "/polarization").len(), 2);
+    }
+    assert_eq!(numbers(&path, "/discretization_onset/wave_vector").len(), 2);
+    for crossings in ["material_crossings", "discretization_crossings"] {
+        let crossings = path[crossings].as_array().expect("a list");
+        let phases: Vec<_> = crossings
+            .iter()
+            .map(|crossing| (crossing["from"].as_str(), crossing["to"].as_str()))
+            .collect();
+        let (stable, unstable) = (Some("stable"), Some("unstable"));
+        assert_eq!(phases, [(stable, unstable), (unstable, stable)]);
+        for crossing in crossings {
+            number(crossing, "/tolerance");
+            assert_eq!(numbers(crossing, "/stretch").len(), 2);
+        }
+    }
+}
+
+#[test]
+fn onsets_that_do_not_exist_are_null() {
+    let path = document("path --from 1,1 --to 1,1.2");
+    assert_eq!(path["material_onset"], Value::Null);
+    assert_eq!(path["discretization_onset"], Value::Null);
+    assert_eq!(path["material_crossings"], Value::Array(Vec::new()));
+}
+
+#[test]
+fn numbers_have_17_significant_digits() {
+    for line in [STATE, WAVES, PATH] {
+        let text = onset_line(&format!("{line} --json")).stdout;
+        let mut numbers = 0;
+        for item in text.lines().map(|line| {
+            let value = line.rsplit(": ").next().unwrap_or(line);
+            value.trim().trim_end_matches(',')
+        }) {
+            if !item.starts_with(|c: char| c == '-' || c.is_ascii_digit()) {
+                continue;
+            }
+            numbers += 1;
+            let (mantissa, exponent) = item.split_once('e').expect("an exponent");
+            let digits = mantissa.chars().filter(char::is_ascii_digit).count();
+            assert_eq!(digits, 17, "{item}");
+            exponent.parse::<i32>().expect("an exponent");
+        }
+        assert!(numbers > 10, "{line}: {numbers} numbers");
+    }
+}
+
+#[test]
+fn text_and_document_say_the_same() {
+    let text = onset_line(STATE).stdout;
+    let state = document(STATE);
+    assert!(text.starts_with(state["sentence"].as_str().expect("a sentence")));
+    let verdict = state["verdict"].as_str().expect("a verdict");
+    let line = text.lines().find(|line| line.starts_with("verdict"));
+    assert_eq!(line.and_then(|l| l.split_whitespace().nth(1)), Some(verdict));
+}

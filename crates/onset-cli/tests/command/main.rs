@@ -1,0 +1,103 @@
+//! What the command answers, and what it refuses, as a user sees it: run as a process.
+
+mod documents;
+mod files;
+mod grid;
+mod help;
+mod numbers;
+mod refusals;
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How the command ended.
+struct Answer {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+    command.args(arguments);
+    command
+}
+
+fn onset(arguments: &[&str]) -> Answer {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command(arguments).output().expect("the command starts");
+    Answer {
+        code: status.code(),
+        stdout: String::from_utf8(stdout).expect("UTF-8"),
+        stderr: String::from_utf8(stderr).expect("UTF-8"),
+    }
+}
+
+/// The arguments of `line`, separated by spaces; `set a=b` is short for `--set discretization.a=b`.
+fn words(line: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut items = line.split_whitespace();
+    while let Some(item) = items.next() {
+        if item == "set" {
+            words.push("--set".to_owned());
+            words.push(format!(
+                "discretization.{}",
+                items.next().expect("an assignment")
+            ));
+        } else {
+            words.push(item.to_owned());
+        }
+    }
+    words
+}
+
+fn onset_line(line: &str) -> Answer {
+    let words = words(line);
+    onset(&words.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// What `line --json` prints: exactly one document, and nothing else.
+fn document(line: &str) -> Value {
+    let answer = onset_line(&format!("{line} --json"));
+    assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
+    assert_eq!(answer.stderr, "", "{line}");
+    serde_json::from_str(&answer.stdout).expect("one JSON document")
+}
+
+/// The number at a JSON pointer.
+fn number(document: &Value, pointer: &str) -> f64 {
+    document
+        .pointer(pointer)
+        .and_then(Value::as_f64)
+        .unwrap_or_else(|| panic!("no number at {pointer}"))
+}
+
+fn numbers(document: &Value, pointer: &str) -> Vec<f64> {
+    let list = document.pointer(pointer).and_then(Value::as_array);
+    list.unwrap_or_else(|| panic!("no list at {pointer}"))
+        .iter()
+        .map(|value| value.as_f64().expect("a number"))
+        .collect()
+}
+
+#[track_caller]
+fn assert_close(computed: f64, expected: f64, relative: f64) {
+    assert!(
+        (computed - expected).abs() <= relative * expected.abs(),
+        "{computed} is not {expected}"
+    );
+}
+
+/// A place for files that no other test uses; nothing is there yet.
+fn fresh_place(name: &str) -> PathBuf {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let place = std::env::temp_dir().join(format!("onset-{}-{count}-{name}", std::process::id()));
+    assert!(!place.exists());
+    place
+}
