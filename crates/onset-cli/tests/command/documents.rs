@@ -70,7 +70,11 @@ fn a_growing_mode_is_found_again_by_its_wave_vector() {
         k[0], k[1]
     );
     let lowest = number(&state, "/discretization/minimum_omega_squared/re");
-    crate::assert_close(number(&document(&line), "/omega_squared/0/re"), lowest, 1e-9);
+    crate::assert_close(
+        number(&document(&line), "/omega_squared/0/re"),
+        lowest,
+        1e-9,
+    );
 }
 
 #[test]
@@ -159,5 +163,8 @@ fn text_and_document_say_the_same() {
     assert!(text.starts_with(state["sentence"].as_str().expect("a sentence")));
     let verdict = state["verdict"].as_str().expect("a verdict");
     let line = text.lines().find(|line| line.starts_with("verdict"));
-    assert_eq!(line.and_then(|l| l.split_whitespace().nth(1)), Some(verdict));
+    assert_eq!(
+        line.and_then(|l| l.split_whitespace().nth(1)),
+        Some(verdict)
+    );
 }

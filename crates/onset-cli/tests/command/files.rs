@@ -22,7 +22,11 @@ fn unwritable() -> std::path::PathBuf {
 fn a_diagram_is_written_as_svg_and_png() {
     let folder = fresh_place("diagram").join("inner");
     for arrangement in ["hexagonal", "square", "chain"] {
-        let stretches = if arrangement == "chain" { "1.2" } else { "1.2,0.9" };
+        let stretches = if arrangement == "chain" {
+            "1.2"
+        } else {
+            "1.2,0.9"
+        };
         let answer = onset(&[
             "dispersion",
             "--stretch",
@@ -50,11 +54,20 @@ fn a_diagram_is_written_as_svg_and_png() {
 fn a_diagram_is_also_a_document() {
     let folder = fresh_place("document");
     let answer = onset(&[
-        "dispersion", "--stretch", "1.2,0.9", "--path", "--json", "--out", text(&folder),
+        "dispersion",
+        "--stretch",
+        "1.2,0.9",
+        "--path",
+        "--json",
+        "--out",
+        text(&folder),
     ]);
     let diagram: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
     let corners = diagram["corners"].as_array().expect("corners");
-    let names: Vec<_> = corners.iter().map(|corner| corner["name"].as_str()).collect();
+    let names: Vec<_> = corners
+        .iter()
+        .map(|corner| corner["name"].as_str())
+        .collect();
     assert_eq!(names, [Some("Γ"), Some("M"), Some("K"), Some("Γ")]);
     let count = |key: &str| diagram[key].as_array().map(Vec::len);
     assert_eq!(count("samples"), count("lengths"));
@@ -72,7 +85,11 @@ fn folders_that_cannot_be_made_are_named() {
         let answer = onset(&[arguments, &[text(&folder)]].concat());
         assert_eq!(answer.code, Some(1), "{arguments:?}: {}", answer.stderr);
         assert_eq!(answer.stdout, "");
-        assert!(answer.stderr.contains("error: cannot write"), "{}", answer.stderr);
+        assert!(
+            answer.stderr.contains("error: cannot write"),
+            "{}",
+            answer.stderr
+        );
         assert!(answer.stderr.contains(text(&folder)), "{}", answer.stderr);
         assert!(!answer.stderr.contains("panicked"));
     }

@@ -9,7 +9,10 @@ use std::time::{Duration, Instant};
 const CHOICES: [(&str, &[&str]); 8] = [
     ("frame", &["lagrangian", "eulerian"]),
     ("arrangement", &["square", "hexagonal", "chain"]),
-    ("quadrature", &["nodal", "stress-points", "stress-points-only"]),
+    (
+        "quadrature",
+        &["nodal", "stress-points", "stress-points-only"],
+    ),
     ("approximation", &["raw", "shepard", "mls"]),
     ("background", &["imposed", "interpolated"]),
     ("lattice", &["convected", "regular"]),
@@ -32,7 +35,10 @@ const STATES: [&str; 2] = ["1.2,0.9", "0.7,1.1"];
 fn combination(mut number: usize) -> Vec<String> {
     let mut assignments = Vec::new();
     for (key, words) in CHOICES.iter().rev() {
-        assignments.push(format!("discretization.{key}={}", words[number % words.len()]));
+        assignments.push(format!(
+            "discretization.{key}={}",
+            words[number % words.len()]
+        ));
         number /= words.len();
     }
     assignments
@@ -91,7 +97,11 @@ fn every_combination_of_choices_has_an_answer_at_every_state() {
                     continue;
                 }
                 let assignments = combination(number);
-                complaints.extend(STATES.iter().filter_map(|state| complaint(&assignments, state)));
+                complaints.extend(
+                    STATES
+                        .iter()
+                        .filter_map(|state| complaint(&assignments, state)),
+                );
             }
         };
         let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
@@ -132,6 +142,10 @@ fn paths_into_strong_compression_end_within_seconds() {
             "--set=discretization.frame=eulerian",
         ];
         assert!(matches!(onset(&arguments).code, Some(0 | 2)));
-        assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+        assert!(
+            start.elapsed() < Duration::from_secs(10),
+            "{:?}",
+            start.elapsed()
+        );
     }
 }

@@ -38,7 +38,10 @@ fn the_keys_are_known_from_the_help() {
     for command in ["state", "dispersion", "path"] {
         let help = onset(&[command, "--help"]).stdout;
         for key in keys {
-            assert!(help.contains(key), "`onset {command} --help` does not name {key}");
+            assert!(
+                help.contains(key),
+                "`onset {command} --help` does not name {key}"
+            );
         }
     }
 }

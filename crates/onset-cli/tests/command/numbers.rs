@@ -120,7 +120,11 @@ fn nodal_integration_is_rank_deficient_in_compression() {
 
 #[test]
 fn stretches_and_a_diagonal_deformation_gradient_are_the_same_state() {
-    for settings in ["", "set frame=eulerian", "set arrangement=square set background=interpolated"] {
+    for settings in [
+        "",
+        "set frame=eulerian",
+        "set arrangement=square set background=interpolated",
+    ] {
         for (stretches, components) in [
             ("1.2,0.9", "1.2,0,0,0.9"),
             ("0.7,1.1", "0.7,0,0,1.1"),
@@ -128,7 +132,9 @@ fn stretches_and_a_diagonal_deformation_gradient_are_the_same_state() {
         ] {
             assert_eq!(
                 document(&format!("state --stretch {stretches} {settings}")),
-                document(&format!("state --deformation-gradient {components} {settings}")),
+                document(&format!(
+                    "state --deformation-gradient {components} {settings}"
+                )),
             );
         }
     }
@@ -137,7 +143,10 @@ fn stretches_and_a_diagonal_deformation_gradient_are_the_same_state() {
 #[test]
 fn spaces_around_numbers_and_repeated_settings_are_understood() {
     let spaced = crate::onset(&["state", "--stretch", " 1.2 , 0.9 ", "--json"]);
-    assert_eq!(spaced.stdout, onset_line("state --stretch 1.2,0.9 --json").stdout);
+    assert_eq!(
+        spaced.stdout,
+        onset_line("state --stretch 1.2,0.9 --json").stdout
+    );
     assert_eq!(
         document("state --stretch 1.2,0.9 set support=3 set support=1.6"),
         document("state --stretch 1.2,0.9 set support=1.6"),
@@ -156,7 +165,6 @@ fn answers_do_not_depend_on_units() {
 }
 
 #[test]
-#[ignore = "defect: products of moduli over- and underflow in the search for the softest direction"]
 fn the_softest_direction_does_not_depend_on_the_unit_of_stress() {
     let state = |mu: &str| {
         document(&format!(
@@ -168,7 +176,8 @@ fn the_softest_direction_does_not_depend_on_the_unit_of_stress() {
         let scaled = state(mu);
         assert_eq!(scaled["verdict"], reference["verdict"], "{mu}");
         assert_close(
-            number(&scaled, "/material/minimum_acoustic_eigenvalue") / mu.parse::<f64>().expect("a number"),
+            number(&scaled, "/material/minimum_acoustic_eigenvalue")
+                / mu.parse::<f64>().expect("a number"),
             number(&reference, "/material/minimum_acoustic_eigenvalue"),
             1e-9,
         );
@@ -176,18 +185,16 @@ fn the_softest_direction_does_not_depend_on_the_unit_of_stress() {
 }
 
 #[test]
-#[ignore = "defect: a zero-energy long wave counts as stable"]
 fn particles_without_neighbors_along_an_axis_are_rank_deficient() {
     // Columns of particles 25 apart with a support of 2: no wave across them has any energy.
     let line = "--stretch 50,0.02 set frame=eulerian";
     let [soft, stiff] = omega_squared(&format!("dispersion {line} --wave-vector 1.1,0"));
-    assert_eq!([soft, stiff], [0.0, 0.0]);
+    assert!(soft.abs().max(stiff.abs()) < 1e-20, "{soft}, {stiff}");
     let state = document(&format!("state {line}"));
     assert_eq!(state["verdict"], "rank-deficient");
 }
 
 #[test]
-#[ignore = "defect: the Lagrangian method is said to miss an instability that rounding invents"]
 fn lagrangian_kernels_never_miss_an_instability() {
     for stretches in ["1e-10,1", "1e10,1e10", "1e-10,1e-10", "1e50,1"] {
         let answer = onset_line(&format!("state --stretch {stretches}"));
@@ -196,7 +203,6 @@ fn lagrangian_kernels_never_miss_an_instability() {
 }
 
 #[test]
-#[ignore = "defect: `stretch` is the diagonal of F"]
 fn stretches_of_a_rotated_path_are_stretches() {
     let path = document("path --from=0,1,-1,0 --to=0,3,-3,0");
     for axis in numbers(&path, "/material_onset/stretch") {

@@ -326,7 +326,9 @@ impl<const D: usize> HalfPhases<D> {
         let mut powers = Vec::with_capacity(matrix.reach + 1);
         powers.push([Complex::new(1.0, 0.0); D]);
         for n in 0..matrix.reach {
-            powers.push(std::array::from_fn(|d: usize| -> Complex { powers[n][d] * steps[d] }));
+            powers.push(std::array::from_fn(|d: usize| -> Complex {
+                powers[n][d] * steps[d]
+            }));
         }
         let sites = matrix
             .sites

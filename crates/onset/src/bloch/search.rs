@@ -17,8 +17,10 @@ const ROUNDING: f64 = 4.0;
 const FLUTTER: f64 = 1e-7;
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
 const WELLS: usize = 16;
-/// How much finer the grid is where the extremes themselves are wanted, and not only their sign.
-const FINE: usize = 2;
+/// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells. Multiples
+/// of six periods have M, X and K among their points.
+const COARSE: usize = 6;
+const FINE: usize = 9;
 /// Below this fraction of the zone a wave vector counts as a long wave, which the limit covers.
 const LONG_WAVE: f64 = 1e-3;
 
@@ -189,7 +191,7 @@ impl<const D: usize> ZoneSearch<D> {
     /// whose sign it is where the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let tolerance = self.tolerance(matrix);
-        let coarse = self.grid(matrix, 1);
+        let coarse = self.grid(matrix, COARSE);
         let sampled = coarse
             .points
             .iter()
@@ -319,9 +321,9 @@ impl<const D: usize> ZoneSearch<D> {
 
     // ---- the grid ------------------------------------------------------------------------------
 
-    fn grid(&self, matrix: &DynamicalMatrix<D>, fineness: usize) -> Grid<D> {
-        // Six points per period of the fastest phase; a multiple of six has M, X and K among its points.
-        let resolution = fineness * (6 * matrix.reach()).clamp(24, 192);
+    fn grid(&self, matrix: &DynamicalMatrix<D>, points_per_period: usize) -> Grid<D> {
+        let resolution = points_per_period * matrix.reach().clamp(4, 32);
+        let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
             resolution.min(48)
         } else {
@@ -395,13 +397,17 @@ impl<const D: usize> ZoneSearch<D> {
             self.boundary_minima(matrix, objective)
         };
         let mut best: Option<Candidate<D>> =
-            boundary.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
+        // From the boundary too: beside it the grid, folded back, does not tell the wells.
         let starts = grid.wells(objective).into_iter().take(WELLS);
-        for start in starts.chain(self.long_starts(matrix, grid, objective)) {
+        let starts = starts
+            .chain(self.long_starts(matrix, grid, objective))
+            .chain(boundary);
+        for start in starts {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
             let (value, k) = self.descend(matrix, objective, start, to_beat);
             let better = best.is_none_or(|best| value < best.0);
-            if value.is_finite() && better && self.is_admissible(&k) {
+            if value.is_finite() && better {
                 best = Some((value, k));
             }
         }
@@ -559,15 +565,16 @@ impl<const D: usize> ZoneSearch<D> {
             .map(|b| b.norm())
             .fold(0.0, f64::max);
         let at = |k: &SVector<f64, D>| {
-            // The limit of long waves is taken exactly elsewhere.
-            if objective == Objective::Scaled && k.norm() < LONG_WAVE * longest {
+            // The limit of long waves is taken exactly elsewhere; and a zone that does not repeat is not left.
+            let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * longest;
+            if too_long || !self.is_admissible(k) {
                 f64::INFINITY
             } else {
                 self.value_at(matrix, objective, k)
             }
         };
         let (mut value, mut k) = start;
-        for _ in 0..4 {
+        for _ in 0..16 {
             (value, k) = self.newton(matrix, objective, (value, k), longest, floor, &at);
             // Two branches cross in a point where the discriminant is zero and stationary. It is a saddle where
             // the branches beside it are complex, which by symmetry its gradient may not show.
@@ -578,7 +585,7 @@ impl<const D: usize> ZoneSearch<D> {
                 return (value, k);
             }
             let around = coordinate_search(&at, k, 1e-2 * longest);
-            if around.0 >= value - 1e-9 * value.abs() {
+            if around.0 >= value - 1e-12 * value.abs() {
                 return if around.0 < value { around } else { (value, k) };
             }
             (value, k) = around;

@@ -41,8 +41,10 @@ impl<const D: usize> BrillouinZone<D> {
             cell[axis] += 1;
         }
         // Only those whose bisector touches the zone bound it.
-        let beyond = |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
-        let bounding = |g: &SVector<f64, D>| reciprocal.iter().all(|other| !beyond(&(g * 0.5), other));
+        let beyond =
+            |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
+        let bounding =
+            |g: &SVector<f64, D>| reciprocal.iter().all(|other| !beyond(&(g * 0.5), other));
         let reciprocal = reciprocal.iter().filter(|g| bounding(g)).copied().collect();
         Self {
             lattice,
