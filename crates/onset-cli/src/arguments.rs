@@ -7,9 +7,10 @@ use std::path::PathBuf;
 /// The keys that `--set` takes, from the one table that defines them.
 fn keys() -> String {
     let line = |key: &onset_study::settings::Key| {
+        let (meaning, default) = (key.meaning, key.default_value());
         format!(
-            "  {:<31} {}\n{:34}{}\n",
-            key.name, key.meaning, "", key.expects
+            "  {:<31} {meaning} [default: {default}]\n{:34}{}\n",
+            key.name, "", key.expects
         )
     };
     format!(

@@ -131,21 +131,18 @@ fn choices_of_eulerian_kernels_do_not_change_lagrangian_answers() {
 }
 
 #[test]
-#[ignore = "defect: 25 to 60 s; the neighbors grow without bound as the particles are compressed"]
-fn paths_into_strong_compression_end_within_seconds() {
-    for end in ["0.05,0.05", "1e-3,1e-3"] {
-        let start = Instant::now();
-        let arguments = [
-            "path",
-            "--from=1,1",
-            &format!("--to={end}"),
-            "--set=discretization.frame=eulerian",
-        ];
-        assert!(matches!(onset(&arguments).code, Some(0 | 2)));
-        assert!(
-            start.elapsed() < Duration::from_secs(10),
-            "{:?}",
-            start.elapsed()
-        );
-    }
+fn a_path_into_strong_compression_loses_the_method_where_its_support_overflows() {
+    // With a fixed support the neighbors grow without bound; from some compression on they are refused.
+    let run = onset(&[
+        "path",
+        "--from=0.2,0.2",
+        "--to=0.1,0.1",
+        "--set=discretization.frame=eulerian",
+        "--json",
+    ]);
+    let answer: Value = serde_json::from_str(&run.stdout).expect("a document");
+    let crossings = answer["discretization_crossings"]
+        .as_array()
+        .expect("a list");
+    assert_eq!(crossings.last().expect("a crossing")["to"], "undefined");
 }

@@ -124,6 +124,27 @@ pub const KEYS: &[Key] = &[
     ),
 ];
 
+impl Key {
+    /// Its default value as one would write it; for a material constant that of its law.
+    pub fn default_value(&self) -> String {
+        let written = |value: &serde_json::Value| match value {
+            serde_json::Value::String(word) => word.clone(),
+            other => other.to_string(),
+        };
+        match self.name.split_once('.') {
+            Some(("material", "model")) => Model::default().name().to_owned(),
+            Some(("material", parameter)) => [Model::ModifiedMooneyRivlin, Model::BlatzKo]
+                .iter()
+                .flat_map(|model| model.parameters())
+                .find(|(name, _)| *name == parameter)
+                .map_or_else(String::new, |(_, value)| value.to_string()),
+            Some((_, field)) => serde_json::to_value(Discretization::default())
+                .map_or_else(|_| String::new(), |defaults| written(&defaults[field])),
+            None => String::new(),
+        }
+    }
+}
+
 /// Material and discretization, as set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {

@@ -54,6 +54,8 @@ pub(super) struct ForceConstants<const D: usize> {
     loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
 }
 
+/// Sums of force constants below this fraction of their absolute sum vanish but for rounding.
+const ZERO: f64 = 1e-10;
 /// Resolution with which lattice coordinates of loose vectors are told apart.
 const LOOSE_RESOLUTION: f64 = 1e6;
 
@@ -123,6 +125,9 @@ impl<const D: usize> ForceConstants<D> {
             .sum::<f64>()
             + rigid.amax();
         let noise = f64::EPSILON * magnitude;
+        // What symmetry makes vanish does so to the rounding error of the shape functions, which can be many times
+        // that of the sums.
+        let zero = ZERO * magnitude;
         let mut terms = Vec::new();
         for (cell, site, forward, backward) in pairs {
             let (even, odd) = (forward + backward, forward - backward);
@@ -138,15 +143,15 @@ impl<const D: usize> ForceConstants<D> {
                 });
             }
         }
-        if rigid.amax() <= 16.0 * noise {
+        if rigid.amax() <= zero {
             rigid.fill(0.0);
         }
-        let centrosymmetric = terms.iter().all(|term| term.odd.amax() <= 16.0 * noise);
+        let centrosymmetric = terms.iter().all(|term| term.odd.amax() <= zero);
         // D(k) = rigid + sum (cos - 1) even + i sin odd: Hermitian for symmetric even, antisymmetric odd parts.
         let asymmetry = |term: &Term<D>| {
             (term.even - term.even.transpose()).amax() + (term.odd + term.odd.transpose()).amax()
         };
-        let hermitian = terms.iter().all(|term| asymmetry(term) <= 16.0 * noise);
+        let hermitian = terms.iter().all(|term| asymmetry(term) <= zero);
         let coordinates = terms.iter().flat_map(|term| term.cell);
         let reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
         let vectors = *lattice.vectors();

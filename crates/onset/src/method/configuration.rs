@@ -204,7 +204,7 @@ fn cells_in_support<const D: usize>(
     let few = neighbors <= MAXIMUM_NEIGHBORS as f64 && boxes <= 1e3 * MAXIMUM_NEIGHBORS as f64;
     if !few {
         let limit = MAXIMUM_NEIGHBORS;
-        let neighbors = neighbors.max(boxes / 1e3);
+        let neighbors = neighbors.max(boxes / 1e3).min(f64::MAX);
         return Err(MethodError::SupportTooLarge {
             radius: layout.radius,
             neighbors,
