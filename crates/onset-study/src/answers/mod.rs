@@ -1,6 +1,7 @@
 //! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
 
 mod dispersion;
+mod mode;
 mod path;
 mod problem;
 mod sentence;

@@ -1,9 +1,10 @@
 //! The answer to: where along this path is stability lost, and regained?
 
 use super::in_dimension_of;
+use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use super::state::{ComplexNumber, critical_mode, finite_wave_vector, list, rows, spatial};
+use super::state::{ComplexNumber, list, rows};
 use onset::bloch::Stability;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{

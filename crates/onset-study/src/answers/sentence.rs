@@ -1,6 +1,6 @@
 //! Verdicts in plain English.
 
-use super::state::{critical_mode, finite_wave_vector, spatial};
+use super::mode::{critical_mode, finite_wave_vector, spatial};
 use crate::settings::word_of;
 use nalgebra::SVector;
 use onset::kinematics::DeformationGradient;

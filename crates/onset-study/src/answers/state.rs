@@ -1,12 +1,12 @@
 //! The answer to: is this state stable, and if not, whose instability is it?
 
 use super::in_dimension_of;
+use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use crate::settings::Settings;
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::bloch::Mode;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Method};
 use onset::verdict::{Assessment, Verdict, assess};
@@ -184,45 +184,6 @@ fn discretization_answer<const D: usize>(
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
         gradient_norm: assessment.gradient_norm,
     }
-}
-
-/// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
-pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode<D> {
-    let spectrum = &assessment.spectrum;
-    let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;
-    if grows && !spectrum.is_stable() {
-        &spectrum.fastest_growing
-    } else {
-        &spectrum.softest
-    }
-}
-
-/// The wave vector, zero for the limit of long waves.
-pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64, D> {
-    if mode.is_long_wave {
-        SVector::zeros()
-    } else {
-        mode.wave_vector
-    }
-}
-
-/// The wave vector in the lattice on which the kernels live, `F^-T k`. With Lagrangian kernels the
-/// particles sit on the deformed lattice too.
-pub(super) fn spatial<const D: usize>(
-    method: &Method<D>,
-    f: &DeformationGradient,
-    k: &SVector<f64, D>,
-) -> SVector<f64, D> {
-    use onset::method::{CurrentLattice, Frame};
-    let Discretization { frame, lattice, .. } = *method.discretization();
-    if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
-        return *k;
-    }
-    let map = f.leading::<D>();
-    let solved = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(j, i)])
-        .lu()
-        .solve(&nalgebra::DVector::from_fn(D, |i, _| k[i]));
-    solved.map_or(*k, |solved| SVector::from_fn(|i, _| solved[i]))
 }
 
 pub(super) fn list<const D: usize>(vector: &SVector<f64, D>) -> Vec<f64> {

@@ -7,10 +7,12 @@
 mod assembly;
 mod dynamical_matrix;
 mod search;
+mod spectrum;
 
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::DynamicalMatrix;
-pub use search::{Mode, SpectrumSummary, Stability, ZoneSearch};
+pub use search::ZoneSearch;
+pub use spectrum::{Mode, SpectrumSummary, Stability};
 
 use crate::algebra::Complex;
 

@@ -1,0 +1,45 @@
+//! The mode that an answer speaks of, and its wave vector.
+
+use nalgebra::SVector;
+use onset::bloch::Mode;
+use onset::kinematics::DeformationGradient;
+use onset::method::{CurrentLattice, Discretization, Frame, Method};
+use onset::verdict::Assessment;
+
+/// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
+pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode<D> {
+    let spectrum = &assessment.spectrum;
+    let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;
+    if grows && !spectrum.is_stable() {
+        &spectrum.fastest_growing
+    } else {
+        &spectrum.softest
+    }
+}
+
+/// The wave vector, zero for the limit of long waves.
+pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64, D> {
+    if mode.is_long_wave {
+        SVector::zeros()
+    } else {
+        mode.wave_vector
+    }
+}
+
+/// The wave vector in the lattice on which the kernels live, `F^-T k`. With Lagrangian kernels the
+/// particles sit on the deformed lattice too.
+pub(super) fn spatial<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+    k: &SVector<f64, D>,
+) -> SVector<f64, D> {
+    let Discretization { frame, lattice, .. } = *method.discretization();
+    if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
+        return *k;
+    }
+    let map = f.leading::<D>();
+    let solved = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(j, i)])
+        .lu()
+        .solve(&nalgebra::DVector::from_fn(D, |i, _| k[i]));
+    solved.map_or(*k, |solved| SVector::from_fn(|i, _| solved[i]))
+}

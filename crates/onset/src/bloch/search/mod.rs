@@ -1,0 +1,320 @@
+//! The extremes of the spectrum over the whole first Brillouin zone.
+//!
+//! A grid fine enough for the range of the force constants finds the wells; each distinct one is then
+//! followed to its bottom with exact gradients. Long waves are not sampled but taken to their limit.
+
+mod descent;
+mod grid;
+
+use super::spectrum::{Mode, SpectrumSummary, Stability};
+use super::{DynamicalMatrix, growth_rate};
+use crate::algebra::{Complex, eigenvalues, eigenvector};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{BravaisLattice, BrillouinZone};
+use crate::method::Method;
+use descent::coordinate_search;
+use grid::{Grid, complex_growth};
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// Scaled measures within this multiple of the rounding error of the matrix count as zero.
+const ROUNDING: f64 = 4.0;
+/// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
+const FLUTTER: f64 = 1e-7;
+/// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells. Multiples
+/// of six periods have M, X and K among their points.
+const COARSE: usize = 6;
+const FINE: usize = 9;
+
+/// The search over the zone of one method at one state.
+#[derive(Clone, Debug)]
+pub struct ZoneSearch<const D: usize> {
+    zone: BrillouinZone<D>,
+    /// From wave vectors of the searched zone to reference wave vectors, `home^T`.
+    to_reference: SMatrix<f64, D, D>,
+    /// The inverse.
+    from_reference: SMatrix<f64, D, D>,
+    reference: BravaisLattice<D>,
+    is_periodic: bool,
+    speed_squared: f64,
+}
+
+/// What is sought over the zone; always a minimum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Objective {
+    /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch.
+    Scaled,
+    /// `Re omega^2` of the lowest branch.
+    Lowest,
+    /// `-Re omega^2` of the highest branch.
+    Highest,
+    /// The discriminant `((D11 - D22)/2)^2 + D12 D21`, negative where `omega^2` is complex. Unlike the imaginary
+    /// part of `omega^2` it is smooth. (In three dimensions minus the growth rate of complex pairs.)
+    Discriminant,
+}
+
+/// A wave vector with the value of the objective there.
+type Candidate<const D: usize> = (f64, SVector<f64, D>);
+
+impl<const D: usize> ZoneSearch<D> {
+    /// The zone of a method at a state. `speed_squared` is the `c^2` of the scaled measure.
+    ///
+    /// `None` when the lattice degenerates in floating point.
+    pub fn new(method: &Method<D>, f: &DeformationGradient, speed_squared: f64) -> Option<Self> {
+        let home = method.home_map(f);
+        let inverse = DMatrix::from_fn(D, D, |i, j| home[(j, i)]).try_inverse()?;
+        Some(Self {
+            zone: BrillouinZone::new(method.lattice().mapped(&home)?),
+            to_reference: home.transpose(),
+            from_reference: SMatrix::from_fn(|i, j| inverse[(i, j)]),
+            reference: *method.lattice(),
+            is_periodic: method.is_periodic(),
+            speed_squared,
+        })
+    }
+
+    /// The extremes of the spectrum.
+    pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
+        let grid = self.grid(matrix, FINE);
+        let long_wave = self.long_wave_limit(matrix);
+        let softest = self
+            .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
+            .filter(|bottom| bottom.0 < long_wave.scaled)
+            .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
+        let rest = self.rest(matrix);
+        let lowest = self
+            .bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re)
+            .map(|bottom| self.mode(matrix, &bottom.1))
+            .filter(|mode| {
+                mode.omega_squared.re < rest.omega_squared.re
+                    && mode.scaled < -self.tolerance(matrix)
+            })
+            .unwrap_or(rest);
+        let flutters = self.flutter(matrix, &grid).is_some();
+        let fastest_growing = if flutters {
+            self.fastest(matrix, &grid, lowest)
+        } else {
+            lowest
+        };
+        let highest = self
+            .bottom(matrix, &grid, Objective::Highest, f64::INFINITY)
+            .map_or(0.0, |bottom| -bottom.0);
+        SpectrumSummary {
+            softest,
+            long_wave,
+            lowest,
+            fastest_growing,
+            maximum_omega: highest.max(0.0).sqrt(),
+            tolerance: self.tolerance(matrix),
+            flutters,
+        }
+    }
+
+    /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
+    /// whose sign it is where the spectrum is real.
+    pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
+        let tolerance = self.tolerance(matrix);
+        let coarse = self.grid(matrix, COARSE);
+        let sampled = coarse
+            .points
+            .iter()
+            .map(|point| point.scaled)
+            .fold(f64::INFINITY, f64::min);
+        let mut measure = sampled.min(self.long_wave_limit(matrix).scaled);
+        // One witness is enough, and most unstable states have one on a coarse grid.
+        if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
+            return (Stability::Divergence, measure);
+        }
+        // Branches of a matrix that is not Hermitian can be complex in small pockets.
+        let grid = if matrix.is_hermitian() {
+            coarse
+        } else {
+            self.grid(matrix, FINE)
+        };
+        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, -tolerance) {
+            measure = measure.min(bottom.0);
+        }
+        if measure < -tolerance {
+            (Stability::Divergence, measure)
+        } else if self.flutter(matrix, &grid).is_some() {
+            (Stability::Flutter, measure)
+        } else {
+            (Stability::Stable, measure)
+        }
+    }
+
+    /// The mode at a given reference wave vector with the lowest `Re omega^2`.
+    pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
+        // Of equivalent wave vectors the one in the zone is shown, of k and -k that with a positive leading component.
+        let mut folded = if self.is_periodic { self.folded(k) } else { *k };
+        let leading = folded
+            .iter()
+            .find(|component| component.abs() > 1e-9 * folded.amax());
+        if leading.is_some_and(|component| *component < 0.0) {
+            folded = -folded;
+        }
+        let k = &folded;
+        let d = matrix.at(k);
+        let omega_squared = eigenvalues(&d, matrix.noise())[0];
+        let laplacian = self.reference.laplacian(k);
+        Mode {
+            wave_vector: *k,
+            is_long_wave: false,
+            omega_squared,
+            scaled: omega_squared.re / (self.speed_squared * laplacian),
+            polarization: eigenvector(&d, omega_squared),
+        }
+    }
+
+    /// The limit `k -> 0` of the scaled measure, minimized over all directions algebraically.
+    pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
+        // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
+        let map = inverse_square_root(&self.reference.long_wave_metric());
+        let minimum = matrix
+            .long_wave_stiffness()
+            .with_directions_mapped(&map)
+            .minimum();
+        Mode {
+            wave_vector: (map * minimum.direction).normalize(),
+            is_long_wave: true,
+            omega_squared: Complex::new(0.0, 0.0),
+            scaled: minimum.eigenvalue.re / self.speed_squared,
+            polarization: minimum
+                .polarization
+                .map(|component| Complex::new(component, 0.0)),
+        }
+    }
+
+    /// Scaled measures of smaller magnitude are zero to rounding.
+    pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
+        ROUNDING * matrix.long_wave_noise() / self.speed_squared
+    }
+
+    /// The rigid translation.
+    fn rest(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
+        let d = matrix.at(&SVector::zeros());
+        let omega_squared = eigenvalues(&d, matrix.noise())[0];
+        Mode {
+            wave_vector: SVector::zeros(),
+            is_long_wave: false,
+            omega_squared,
+            scaled: self.long_wave_limit(matrix).scaled,
+            polarization: eigenvector(&d, omega_squared),
+        }
+    }
+
+    /// The equivalent reference wave vector in the searched zone.
+    fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.to_reference * self.zone.folded(&(self.from_reference * k))
+    }
+
+    fn value(
+        &self,
+        objective: Objective,
+        k: &SVector<f64, D>,
+        d: &SMatrix<Complex, D, D>,
+        omega_squared: &[Complex; D],
+    ) -> f64 {
+        match objective {
+            Objective::Scaled => {
+                omega_squared[0].re / (self.speed_squared * self.reference.laplacian(k))
+            }
+            Objective::Lowest => omega_squared[0].re,
+            Objective::Highest => -omega_squared[D - 1].re,
+            Objective::Discriminant => match D {
+                1 => 0.0,
+                2 => {
+                    let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
+                    (half * half + d[(0, 1)] * d[(1, 0)]).re
+                }
+                _ => -complex_growth(omega_squared),
+            },
+        }
+    }
+
+    fn value_at(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        k: &SVector<f64, D>,
+    ) -> f64 {
+        let d = matrix.at(k);
+        self.value(objective, k, &d, &eigenvalues(&d, matrix.noise()))
+    }
+
+    /// A mode with complex `omega^2` that grows noticeably, if there is one.
+    fn flutter(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Option<Mode<D>> {
+        // A Hermitian matrix has real eigenvalues.
+        if D == 1 || matrix.is_hermitian() {
+            return None;
+        }
+        let largest = grid
+            .points
+            .iter()
+            .map(|point| point.highest.abs())
+            .fold(0.0, f64::max);
+        let (_, k) = self.bottom(
+            matrix,
+            grid,
+            Objective::Discriminant,
+            -matrix.noise() * largest,
+        )?;
+        let mode = self.fluttering_mode(matrix, &k)?;
+        let spacing = self.reference.vectors().column(0).norm();
+        let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
+        (growth_rate(mode.omega_squared) > threshold).then_some(mode)
+    }
+
+    /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
+    /// the deepest well of the discriminant and from the fastest point of the grid.
+    fn fastest(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>, lowest: Mode<D>) -> Mode<D> {
+        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
+        let slowness = |k: &SVector<f64, D>| {
+            if self.is_admissible(k) {
+                -complex_growth(&matrix.omega_squared(k))
+            } else {
+                0.0
+            }
+        };
+        let on_grid = grid
+            .points
+            .iter()
+            .max_by(|a, b| a.growth.total_cmp(&b.growth))
+            .map(|point| point.k);
+        let in_well = self.flutter(matrix, grid).map(|mode| mode.wave_vector);
+        [on_grid, in_well]
+            .into_iter()
+            .flatten()
+            .filter_map(|k| self.fluttering_mode(matrix, &coordinate_search(&slowness, k, step).1))
+            .chain([lowest])
+            .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
+            .unwrap_or(lowest)
+    }
+
+    /// The fastest growing mode with a complex `omega^2` at a wave vector.
+    fn fluttering_mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Option<Mode<D>> {
+        let mode = self.mode(matrix, k);
+        let d = matrix.at(&mode.wave_vector);
+        let omega_squared = eigenvalues(&d, matrix.noise())
+            .into_iter()
+            .filter(|value| value.im != 0.0)
+            .max_by(|a, b| growth_rate(*a).total_cmp(&growth_rate(*b)))?;
+        Some(Mode {
+            omega_squared,
+            polarization: eigenvector(&d, omega_squared),
+            ..mode
+        })
+    }
+}
+
+/// `m^-1/2` of a symmetric positive definite matrix.
+fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    let eigen = DMatrix::from_fn(D, D, |i, j| m[(i, j)]).symmetric_eigen();
+    SMatrix::from_fn(|i, j| {
+        (0..D)
+            .map(|n| {
+                let vector = eigen.eigenvectors.column(n);
+                vector[i] * vector[j] / eigen.eigenvalues[n].sqrt()
+            })
+            .sum()
+    })
+}

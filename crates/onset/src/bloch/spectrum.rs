@@ -1,0 +1,84 @@
+//! The answers of a search over the zone.
+
+use super::growth_rate;
+use crate::algebra::Complex;
+use nalgebra::SVector;
+
+/// A plane-wave mode of the discretization.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode<const D: usize> {
+    /// Reference wave vector; in the long-wave limit its unit direction. 1/length.
+    pub wave_vector: SVector<f64, D>,
+    /// Whether this is the limit of long waves.
+    pub is_long_wave: bool,
+    /// `omega^2`; zero in the long-wave limit. 1/time^2.
+    pub omega_squared: Complex,
+    /// `Re omega^2 / (c^2 |k|_h^2)`, dimensionless, finite also in the long-wave limit.
+    pub scaled: f64,
+    /// Unit polarization `g`; its largest component is real and positive.
+    pub polarization: SVector<Complex, D>,
+}
+
+/// The extremes of the spectrum over the zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectrumSummary<const D: usize> {
+    /// The mode with the smallest scaled measure `mu`: the softest one. Where a rigid translation is not free
+    /// (raw weights on a distorted lattice) the measure has no limit for long waves, and the modes below a
+    /// thousandth of the zone are left out.
+    pub softest: Mode<D>,
+    /// The softest mode of the long-wave limit.
+    pub long_wave: Mode<D>,
+    /// The mode with the smallest `Re omega^2`; the translation `k = 0` when none is below zero.
+    pub lowest: Mode<D>,
+    /// The mode that grows fastest; the same as `lowest` unless `omega^2` is complex somewhere.
+    pub fastest_growing: Mode<D>,
+    /// `max sqrt(Re omega^2)`. 1/time.
+    pub maximum_omega: f64,
+    /// `|scaled|` below this is zero to rounding.
+    pub tolerance: f64,
+    /// Whether modes grow with a complex `omega^2`.
+    pub flutters: bool,
+}
+
+/// How perturbations develop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// None grows.
+    Stable,
+    /// Some oscillate with growing amplitude: `omega^2` is complex, its real part nowhere negative.
+    Flutter,
+    /// Some have `Re omega^2 < 0`.
+    Divergence,
+}
+
+impl<const D: usize> SpectrumSummary<D> {
+    /// Whether a mode grows, and how.
+    pub fn stability(&self) -> Stability {
+        if self.softest.scaled < -self.tolerance || self.lowest.omega_squared.re < 0.0 {
+            Stability::Divergence
+        } else if self.flutters {
+            Stability::Flutter
+        } else {
+            Stability::Stable
+        }
+    }
+
+    /// Whether no mode grows.
+    pub fn is_stable(&self) -> bool {
+        self.stability() == Stability::Stable
+    }
+
+    /// The growth rate of the fastest growing mode, zero when stable. 1/time.
+    pub fn growth_rate(&self) -> f64 {
+        if self.is_stable() {
+            0.0
+        } else {
+            growth_rate(self.fastest_growing.omega_squared)
+        }
+    }
+
+    /// The critical time step of central differences without damping, `2 / omega_max`.
+    pub fn critical_time_step(&self) -> f64 {
+        2.0 / self.maximum_omega
+    }
+}
