@@ -191,11 +191,13 @@ impl DeformationGradient {
         self.determinant()
     }
 
-    /// The principal stretches, largest first: the singular values of `F`. NaN where they over- or underflow.
+    /// The principal stretches, largest first: the singular values of `F`.
     pub fn principal_stretches(&self) -> [f64; 3] {
-        let svd = self.matrix().try_svd(false, false, f64::EPSILON, 200);
+        // Scaled, so that no square over- or underflows.
+        let scale = self.matrix().amax();
+        let svd = (self.matrix() / scale).try_svd(false, false, f64::EPSILON, 200);
         let mut stretches = svd.map_or([f64::NAN; 3], |svd| {
-            [0, 1, 2].map(|i| svd.singular_values[i])
+            [0, 1, 2].map(|i| svd.singular_values[i] * scale)
         });
         stretches.sort_by(|a, b| b.total_cmp(a));
         stretches

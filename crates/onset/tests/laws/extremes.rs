@@ -2,22 +2,22 @@
 
 use crate::table::laws;
 use onset::kinematics::{DeformationGradient, KinematicsError, StraightPath};
-use onset::material::{BlatzKo, MaterialError, ModifiedMooneyRivlin};
+use onset::material::{BlatzKo, Hyperelastic, MaterialError, ModifiedMooneyRivlin};
 
 #[test]
-fn stretches_that_overflow_the_energy_are_errors() {
-    for entry in laws() {
-        for stretch in [1e200, 1e160] {
-            let f =
-                DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a finite state");
-            let response = entry.law.response(&f);
-            assert_eq!(
-                response,
-                Err(MaterialError::NotFinite { jacobian: stretch }),
-                "{}",
-                entry.name
-            );
-        }
+fn constants_that_overflow_the_energy_are_errors() {
+    let f = DeformationGradient::from_stretches([1e-3, 1e3, 1.0]).expect("a state");
+    let stiff: [&dyn Hyperelastic; 2] = [
+        &BlatzKo::new(1e306).expect("a finite modulus"),
+        &ModifiedMooneyRivlin::new(1.0, 1e306, 1.0).expect("finite constants"),
+    ];
+    for law in stiff {
+        assert_eq!(
+            law.response(&f),
+            Err(MaterialError::NotFinite {
+                jacobian: f.jacobian()
+            })
+        );
     }
 }
 
@@ -68,7 +68,7 @@ fn states_that_are_no_deformations_are_refused_with_what_is_wrong() {
         matches!(stretches([1e120; 3]), Err(Extreme { largest, .. }) if largest > 1e119 || largest.is_nan())
     );
     assert!(
-        matches!(stretches([1.0, 1e-7, 1.0]), Err(Extreme { smallest, .. }) if smallest == 1e-7)
+        matches!(stretches([1.0, 1e-7, 1.0]), Err(Extreme { smallest, .. }) if (smallest / 1e-7 - 1.0).abs() < 1e-12)
     );
     assert!(matches!(
         stretches([1e-110; 3]),
