@@ -82,7 +82,7 @@ pub enum Command {
         /// The problem.
         #[command(flatten)]
         problem: ProblemArguments,
-        /// Start: stretches L1,L2[,L3] or components F11,F12,F21,F22.
+        /// Start: two or three stretches, or the components F11,F12,F21,F22.
         #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
         from: String,
         /// End, likewise.

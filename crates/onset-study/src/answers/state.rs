@@ -187,7 +187,8 @@ fn discretization_answer<const D: usize>(
 }
 
 pub(super) fn list<const D: usize>(vector: &SVector<f64, D>) -> Vec<f64> {
-    vector.iter().copied().collect()
+    // Adding zero turns a negative zero into a plain one.
+    vector.iter().map(|component| component + 0.0).collect()
 }
 
 pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
