@@ -6,7 +6,7 @@ use onset_study::answers::{
     Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
 };
 use onset_study::json;
-use onset_study::reproduce::{self, ReproduceError};
+use onset_study::reproduce;
 use onset_study::settings::Settings;
 use serde::Serialize;
 use std::fmt::Display;
@@ -130,10 +130,7 @@ fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
         bar.set_message(step.to_owned());
         bar.inc(1);
     })
-    .map_err(|error| match error {
-        ReproduceError::Problem(error) => Failure::machine(error),
-        other => Failure::machine(other),
-    })?;
+    .map_err(Failure::machine)?;
     bar.finish_and_clear();
     let printed = if json {
         print_json(&report)?

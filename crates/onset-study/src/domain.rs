@@ -5,7 +5,7 @@ use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use onset::bloch::Stability;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Method, MethodError};
+use onset::method::Method;
 use onset::verdict::{Verdict, judge};
 use rayon::prelude::*;
 
@@ -157,11 +157,7 @@ fn class(
     match judge(method, &*problem.material, f) {
         Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
         Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
-        Err(
-            MethodError::SupportTooSmall { .. }
-            | MethodError::SupportTooLarge { .. }
-            | MethodError::SingularMoment { .. },
-        ) => Ok(Class::Undefined),
+        Err(error) if error.is_about_support() => Ok(Class::Undefined),
         Err(error) => Err(error.into()),
     }
 }

@@ -6,7 +6,7 @@
 //! 1. [`real`]: numbers that an energy is written with; jets differentiate it exactly.
 //! 2. [`kinematics`]: the deformation gradient `F`, its invariants, straight paths.
 //! 3. [`material`]: a law is its strain energy `W(F)`; stress `P` and tangent `A` follow.
-//! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity, without sampling directions.
+//! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity; in one and two dimensions no direction is sampled.
 //! 5. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
 //! 6. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
 //! 7. [`verdict`]: stable or not, why, and where along a path that changes.

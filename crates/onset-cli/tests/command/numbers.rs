@@ -209,3 +209,27 @@ fn stretches_of_a_rotated_path_are_stretches() {
         assert_close(axis, 1.669770460567, 1e-10);
     }
 }
+
+#[test]
+fn long_waves_of_complete_functions_are_those_of_the_continuum_on_both_lattices() {
+    for lattice in ["convected", "regular"] {
+        let answer = document(&format!(
+            "dispersion --stretch 0.7,0.8 --wave-vector 0.01,0.004 --set material.model=blatz-ko \
+             --set discretization.frame=eulerian --set discretization.approximation=mls \
+             --set discretization.support=2.3 --set discretization.support-size=convected \
+             --set discretization.lattice={lattice}"
+        ));
+        for branch in 0..2 {
+            let particles = answer["omega_squared"][branch]["re"]
+                .as_f64()
+                .expect("a number");
+            let continuum = answer["continuum_omega_squared"][branch]
+                .as_f64()
+                .expect("a number");
+            assert!(
+                (particles / continuum - 1.0).abs() < 1e-3,
+                "{lattice}: {particles} {continuum}"
+            );
+        }
+    }
+}

@@ -5,12 +5,12 @@ use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::sentence;
 use super::state::ComplexNumber;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use onset::algebra::{Complex, eigenvalues};
 use onset::bloch::{dynamical_matrix, growth_rate};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::method::MethodError;
+use onset::method::{CurrentLattice, Discretization, Frame, MethodError};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -193,11 +193,22 @@ fn waves<const D: usize>(
     let matrix = dynamical_matrix(&method, &*problem.material, f)?;
     let response = problem.material.response(f).map_err(MethodError::from)?;
     let stiffness = Stiffness::<D>::of(&response);
-    let density = method.discretization().density;
+    let Discretization {
+        density,
+        frame,
+        lattice,
+        ..
+    } = *method.discretization();
+    // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial,
+    // and that of the reference F^T k.
+    let to_reference = match (frame, lattice) {
+        (Frame::Eulerian, CurrentLattice::Regular) => f.leading::<D>().transpose(),
+        _ => SMatrix::identity(),
+    };
     Ok(move |k: &SVector<f64, D>| {
         let d = matrix.at(k);
         let continuum = stiffness
-            .acoustic_tensor(k)
+            .acoustic_tensor(&(to_reference * k))
             .map(|entry| Complex::new(entry / density, 0.0));
         DispersionAnswer {
             wave_vector: k.iter().copied().collect(),

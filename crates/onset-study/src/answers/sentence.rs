@@ -3,6 +3,7 @@
 use super::mode::{critical_mode, finite_wave_vector, spatial};
 use crate::settings::word_of;
 use nalgebra::SVector;
+use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Frame, Method};
 use onset::verdict::{Assessment, Verdict};
@@ -37,7 +38,8 @@ pub(super) fn of<const D: usize>(
                 String::new()
             };
             format!(
-                "Stable: the material is strongly elliptic and no plane wave of the particles grows.{weak}"
+                "Stable: the material is strongly elliptic{} and no plane wave of the particles grows.{weak}",
+                in_plane(assessment)
             )
         }
         Verdict::Material => format!(
@@ -76,6 +78,15 @@ pub(super) fn of<const D: usize>(
              do not show it.",
             vector(assessment.material.minimum.direction.as_slice())
         ),
+    }
+}
+
+/// What to add where the material is unstable for waves that the discretization does not have.
+fn in_plane<const D: usize>(assessment: &Assessment<D>) -> &'static str {
+    if Stiffness::<3>::of(&assessment.material.response).is_strongly_elliptic() {
+        ""
+    } else {
+        " for waves in the plane (not for waves out of it)"
     }
 }
 

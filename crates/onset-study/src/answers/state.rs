@@ -7,6 +7,7 @@ use super::sentence;
 use crate::settings::Settings;
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
+use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Method};
 use onset::verdict::{Assessment, Verdict, assess};
@@ -59,9 +60,13 @@ pub struct MaterialAnswer {
     pub first_piola: [[f64; 3]; 3],
     /// Tangent `A_iJkL = dP_iJ/dF_kL`, nested in the order of its indices.
     pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
-    /// Whether the state is strongly elliptic.
+    /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement.
     pub elliptic: bool,
-    /// Smallest eigenvalue of the acoustic tensor over all directions.
+    /// Whether it is so for waves in all directions of space, (60) instead of (62): a search, not a proof.
+    pub elliptic_in_space: bool,
+    /// Smallest eigenvalue of the acoustic tensor over all directions of space.
+    pub minimum_acoustic_eigenvalue_in_space: f64,
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the arrangement.
     pub minimum_acoustic_eigenvalue: f64,
     /// Reference direction of that wave.
     pub direction: Vec<f64>,
@@ -103,7 +108,7 @@ pub struct DiscretizationAnswer {
     pub long_wave_minimum_scaled: f64,
     /// Its reference direction.
     pub long_wave_direction: Vec<f64>,
-    /// Squared norm of the discrete gradient of the softest mode over `|k|_h^2`; zero for a zero-energy mode.
+    /// Squared norm of the discrete gradient of the softest mode over that of the exact one; zero for a zero-energy mode.
     pub gradient_norm: f64,
 }
 
@@ -138,6 +143,7 @@ fn material_answer<const D: usize>(
 ) -> MaterialAnswer {
     let continuum = &assessment.material;
     let response = &continuum.response;
+    let in_space = Stiffness::<3>::of(response);
     let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
     MaterialAnswer {
         model: settings.material.model.name(),
@@ -152,6 +158,8 @@ fn material_answer<const D: usize>(
             })
             .collect(),
         elliptic: continuum.is_elliptic,
+        elliptic_in_space: in_space.is_strongly_elliptic(),
+        minimum_acoustic_eigenvalue_in_space: in_space.minimum().eigenvalue.re,
         minimum_acoustic_eigenvalue: continuum.minimum.eigenvalue.re,
         direction: list(&continuum.minimum.direction),
         polarization: list(&continuum.minimum.polarization),
@@ -219,7 +227,11 @@ impl std::fmt::Display for StateAnswer {
         writeln!(
             formatter,
             "  strongly elliptic     {}",
-            if material.elliptic { "yes" } else { "no" }
+            match (material.elliptic, material.elliptic_in_space) {
+                (true, true) => "yes",
+                (true, false) => "for waves in the plane, not for waves out of it",
+                (false, _) => "no",
+            }
         )?;
         writeln!(
             formatter,
@@ -244,7 +256,8 @@ impl std::fmt::Display for StateAnswer {
         )?;
         writeln!(
             formatter,
-            "  critical wave vector  {} (reference), {} (deformed)",
+            "  {} wave vector  {} (reference), {} (deformed)",
+            if d.stable { "softest " } else { "critical" },
             sentence::vector(&d.wave_vector),
             sentence::vector(&d.spatial_wave_vector)
         )?;

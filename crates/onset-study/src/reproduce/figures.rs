@@ -378,6 +378,16 @@ fn figure_10() -> Result<Plate, ReproduceError> {
     )
 }
 
+/// A title as part of a file name.
+fn slug(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_ascii_alphanumeric() && c != '.');
+    words
+        .filter(|word| !word.is_empty() && *word != "s")
+        .collect::<Vec<_>>()
+        .join("-")
+        .to_lowercase()
+}
+
 /// Panels of maps with the boundary of the PDE.
 fn domains<const N: usize>(
     studies: [StudyResult; N],
@@ -398,7 +408,7 @@ fn domains<const N: usize>(
                 .with(Line::new(outer.clone()).named("PDE"))
                 .with(Line::new(inner.clone())),
         );
-        tables.push((format!("{name}-{}", tables.len() + 1), domain.csv()));
+        tables.push((format!("{name}-{}", slug(&study.title)), domain.csv()));
     }
     Ok(Plate { figure, tables })
 }

@@ -71,7 +71,7 @@ impl Report {
              Advances in Computational Mathematics 23 (2005) 171–190, computed by onset {}. Lengths in particle spacings, density 1, \
              stresses in MPa for the material of equation (5) and in psi for Blatz-Ko.</p>\n\
              <h2>Claims</h2>\n<table><thead><tr><th></th><th>The paper says</th><th>Computed</th><th>Under these choices</th>\
-             <th>Verdict</th></tr></thead><tbody>\n{rows}</tbody></table>\n<h2>Figures</h2>\n{figures}</body></html>\n",
+             <th>Number</th><th>Verdict</th></tr></thead><tbody>\n{rows}</tbody></table>\n<h2>Figures</h2>\n{figures}</body></html>\n",
             env!("CARGO_PKG_VERSION")
         )
     }
@@ -95,12 +95,13 @@ fn row(claim: &Claim) -> String {
         format!(" <b>(on record: {})</b>", escaped(claim.recorded))
     };
     format!(
-        "<tr><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td><td>{}</td><td class=\"{class}\">{}{remark}</td></tr>\n",
+        "<tr><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{:.6e}</td><td class=\"{class}\">{}{remark}</td></tr>\n",
         claim.id,
         escaped(claim.place),
         escaped(claim.paper),
         escaped(&claim.computed),
         escaped(claim.choices),
+        claim.number,
         escaped(&claim.verdict.to_string())
     )
 }
@@ -123,6 +124,7 @@ impl std::fmt::Display for Report {
             )?;
             writeln!(formatter, "     computed  {}", claim.computed)?;
             writeln!(formatter, "     choices   {}", claim.choices)?;
+            writeln!(formatter, "     number    {:.10e}", claim.number)?;
             if !claim.is_as_recorded() {
                 writeln!(formatter, "     NOT AS RECORDED: {}", claim.recorded)?;
             }

@@ -362,10 +362,7 @@ mod tests {
         let json = serde_json::to_value(settings.discretization).expect("serializable");
         assert_eq!(json["support-size"], "scaled");
         assert_eq!(json["quadrature"], "stress-points-only");
-        assert_eq!(
-            word_of(&settings.discretization.quadrature),
-            settings.discretization.quadrature.name()
-        );
+        assert_eq!(word_of(&settings.discretization.linearization), "paper");
         let keys: Vec<&str> = KEYS
             .iter()
             .filter_map(|key| key.name.strip_prefix("discretization."))

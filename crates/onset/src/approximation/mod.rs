@@ -75,15 +75,6 @@ impl<const D: usize> ShapeFunctions<D> {
 }
 
 impl Approximation {
-    /// The name used in study files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Raw => "raw",
-            Self::Shepard => "shepard",
-            Self::Mls => "mls",
-        }
-    }
-
     /// The shape functions at a point from the weights of its neighbors at the relative positions
     /// `xi_K = x_K - x`. `raw_factor` is particle volume over kernel integral; `length` scales the
     /// linear basis and has no influence but on rounding.

@@ -36,13 +36,6 @@ struct Profile {
 }
 
 impl Kernel {
-    /// The name used in study files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::QuarticSpline => "quartic-spline",
-        }
-    }
-
     fn profile(self, q: f64) -> Profile {
         match self {
             Self::QuarticSpline => {

@@ -77,7 +77,8 @@ pub enum SupportSize {
     Fixed,
     /// `R0 J^(1/D)`: constant number of neighbors on average.
     Scaled,
-    /// The reference sphere convected to an ellipsoid, `|F^-1 x| < R0`.
+    /// The reference sphere convected with the particles to an ellipsoid, `|F^-1 x| < R0`; on the regular arrangement,
+    /// where they have not moved, the same as fixed.
     Convected,
 }
 
@@ -248,6 +249,19 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
+impl MethodError {
+    /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
+    /// one.
+    pub fn is_about_support(&self) -> bool {
+        matches!(
+            self,
+            Self::SupportTooSmall { .. }
+                | Self::SupportTooLarge { .. }
+                | Self::SingularMoment { .. }
+        )
+    }
+}
+
 /// A method on its lattice, ready to be evaluated at any state.
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
@@ -310,17 +324,18 @@ impl<const D: usize> Method<D> {
         &self.points
     }
 
-    /// The support radius in the reference state, `R0 = D_mx spacing`.
+    /// The support radius in the reference state, `R0 = D_mx spacing`; length.
     pub fn support_radius(&self) -> f64 {
         self.discretization.support * self.discretization.spacing
     }
 
-    /// The mass of a particle, `m = rho0 V0`.
+    /// The mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
     pub fn particle_mass(&self) -> f64 {
         self.discretization.density * self.lattice.cell_volume()
     }
 
-    /// Whether plane-wave stress points make the dynamical matrix non-periodic in the wave vector.
+    /// Whether the dynamical matrix is periodic in the wave vector: everywhere but with stress points that move with the
+    /// plane wave itself.
     pub fn is_periodic(&self) -> bool {
         let Discretization {
             frame,
@@ -332,8 +347,8 @@ impl<const D: usize> Method<D> {
             || !linearization.moves_points_with_plane_wave()
     }
 
-    /// The lattice on which the kernels live at a state, and whose zone holds the wave vectors: the
-    /// reference lattice, or with Eulerian kernels on the convected arrangement the deformed one.
+    /// The map from the reference lattice to the one on which the kernels live at a state, and whose zone holds the wave
+    /// vectors: `F` with Eulerian kernels on the convected arrangement, otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
         let Discretization { frame, lattice, .. } = self.discretization;
         match (frame, lattice) {

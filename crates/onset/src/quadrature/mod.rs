@@ -31,15 +31,6 @@ pub struct QuadraturePoint<const D: usize> {
 }
 
 impl Quadrature {
-    /// The name used in study files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nodal => "nodal",
-            Self::StressPoints => "stress-points",
-            Self::StressPointsOnly => "stress-points-only",
-        }
-    }
-
     /// The points of one cell with the volumes of their Voronoi cells, equation (43).
     ///
     /// # Errors

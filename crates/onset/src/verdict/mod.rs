@@ -13,7 +13,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::method::{Method, MethodError};
 
-/// A squared gradient norm (in units of `|k|_h^2`) below which a mode counts as free of energy.
+/// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
 const ZERO_ENERGY: f64 = 1e-10;
 
 /// To whom the first instability belongs.
@@ -106,8 +106,9 @@ pub struct Assessment<const D: usize> {
     pub material: MaterialAssessment<D>,
     /// The discretization.
     pub spectrum: SpectrumSummary<D>,
-    /// The squared norm of the discrete gradient of the softest mode over `|k|_h^2`: near one for long
-    /// waves, zero for a zero-energy mode.
+    /// The squared norm of the discrete gradient of the softest mode over that of the exact gradient,
+    /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
+    /// zero-energy mode.
     pub gradient_norm: f64,
 }
 
@@ -156,14 +157,16 @@ pub fn assess<const D: usize>(
 
     let softest = &spectrum.softest;
     let norm = gradient_norm(method, f)?;
-    let gradient_norm = if softest.is_long_wave {
-        // The long-wave limit of the squared norm in the softest direction.
-        let direction = softest.wave_vector;
-        let limit = norm.long_wave_stiffness().acoustic_tensor(&direction)[(0, 0)];
-        limit / direction.dot(&(method.lattice().long_wave_metric() * direction))
+    let discrete = if softest.is_long_wave {
+        norm.long_wave_stiffness()
+            .acoustic_tensor(&softest.wave_vector)[(0, 0)]
     } else {
-        norm.at(&softest.wave_vector)[(0, 0)].re / method.lattice().laplacian(&softest.wave_vector)
+        norm.at(&softest.wave_vector)[(0, 0)].re
     };
+    let gradient_norm = discrete
+        / search
+            .kernel_wave_vector(&softest.wave_vector)
+            .norm_squared();
 
     let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;

@@ -144,7 +144,8 @@ pub fn scan_material<const D: usize>(
             parameter: s,
             source: source.into(),
         })?;
-        let minimum = Stiffness::<D>::of(&response).minimum().eigenvalue.re;
+        let stiffness = Stiffness::<D>::of(&response);
+        let minimum = stiffness.minimum().eigenvalue.re;
         Ok((
             if minimum > 0.0 {
                 Phase::Stable
@@ -173,17 +174,13 @@ pub fn scan_discretization<const D: usize>(
         let stability = || {
             let search = zone_search(method, material, &f)?;
             let matrix = dynamical_matrix(method, material, &f)?;
-            Ok(search.stability(&matrix))
+            Ok::<_, MethodError>(search.stability(&matrix))
         };
         match stability() {
             Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
             Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
             Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(
-                MethodError::SupportTooSmall { .. }
-                | MethodError::SupportTooLarge { .. }
-                | MethodError::SingularMoment { .. },
-            ) => Ok((Phase::Undefined, f64::NAN)),
+            Err(error) if error.is_about_support() => Ok((Phase::Undefined, f64::NAN)),
             Err(source) => Err(PathError::Method {
                 parameter: s,
                 source,

@@ -28,6 +28,7 @@ pub(super) struct GridPoint<const D: usize> {
 impl<const D: usize> ZoneSearch<D> {
     pub(super) fn grid(&self, matrix: &DynamicalMatrix<D>, points_per_period: usize) -> Grid<D> {
         let resolution = points_per_period * matrix.reach().clamp(4, 32);
+        // A multiple of six has M, X and K among its points.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
             resolution.min(48)

@@ -20,8 +20,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 const ROUNDING: f64 = 4.0;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
-/// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells. Multiples
-/// of six periods have M, X and K among their points.
+/// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
 const COARSE: usize = 6;
 const FINE: usize = 9;
 
@@ -202,6 +201,12 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
+    /// A reference wave vector in the coordinates of the kernel: `F^-T k` for Eulerian kernels on the convected
+    /// lattice, `k` itself otherwise.
+    pub fn kernel_wave_vector(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.from_reference * k
+    }
+
     /// The equivalent reference wave vector in the searched zone.
     fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.to_reference * self.zone.folded(&(self.from_reference * k))
@@ -306,9 +311,13 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// `m^-1/2` of a symmetric positive definite matrix.
+/// `m^-1/2` of a symmetric positive definite matrix; NaN where its decomposition does not converge, which needs
+/// entries that are not finite.
 fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-    let eigen = DMatrix::from_fn(D, D, |i, j| m[(i, j)]).symmetric_eigen();
+    let matrix = DMatrix::from_fn(D, D, |i, j| m[(i, j)]);
+    let Some(eigen) = matrix.try_symmetric_eigen(f64::EPSILON, 200) else {
+        return SMatrix::repeat(f64::NAN);
+    };
     SMatrix::from_fn(|i, j| {
         (0..D)
             .map(|n| {
