@@ -80,7 +80,7 @@ impl Report {
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#111}\
 h1{font-size:1.5em}table{border-collapse:collapse;width:100%}th,td{border-top:1px solid #ccc;padding:.5em .6em;text-align:left;\
 vertical-align:top}th{border-top:0}td:first-child{white-space:nowrap;font-weight:600}td small{color:#555;font-weight:400}\
-.reproduced{color:#00614a}.only{color:#8a5200}.contradicted{color:#a13800}td:last-child{font-weight:600;min-width:9em}\
+.reproduced{color:#00614a}.only{color:#8a5200}.contradicted{color:#a13800}.number{white-space:nowrap}td:last-child{font-weight:600;min-width:9em}\
 figure{margin:2em 0}img{max-width:100%;height:auto}figcaption{color:#333}@media(max-width:700px){table,tbody,tr,td{display:block}\
 thead{display:none}}";
 
@@ -95,15 +95,26 @@ fn row(claim: &Claim) -> String {
         format!(" <b>(on record: {})</b>", escaped(claim.recorded))
     };
     format!(
-        "<tr><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{:.6e}</td><td class=\"{class}\">{}{remark}</td></tr>\n",
+        "<tr><td>{}<br><small>{}</small></td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"{class}\">{}{remark}</td></tr>\n",
         claim.id,
         escaped(claim.place),
         escaped(claim.paper),
         escaped(&claim.computed),
         escaped(claim.choices),
-        claim.number,
+        shown(claim.number),
         escaped(&claim.verdict.to_string())
     )
+}
+
+/// A number as one would write it in a table.
+fn shown(number: f64) -> String {
+    if number == 0.0 || number.fract() == 0.0 && number.abs() < 1e6 {
+        format!("{number:.0}")
+    } else if (1e-3..1e6).contains(&number.abs()) {
+        format!("{number:.6}")
+    } else {
+        format!("{number:.1e}")
+    }
 }
 
 fn escaped(text: &str) -> String {

@@ -4,7 +4,7 @@ use super::DynamicalMatrix;
 use super::dynamical_matrix::ForceConstants;
 use crate::approximation::Order;
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic};
+use crate::material::{FourthOrder, Hyperelastic, Response};
 use crate::method::{Configuration, ConfiguredPoint, Frame, Linearization, Method, MethodError};
 use nalgebra::{SMatrix, SVector};
 
@@ -32,8 +32,13 @@ pub fn dynamical_matrix<const D: usize>(
     };
     let configuration = method.configuration(f, order)?;
     let mut constants = ForceConstants::new(reach(&configuration));
+    let mut known: Option<Response> = None;
     for point in &configuration.points {
-        let response = material.response(&point.deformation)?;
+        // With the imposed background all points carry the same deformation.
+        let response = match known.take() {
+            Some(response) if response.deformation == point.deformation => response,
+            _ => material.response(&point.deformation)?,
+        };
         match discretization.frame {
             Frame::Lagrangian => {
                 let factor = point.volume / method.particle_mass();
@@ -55,6 +60,7 @@ pub fn dynamical_matrix<const D: usize>(
                 );
             }
         }
+        known = Some(response);
     }
     let matrix = constants.finish(method.lattice());
     if matrix.is_finite() {

@@ -6,6 +6,7 @@
 mod descent;
 mod grid;
 
+use super::dynamical_matrix::grid_coordinates;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, eigenvalues, eigenvector};
@@ -79,7 +80,7 @@ impl<const D: usize> ZoneSearch<D> {
             .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
-        let rest = self.rest(matrix);
+        let rest = self.rest(matrix, long_wave.scaled);
         let lowest = self
             .bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re)
             .map(|bottom| self.mode(matrix, &bottom.1))
@@ -112,15 +113,22 @@ impl<const D: usize> ZoneSearch<D> {
     /// whose sign it is where the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let tolerance = self.tolerance(matrix);
+        // One witness is enough. Most unstable states have one among the long waves, at the points of high symmetry, or
+        // on a coarse grid, sought in the order of what they cost.
+        let mut measure = self.long_wave_limit(matrix).scaled;
+        if self.rest(matrix, measure).omega_squared.re < 0.0 {
+            return (Stability::Divergence, measure);
+        }
+        if measure >= -tolerance {
+            measure = measure.min(self.symmetric_minimum(matrix));
+        }
+        if measure < -tolerance {
+            return (Stability::Divergence, measure);
+        }
         let coarse = self.grid(matrix, COARSE);
-        let sampled = coarse
-            .points
-            .iter()
-            .map(|point| point.scaled)
-            .fold(f64::INFINITY, f64::min);
-        let mut measure = sampled.min(self.long_wave_limit(matrix).scaled);
-        // One witness is enough, and most unstable states have one on a coarse grid.
-        if measure < -tolerance || self.rest(matrix).omega_squared.re < 0.0 {
+        let sampled = coarse.points.iter().map(|point| point.scaled);
+        measure = sampled.fold(measure, f64::min);
+        if measure < -tolerance {
             return (Stability::Divergence, measure);
         }
         // Branches of a matrix that is not Hermitian can be complex in small pockets.
@@ -188,15 +196,28 @@ impl<const D: usize> ZoneSearch<D> {
         ROUNDING * matrix.long_wave_noise() / self.speed_squared
     }
 
-    /// The rigid translation.
-    fn rest(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
+    /// The smallest scaled measure at the halves and thirds of reciprocal vectors, among which are X, M and K.
+    fn symmetric_minimum(&self, matrix: &DynamicalMatrix<D>) -> f64 {
+        let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
+        (1..4_usize.pow(D as u32))
+            .map(|index| SVector::from(grid_coordinates::<D>(index, 4).map(|n| fractions[n])))
+            .map(|fractional| {
+                let k = self.reference.reciprocal() * fractional;
+                let k = if self.is_periodic { k } else { self.folded(&k) };
+                self.value_at(matrix, Objective::Scaled, &k)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The rigid translation, with the scaled measure of its neighborhood.
+    fn rest(&self, matrix: &DynamicalMatrix<D>, scaled: f64) -> Mode<D> {
         let d = matrix.at(&SVector::zeros());
         let omega_squared = eigenvalues(&d, matrix.noise())[0];
         Mode {
             wave_vector: SVector::zeros(),
             is_long_wave: false,
             omega_squared,
-            scaled: self.long_wave_limit(matrix).scaled,
+            scaled,
             polarization: eigenvector(&d, omega_squared),
         }
     }
