@@ -67,7 +67,7 @@ pub enum Command {
         /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
         #[arg(long, conflicts_with = "wave_vector")]
         path: bool,
-        /// Folder for dispersion.svg and dispersion.png.
+        /// Folder for dispersion.svg, dispersion.png and dispersion.csv.
         #[arg(
             long,
             value_name = "DIR",

@@ -115,11 +115,19 @@ fn diagram(
         .figure("Waves in the particles and in the continuum")
         .write(out, "dispersion")
         .map_err(|error| Failure::machine(DiagramError::from(error)))?;
+    let table = out.join("dispersion.csv");
+    std::fs::write(&table, diagram.csv())
+        .map_err(|error| Failure::machine(format!("cannot write {}: {error}", table.display())))?;
     if json {
         return print_json(&diagram);
     }
     let files = files.map(|file| file.display().to_string());
-    print_text(&format!("wrote {} and {}", files[0], files[1]))
+    print_text(&format!(
+        "wrote {}, {} and {}",
+        files[0],
+        files[1],
+        table.display()
+    ))
 }
 
 fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {

@@ -86,11 +86,6 @@ impl Domain {
         })
     }
 
-    /// The stretches of a state.
-    pub fn stretches(&self, index: usize) -> [f64; 2] {
-        stretches(&self.study, index)
-    }
-
     /// The map as a layer of a figure.
     pub fn layer(&self) -> Regions {
         let index = |class: &Class| {
@@ -114,7 +109,7 @@ impl Domain {
     pub fn stable_fraction(&self, condition: impl Fn([f64; 2], Class) -> bool) -> f64 {
         let (mut all, mut stable) = (0.0, 0.0);
         for (index, class) in self.classes.iter().enumerate() {
-            if condition(self.stretches(index), *class) {
+            if condition(self.study.stretches(index), *class) {
                 all += 1.0;
                 stable += f64::from(u8::from(class.is_stable_for_particles()));
             }
@@ -126,25 +121,15 @@ impl Domain {
     pub fn csv(&self) -> String {
         let mut text = String::from("stretch_1,stretch_2,class\n");
         for (index, class) in self.classes.iter().enumerate() {
-            let [a, b] = self.stretches(index);
+            let [a, b] = self.study.stretches(index);
             text.push_str(&format!("{a:.16e},{b:.16e},{}\n", class.name()));
         }
         text
     }
 }
 
-fn stretches(study: &Study, index: usize) -> [f64; 2] {
-    let center = |range: (f64, f64), n: usize| {
-        range.0 + (range.1 - range.0) * (n as f64 + 0.5) / study.resolution as f64
-    };
-    [
-        center(study.stretch_1, index % study.resolution),
-        center(study.stretch_2, index / study.resolution),
-    ]
-}
-
 fn state(study: &Study, index: usize) -> Result<DeformationGradient, ProblemError> {
-    let [a, b] = stretches(study, index);
+    let [a, b] = study.stretches(index);
     Ok(DeformationGradient::from_stretches([a, b, 1.0])?)
 }
 

@@ -41,6 +41,9 @@ fn a_diagram_is_written_as_svg_and_png() {
         for name in ["dispersion.svg", "dispersion.png"] {
             assert!(answer.stdout.contains(text(&folder.join(name))));
         }
+        let table = fs::read_to_string(folder.join("dispersion.csv")).expect("a table");
+        assert!(table.starts_with("length,wave_vector_1,"), "{table}");
+        assert!(table.lines().count() > 100);
         let svg = fs::read_to_string(folder.join("dispersion.svg")).expect("SVG");
         assert!(svg.contains("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));

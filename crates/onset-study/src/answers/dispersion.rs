@@ -86,6 +86,38 @@ impl Diagram {
         in_dimension_of!(problem, along_path(problem, &strain.0))
     }
 
+    /// The samples as a table: length along the path, wave vector, `omega^2` of particles and continuum.
+    pub fn csv(&self) -> String {
+        let columns = |name: &str, count: usize| {
+            (1..=count)
+                .map(|n| format!("{name}_{n}"))
+                .collect::<Vec<_>>()
+        };
+        let dimension = self
+            .samples
+            .first()
+            .map_or(0, |sample| sample.wave_vector.len());
+        let mut header = vec!["length".to_owned()];
+        header.extend(columns("wave_vector", dimension));
+        header.extend(columns("omega_squared_re", dimension));
+        header.extend(columns("omega_squared_im", dimension));
+        header.extend(columns("continuum_omega_squared", dimension));
+        let row = |(length, sample): (&f64, &DispersionAnswer)| {
+            let particles = &sample.omega_squared;
+            let numbers = std::iter::once(*length)
+                .chain(sample.wave_vector.iter().copied())
+                .chain(particles.iter().map(|value| value.re))
+                .chain(particles.iter().map(|value| value.im))
+                .chain(sample.continuum_omega_squared.iter().copied());
+            numbers
+                .map(|number| format!("{number:.16e}"))
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        let rows: Vec<String> = self.lengths.iter().zip(&self.samples).map(row).collect();
+        format!("{}\n{}\n", header.join(","), rows.join("\n"))
+    }
+
     /// The diagram as a figure: frequencies upward, growth rates downward.
     pub fn figure(&self, title: &str) -> Figure {
         let end = self.lengths.last().copied().unwrap_or(1.0);

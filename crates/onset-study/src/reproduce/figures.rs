@@ -121,13 +121,9 @@ fn continuum_boundary(study: &Study, count: usize) -> Result<Vec<(f64, f64)>, Re
 fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let n = study.resolution;
-    let center =
-        |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
     let elliptic = |index: usize| -> Result<&'static str, ProblemError> {
-        let f = state(
-            center(study.stretch_1, index % n),
-            center(study.stretch_2, index / n),
-        )?;
+        let [a, b] = study.stretches(index);
+        let f = state(a, b)?;
         let response = problem.material.response(&f).map_err(MethodError::from)?;
         Ok(if Stiffness::<2>::of(&response).is_strongly_elliptic() {
             "stable"
@@ -418,13 +414,8 @@ fn figure_07() -> Result<Plate, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let method = problem.method::<2>()?;
     let n = study.resolution;
-    let center =
-        |range: (f64, f64), i: usize| range.0 + (range.1 - range.0) * (i as f64 + 0.5) / n as f64;
     let extremes = |index: usize| -> Result<Vec<f64>, ProblemError> {
-        let (a, b) = (
-            center(study.stretch_1, index % n),
-            center(study.stretch_2, index / n),
-        );
+        let [a, b] = study.stretches(index);
         let f = state(a, b)?;
         let matrix = dynamical_matrix(&method, &*problem.material, &f)?;
         let summary = zone_search(&method, &*problem.material, &f)?.summary(&matrix);

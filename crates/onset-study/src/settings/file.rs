@@ -28,6 +28,15 @@ const OWN_KEYS: [&str; 4] = [
 ];
 
 impl Study {
+    /// The principal stretches of a state: the center of its cell in the window, the first stretch running fastest.
+    pub fn stretches(&self, index: usize) -> [f64; 2] {
+        let center = |(low, high): (f64, f64), n: usize| {
+            low + (high - low) * (n as f64 + 0.5) / self.resolution as f64
+        };
+        let (column, row) = (index % self.resolution, index / self.resolution);
+        [center(self.stretch_1, column), center(self.stretch_2, row)]
+    }
+
     /// Reads a study.
     ///
     /// # Errors

@@ -12,7 +12,21 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// Lagrangian kernels: `D_ik = 1/m sum_q V_q conj(B_J) A_iJkL B_L`, `B = sum_K grad phi_K exp(i k.(X_K - X_q))`,
 /// equations (45), (54). Eulerian kernels: the derivative of `f_I = sum_q v_q sigma(q) grad phi_I(x_q)`
-/// by the positions, equations (51), (55), in the chosen linearization.
+/// by the positions, equations (51), (55), in the chosen linearization. Shape `D x D`, units 1/time^2.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use onset::bloch::dynamical_matrix;
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::method::{Discretization, Method};
+/// let method = Method::<2>::new(Discretization::default())?;
+/// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+/// let matrix = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &f)?;
+/// let omega_squared = matrix.omega_squared(&Vector2::new(2.0, 1.1));
+/// assert!((omega_squared[0].re - 0.0962355955).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`MethodError`] when the method or the material cannot be evaluated at the state.

@@ -53,7 +53,7 @@ impl<const D: usize> Stiffness<D> {
         Self::from_tangent(&response.tangent)
     }
 
-    /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27).
+    /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27). Shape `D x D`, units of the stiffness.
     pub fn acoustic_tensor(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
         let mut q = SMatrix::zeros();
         for j in 0..D {
@@ -84,6 +84,18 @@ impl<const D: usize> Stiffness<D> {
     ///
     /// Exact (to rounding) in one and two dimensions; in three dimensions a search from many
     /// directions with local refinement, which is an upper bound of the minimum.
+    ///
+    /// ```
+    /// use onset::continuum::Stiffness;
+    /// use onset::kinematics::DeformationGradient;
+    /// use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+    /// // In compression the softest wave of this law is a shear wave of stiffness c1 + c2.
+    /// let f = DeformationGradient::from_stretches([0.8, 0.7, 1.0])?;
+    /// let stiffness = Stiffness::<2>::of(&ModifiedMooneyRivlin::default().response(&f)?);
+    /// assert!((stiffness.minimum().eigenvalue.re - 0.13572).abs() < 1e-12);
+    /// assert!(stiffness.is_strongly_elliptic());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn minimum(&self) -> AcousticMinimum<D> {
         let scale = self.magnitude();
         if scale != 1.0 && scale.is_normal() {
@@ -156,7 +168,7 @@ impl<const D: usize> Stiffness<D> {
         )
     }
 
-    /// The largest real part of an eigenvalue over all directions: the fastest wave.
+    /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
         // Q -> -Q turns the largest eigenvalue into the smallest.
         let negative = Self(self.0.map(|row| row.map(|block| -block)));

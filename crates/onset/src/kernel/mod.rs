@@ -54,6 +54,13 @@ impl Kernel {
     ///
     /// The metric is the identity for a spherical support, `F^-1` for one that is convected.
     /// `None` outside of the support.
+    ///
+    /// ```
+    /// use nalgebra::{Matrix2, Vector2};
+    /// use onset::kernel::Kernel;
+    /// let weight = Kernel::QuarticSpline.weight(&Vector2::new(1.0, 0.0), 2.0, &Matrix2::identity());
+    /// assert_eq!(weight.map(|weight| weight.value), Some(0.3125));
+    /// ```
     pub fn weight<const D: usize>(
         self,
         x: &SVector<f64, D>,

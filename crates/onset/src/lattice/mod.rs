@@ -89,7 +89,7 @@ impl<const D: usize> BravaisLattice<D> {
         &self.reciprocal
     }
 
-    /// The volume of the primitive cell, `V0`.
+    /// The volume of the primitive cell, `V0`; length^D.
     pub fn cell_volume(&self) -> f64 {
         determinant(&self.vectors).abs()
     }
@@ -100,7 +100,7 @@ impl<const D: usize> BravaisLattice<D> {
     }
 
     /// The lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, which is `|k|^2` of a
-    /// finite-difference grid: finite over the zone, quadratic for long waves.
+    /// finite-difference grid: finite over the zone, quadratic for long waves. 1/length^2.
     pub fn laplacian(&self, k: &SVector<f64, D>) -> f64 {
         let term = |a: SVector<f64, D>| {
             let sine = (0.5 * k.dot(&a)).sin();

@@ -7,6 +7,15 @@ use nalgebra::SVector;
 ///
 /// `points` in lattice coordinates, one period of the set. Volumes in length^D.
 ///
+/// ```
+/// use nalgebra::Vector2;
+/// use onset::lattice::{Arrangement, voronoi_volumes};
+/// let lattice = Arrangement::Square.lattice::<2>(1.0)?;
+/// let volumes = voronoi_volumes(&lattice, &[Vector2::zeros(), Vector2::repeat(0.5)])?;
+/// assert!((volumes[0] - 0.5).abs() < 1e-15 && (volumes[1] - 0.5).abs() < 1e-15);
+/// # Ok::<(), onset::lattice::LatticeError>(())
+/// ```
+///
 /// # Errors
 /// [`LatticeError`] in three dimensions or when two points coincide.
 pub fn voronoi_volumes<const D: usize>(

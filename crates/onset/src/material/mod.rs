@@ -71,7 +71,8 @@ impl MaterialError {
 
 /// A hyperelastic law, given by its energy alone.
 pub trait StrainEnergy {
-    /// The strain energy per reference volume, in units of stress.
+    /// The strain energy `W(F)` per reference volume; units of stress. Its derivatives are the stress and the tangent, so it
+    /// must be written with operations of [`Real`] only.
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
 }
 
@@ -87,7 +88,17 @@ pub trait Hyperelastic: Send + Sync {
 /// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
 ///
 /// Equations: `P_iJ = dW/dF_iJ`, `A_iJkL = dP_iJ/dF_kL` (the paper's nominal stress is the transpose
-/// of `P`; its effective tangent (22) is [`Response::effective_tangent`]). Units of stress.
+/// of `P`; its effective tangent (22) is [`Response::effective_tangent`]). Shapes 3 x 3 and 3 x 3 x 3 x 3, units of stress.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+/// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+/// let response = ModifiedMooneyRivlin::default().response(&f)?;
+/// assert!((response.cauchy()[(0, 0)] - 1.4910116952).abs() < 1e-10);
+/// assert!((response.effective_tangent()[(0, 0, 0, 0)] - 13.1431557983).abs() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// The state.

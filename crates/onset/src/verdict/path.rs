@@ -129,6 +129,17 @@ type Probe = (Phase, f64);
 
 /// All losses and returns of strong ellipticity along a path, for perturbations in `D` dimensions.
 ///
+/// ```
+/// use onset::kinematics::{DeformationGradient, StraightPath};
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::verdict::scan_material;
+/// let end = DeformationGradient::from_stretches([1.0, 3.0, 1.0])?;
+/// let path = StraightPath::new(DeformationGradient::identity(), end)?;
+/// let scan = scan_material::<2>(&ModifiedMooneyRivlin::default(), &path)?;
+/// assert!((1.0 + 2.0 * scan.crossings[0].parameter() - 2.754613297216).abs() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`PathError`] when a state of the path cannot be evaluated.
 pub fn scan_material<const D: usize>(
