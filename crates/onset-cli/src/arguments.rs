@@ -89,6 +89,15 @@ pub enum Command {
         #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
         to: String,
     },
+    /// What there is to choose from, with formulas, parameters and sources.
+    List {
+        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes or
+        /// linearizations; everything when left out.
+        topic: Option<String>,
+        /// Print one JSON document.
+        #[arg(long)]
+        json: bool,
+    },
     /// Reproduce the paper: every figure, and a table with a verdict on every claim.
     Reproduce {
         /// Folder for figures, data and the report.

@@ -5,6 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
     Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
 };
+use onset_study::catalog;
 use onset_study::json;
 use onset_study::reproduce;
 use onset_study::settings::Settings;
@@ -78,6 +79,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
+        Command::List { topic, json } => list(topic.as_deref(), json),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }
@@ -127,6 +129,29 @@ fn diagram(
         files[0],
         files[1],
         table.display()
+    ))
+}
+
+fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
+    let unknown = |names: Vec<&str>| {
+        let name = topic.unwrap_or_default();
+        Failure::input(format!(
+            "there is no topic `{name}`\n  hint: topics are {}",
+            names.join(", ")
+        ))
+    };
+    let topics = match topic {
+        Some(name) => vec![catalog::topic(name).map_err(unknown)?],
+        None => catalog::topics(),
+    };
+    if json {
+        return print_json(&topics);
+    }
+    let text: Vec<String> = topics.iter().map(ToString::to_string).collect();
+    print_text(&format!(
+        "{}\n\nThe paper: {}",
+        text.join("\n").trim_end(),
+        catalog::PAPER
     ))
 }
 

@@ -4,7 +4,7 @@ use crate::onset;
 
 #[test]
 fn every_command_explains_itself() {
-    for command in ["state", "dispersion", "path", "reproduce"] {
+    for command in ["state", "dispersion", "path", "list", "reproduce"] {
         let help = onset(&[command, "--help"]);
         assert_eq!(help.code, Some(0));
         assert!(help.stdout.contains(&format!("Usage: onset {command}")));
@@ -44,4 +44,23 @@ fn the_keys_are_known_from_the_help() {
             );
         }
     }
+}
+
+#[test]
+fn list_names_every_law_with_formula_parameters_and_source() {
+    let run = onset(&["list", "materials"]);
+    assert_eq!(run.code, Some(0));
+    for fact in ["blatz-ko", "W = mu/2", "mu = 32", "Trans. Soc. Rheol."] {
+        assert!(run.stdout.contains(fact), "{fact}: {}", run.stdout);
+    }
+    let everything = onset(&["list", "--json"]);
+    let topics: serde_json::Value = serde_json::from_str(&everything.stdout).expect("JSON");
+    assert!(topics.as_array().is_some_and(|topics| topics.len() > 5));
+    let wrong = onset(&["list", "material"]);
+    assert_eq!(wrong.code, Some(2));
+    assert!(
+        wrong.stderr.contains("topics are materials"),
+        "{}",
+        wrong.stderr
+    );
 }

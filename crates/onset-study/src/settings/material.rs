@@ -17,6 +17,9 @@ pub enum Model {
 }
 
 impl Model {
+    /// All laws.
+    pub const ALL: [Self; 2] = [Self::ModifiedMooneyRivlin, Self::BlatzKo];
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {

@@ -133,7 +133,7 @@ impl Key {
         };
         match self.name.split_once('.') {
             Some(("material", "model")) => Model::default().name().to_owned(),
-            Some(("material", parameter)) => [Model::ModifiedMooneyRivlin, Model::BlatzKo]
+            Some(("material", parameter)) => Model::ALL
                 .iter()
                 .flat_map(|model| model.parameters())
                 .find(|(name, _)| *name == parameter)
