@@ -5,7 +5,6 @@ use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::state::{ComplexNumber, list, rows};
-use onset::bloch::Stability;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{
     Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization,
@@ -117,7 +116,7 @@ fn answer<const D: usize>(
     let particles = scan_discretization(&method, &*problem.material, &path)?;
 
     let material_onset = match onset(&continuum) {
-        Some((parameter, witness, tolerance)) => {
+        Some((parameter, witness, tolerance, _)) => {
             let critical = MaterialAssessment::<D>::new(&*problem.material, &path.at(witness)?)
                 .map_err(onset::method::MethodError::from)?;
             Some(MaterialOnset {
@@ -129,7 +128,7 @@ fn answer<const D: usize>(
         None => None,
     };
     let discretization_onset = match onset(&particles) {
-        Some((parameter, witness, tolerance)) => {
+        Some((parameter, witness, tolerance, phase)) => {
             let f = path.at(witness)?;
             let assessment = assess(&method, &*problem.material, &f)?;
             let spectrum = &assessment.spectrum;
@@ -142,11 +141,7 @@ fn answer<const D: usize>(
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
                 place: place::<D>(problem, &path, parameter, tolerance)?,
-                phase: if spectrum.stability() == Stability::Flutter {
-                    Phase::Flutter
-                } else {
-                    Phase::Unstable
-                },
+                phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
                 spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
@@ -172,15 +167,19 @@ fn answer<const D: usize>(
     })
 }
 
-/// Parameter, witness and tolerance of the first instability.
-fn onset(scan: &PathScan) -> Option<(f64, f64, f64)> {
-    scan.onset().map(|onset| match onset {
-        Onset::AtStart => (0.0, 0.0, 0.0),
-        Onset::At(crossing) => (
-            crossing.parameter(),
-            crossing.witness(),
-            tolerance(&crossing),
-        ),
+/// Parameter, witness and tolerance of the first instability, and the phase behind it.
+fn onset(scan: &PathScan) -> Option<(f64, f64, f64, Phase)> {
+    scan.onset().map(|onset| {
+        let phase = scan.phase_behind(&onset);
+        match onset {
+            Onset::AtStart => (0.0, 0.0, 0.0, phase),
+            Onset::At(crossing) => (
+                crossing.parameter(),
+                crossing.witness(),
+                tolerance(&crossing),
+                phase,
+            ),
+        }
     })
 }
 
@@ -194,18 +193,11 @@ fn stretch<const D: usize>(f: &DeformationGradient) -> Vec<f64> {
     if diagonal {
         return (0..D).map(|i| components[i][i]).collect();
     }
-    // The stretches in the dimensions of the arrangement: those of the leading block.
-    let leading = DeformationGradient::identity().with_leading(&f.leading::<D>());
-    let mut stretches = leading.principal_stretches().to_vec();
-    if let Some(unit) = stretches
-        .iter()
-        .position(|stretch| (stretch - 1.0).abs() < 1e-15)
-        .filter(|_| D < 3)
-    {
-        stretches.remove(unit);
-    }
-    stretches.truncate(D);
-    stretches
+    // The stretches in the dimensions of the arrangement: those of the leading block, with nothing beside it the
+    // largest ones.
+    let leading =
+        DeformationGradient::from_components([[0.0; 3]; 3]).with_leading(&f.leading::<D>());
+    leading.principal_stretches()[..D].to_vec()
 }
 
 fn place<const D: usize>(

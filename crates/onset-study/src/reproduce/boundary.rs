@@ -4,7 +4,7 @@ use crate::answers::ProblemError;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::material::Hyperelastic;
 use onset::method::Method;
-use onset::verdict::{PathScan, scan_discretization, scan_material};
+use onset::verdict::{Onset, PathScan, scan_discretization, scan_material};
 use rayon::prelude::*;
 
 /// A plane-strain state of principal stretches.
@@ -14,10 +14,10 @@ pub fn state(a: f64, b: f64) -> Result<DeformationGradient, ProblemError> {
 
 /// The first onset between two states, as a fraction of the path; `None` when there is none.
 pub fn onset(scan: &PathScan) -> Option<f64> {
-    scan.crossings
-        .iter()
-        .find(|crossing| crossing.to.is_unstable())
-        .map(|crossing| crossing.parameter())
+    scan.onset().map(|onset| match onset {
+        Onset::AtStart => 0.0,
+        Onset::At(crossing) => crossing.parameter(),
+    })
 }
 
 /// The boundary of strong ellipticity: for each first stretch, all second stretches between two limits at which

@@ -1,7 +1,7 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
-use super::zone_search;
-use crate::bloch::{Stability, dynamical_matrix};
+use super::speed_squared;
+use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::Stiffness;
 use crate::kinematics::{KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
@@ -90,6 +90,14 @@ pub enum Onset {
 }
 
 impl PathScan {
+    /// The phase behind an onset: how it is unstable.
+    pub fn phase_behind(&self, onset: &Onset) -> Phase {
+        match onset {
+            Onset::AtStart => self.start,
+            Onset::At(crossing) => crossing.to,
+        }
+    }
+
     /// The first instability, if there is one.
     pub fn onset(&self) -> Option<Onset> {
         if self.start.is_unstable() {
@@ -155,8 +163,7 @@ pub fn scan_material<const D: usize>(
             parameter: s,
             source: source.into(),
         })?;
-        let stiffness = Stiffness::<D>::of(&response);
-        let minimum = stiffness.minimum().eigenvalue.re;
+        let minimum = Stiffness::<D>::of(&response).minimum().eigenvalue.re;
         Ok((
             if minimum > 0.0 {
                 Phase::Stable
@@ -177,13 +184,19 @@ pub fn scan_discretization<const D: usize>(
     material: &dyn Hyperelastic,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
+    // The same at all states of the path.
+    let speed_squared = speed_squared(method, material).map_err(|source| PathError::Method {
+        parameter: 0.0,
+        source: source.into(),
+    })?;
     scan(&|s| {
         let f = path.at(s).map_err(|source| PathError::Kinematics {
             parameter: s,
             source,
         })?;
         let stability = || {
-            let search = zone_search(method, material, &f)?;
+            let search =
+                ZoneSearch::new(method, &f, speed_squared).ok_or(MethodError::NotFinite)?;
             let matrix = dynamical_matrix(method, material, &f)?;
             Ok::<_, MethodError>(search.stability(&matrix))
         };

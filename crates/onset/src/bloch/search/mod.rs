@@ -89,12 +89,9 @@ impl<const D: usize> ZoneSearch<D> {
                     && mode.scaled < -self.tolerance(matrix)
             })
             .unwrap_or(rest);
-        let flutters = self.flutter(matrix, &grid).is_some();
-        let fastest_growing = if flutters {
-            self.fastest(matrix, &grid, lowest)
-        } else {
-            lowest
-        };
+        let fluttering = self.flutter(matrix, &grid);
+        let fastest_growing =
+            fluttering.map_or(lowest, |mode| self.fastest(matrix, &grid, lowest, mode));
         let highest = self
             .bottom(matrix, &grid, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -105,7 +102,7 @@ impl<const D: usize> ZoneSearch<D> {
             fastest_growing,
             maximum_omega: highest.max(0.0).sqrt(),
             tolerance: self.tolerance(matrix),
-            flutters,
+            flutters: fluttering.is_some(),
         }
     }
 
@@ -291,8 +288,14 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
-    /// the deepest well of the discriminant and from the fastest point of the grid.
-    fn fastest(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>, lowest: Mode<D>) -> Mode<D> {
+    /// one that is `fluttering` and from the fastest point of the grid.
+    fn fastest(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        grid: &Grid<D>,
+        lowest: Mode<D>,
+        fluttering: Mode<D>,
+    ) -> Mode<D> {
         let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
         let slowness = |k: &SVector<f64, D>| {
             if self.is_admissible(k) {
@@ -306,10 +309,9 @@ impl<const D: usize> ZoneSearch<D> {
             .iter()
             .max_by(|a, b| a.growth.total_cmp(&b.growth))
             .map(|point| point.k);
-        let in_well = self.flutter(matrix, grid).map(|mode| mode.wave_vector);
-        [on_grid, in_well]
+        on_grid
             .into_iter()
-            .flatten()
+            .chain([fluttering.wave_vector])
             .filter_map(|k| self.fluttering_mode(matrix, &coordinate_search(&slowness, k, step).1))
             .chain([lowest])
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
