@@ -1,5 +1,6 @@
 //! The dynamical matrix as a sum of plane-wave phases.
 
+use super::planar::PlanarRows;
 use crate::algebra::{Complex, eigenvalues};
 use crate::continuum::Stiffness;
 use crate::lattice::BravaisLattice;
@@ -25,23 +26,73 @@ pub struct DynamicalMatrix<const D: usize> {
     centrosymmetric: bool,
     /// Whether `Phi(-R) = Phi(R)^T`, which makes `D` Hermitian.
     hermitian: bool,
+    /// The force constants by rows, where `D` is planar and real.
+    rows: Option<PlanarRows>,
     /// Rounding error to expect in an entry.
     noise: f64,
 }
 
 /// The force constants of `R` and `-R` together.
 #[derive(Clone, Debug)]
-struct Term<const D: usize> {
+pub(super) struct Term<const D: usize> {
     /// `R`, in the reference state.
     vector: SVector<f64, D>,
     /// Its cell, `R = cell + site` in lattice coordinates.
-    cell: [i32; D],
+    pub(super) cell: [i32; D],
     /// Its place in the cell, an index of `sites`.
-    site: usize,
+    pub(super) site: usize,
     /// `Phi(R) + Phi(-R)`.
-    even: SMatrix<f64, D, D>,
+    pub(super) even: SMatrix<f64, D, D>,
     /// `Phi(R) - Phi(-R)`.
     odd: SMatrix<f64, D, D>,
+}
+
+/// `D(k)` with its derivatives with respect to the components of the wave vector; in real numbers where `D` is real.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expansion<T, const D: usize> {
+    /// `D(k)`.
+    pub value: SMatrix<T, D, D>,
+    /// First derivatives.
+    pub gradient: [SMatrix<T, D, D>; D],
+    /// Second derivatives.
+    pub hessian: [[SMatrix<T, D, D>; D]; D],
+}
+
+impl<const D: usize> Expansion<f64, D> {
+    fn starting_at(value: SMatrix<f64, D, D>) -> Self {
+        Self {
+            value,
+            gradient: [SMatrix::zeros(); D],
+            hessian: [[SMatrix::zeros(); D]; D],
+        }
+    }
+
+    /// Adds `block` times a function of `k.R`, given with its first two derivatives.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        block: &SMatrix<f64, D, D>,
+        [value, first, second]: [f64; 3],
+        vector: &SVector<f64, D>,
+    ) {
+        self.value += block * value;
+        for a in 0..D {
+            self.gradient[a] += block * (first * vector[a]);
+            for b in 0..=a {
+                self.hessian[a][b] += block * (second * vector[a] * vector[b]);
+            }
+        }
+    }
+
+    /// Copies the half of the symmetric second derivatives that is summed to the other one.
+    fn finished(mut self) -> Self {
+        for a in 0..D {
+            for b in 0..a {
+                self.hessian[b][a] = self.hessian[a][b];
+            }
+        }
+        self
+    }
 }
 
 /// Collects force constants by lattice vector.
@@ -155,6 +206,9 @@ impl<const D: usize> ForceConstants<D> {
         let coordinates = terms.iter().flat_map(|term| term.cell);
         let reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
         let vectors = *lattice.vectors();
+        let rows = centrosymmetric
+            .then(|| PlanarRows::new(&terms, &sites, &vectors, &rigid))
+            .flatten();
         DynamicalMatrix {
             terms,
             vectors,
@@ -163,6 +217,7 @@ impl<const D: usize> ForceConstants<D> {
             rigid,
             centrosymmetric,
             hermitian,
+            rows,
             noise,
         }
     }
@@ -194,61 +249,34 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// The derivatives of `D(k)` with respect to the components of the wave vector.
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
-        let mut real = [SMatrix::<f64, D, D>::zeros(); D];
-        let mut imaginary = real;
+        self.expansion_at(k).gradient
+    }
+
+    /// `D(k)` with its first and second derivatives with respect to the wave vector.
+    pub fn expansion_at(&self, k: &SVector<f64, D>) -> Expansion<Complex, D> {
+        let mut real = Expansion::starting_at(self.rigid);
+        let mut imaginary = Expansion::starting_at(SMatrix::zeros());
         let phases = HalfPhases::new(self, k);
         for term in &self.terms {
             let half = phases.of(term);
-            let (sine, cosine) = (2.0 * half.im * half.re, 1.0 - 2.0 * half.im * half.im);
-            for a in 0..D {
-                real[a] -= term.even * (sine * term.vector[a]);
-                if !self.centrosymmetric {
-                    imaginary[a] += term.odd * (cosine * term.vector[a]);
-                }
+            let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
+            // (cos k.R - 1) even + i sin(k.R) odd, differentiated.
+            real.add(&term.even, [-versine, -sine, versine - 1.0], &term.vector);
+            if !self.centrosymmetric {
+                imaginary.add(&term.odd, [sine, 1.0 - versine, -sine], &term.vector);
             }
         }
-        std::array::from_fn(|a| real[a].zip_map(&imaginary[a], Complex::new))
-    }
-
-    /// `D(k)` at all points `k = sum_i (j_i / resolution) b_i`, `j_i = 0 .. resolution`, first index
-    /// slowest, from tabulated phases. `None` when `D` is not periodic.
-    pub(super) fn on_grid(
-        &self,
-        resolution: usize,
-        half: bool,
-    ) -> Option<Vec<SMatrix<Complex, D, D>>> {
-        let n = resolution as i64;
-        let phases: Vec<(f64, f64)> = (0..n)
-            .map(|m| {
-                let (sine, cosine) = (std::f64::consts::PI * m as f64 / n as f64).sin_cos();
-                (-2.0 * sine * sine, 2.0 * sine * cosine)
-            })
-            .collect();
-        if self.sites.len() > 1 {
-            return None;
+        let (real, imaginary) = (real.finished(), imaginary.finished());
+        let joined = |real: &SMatrix<f64, D, D>, imaginary: &SMatrix<f64, D, D>| {
+            real.zip_map(imaginary, Complex::new)
+        };
+        Expansion {
+            value: joined(&real.value, &imaginary.value),
+            gradient: std::array::from_fn(|a| joined(&real.gradient[a], &imaginary.gradient[a])),
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| joined(&real.hessian[a][b], &imaginary.hessian[a][b]))
+            }),
         }
-        let cells: Vec<[i64; D]> = self
-            .terms
-            .iter()
-            .map(|term| term.cell.map(i64::from))
-            .collect();
-        let total = resolution.pow(D as u32);
-        let count = if half { total / 2 + 1 } else { total };
-        let mut grid = Vec::with_capacity(count);
-        for index in 0..count {
-            let coordinates = grid_coordinates::<D>(index, resolution);
-            let (mut real, mut imaginary) = (self.rigid, SMatrix::<f64, D, D>::zeros());
-            for (term, cell) in self.terms.iter().zip(&cells) {
-                let turns: i64 = (0..D).map(|i| cell[i] * coordinates[i] as i64).sum();
-                let (cosine_less_one, sine) = phases[turns.rem_euclid(n) as usize];
-                real += term.even * cosine_less_one;
-                if !self.centrosymmetric {
-                    imaginary += term.odd * sine;
-                }
-            }
-            grid.push(real.zip_map(&imaginary, Complex::new));
-        }
-        Some(grid)
     }
 
     /// The eigenvalues `omega^2` at a reference wave vector, by increasing real part.
@@ -295,6 +323,21 @@ impl<const D: usize> DynamicalMatrix<D> {
         self.noise
     }
 
+    /// The force constants by rows, where `D` is planar and real.
+    pub(super) fn planar_rows(&self) -> Option<&PlanarRows> {
+        self.rows.as_ref()
+    }
+
+    /// Where in its cell a vector ends.
+    pub(super) fn sites(&self) -> &[SVector<f64, D>] {
+        &self.sites
+    }
+
+    /// Primitive vectors of the reference lattice, as columns.
+    pub(super) fn vectors(&self) -> &SMatrix<f64, D, D> {
+        &self.vectors
+    }
+
     /// Rounding error to expect in `D(k) / |k|^2` for long waves. Length^2/time^2.
     pub(super) fn long_wave_noise(&self) -> f64 {
         let sum: f64 = self
@@ -305,17 +348,36 @@ impl<const D: usize> DynamicalMatrix<D> {
         0.5 * f64::EPSILON * sum
     }
 
-    /// Largest lattice coordinate of a force constant: how fast `D(k)` can vary over the zone.
-    pub(super) fn reach(&self) -> usize {
-        self.reach.max(1)
+    /// The lattice coordinate up to which force constants matter to second derivatives by the wave vector, all but a
+    /// fiftieth: how fast `D(k)` varies over the zone. Kernels end so smoothly that the largest coordinate says too much.
+    pub(super) fn effective_reach(&self) -> usize {
+        let mut by_reach = vec![0.0; self.reach + 1];
+        for term in &self.terms {
+            let reach = term.cell.map(i32::unsigned_abs).into_iter().max();
+            by_reach[reach.unwrap_or(0) as usize] +=
+                (term.even.amax() + term.odd.amax()) * term.vector.norm_squared();
+        }
+        let allowed = 0.02 * by_reach.iter().sum::<f64>();
+        let mut beyond = 0.0;
+        while let Some(last) = by_reach.pop() {
+            beyond += last;
+            if beyond > allowed {
+                break;
+            }
+        }
+        by_reach.len().max(1)
     }
 }
+
+/// Multiples of a primitive vector whose phases fit on the stack.
+const NEAR: usize = 16;
 
 /// The phases `exp(i k.R / 2)` of all vectors from those of the primitive vectors: a sine and cosine for each
 /// primitive vector and site, a product for each vector.
 struct HalfPhases<const D: usize> {
-    /// `exp(i n k.a_d / 2)` at `[n][d]`, `n = 0 ..= reach`.
-    powers: Vec<[Complex; D]>,
+    /// `exp(i n k.a_d / 2)` at `[n][d]`, `n = 0 ..= reach`; those that are many are on the heap.
+    powers: [[Complex; D]; NEAR],
+    far: Vec<[Complex; D]>,
     /// `exp(i k.site / 2)`.
     sites: Vec<Complex>,
 }
@@ -328,12 +390,18 @@ impl<const D: usize> HalfPhases<D> {
         };
         let steps: [Complex; D] =
             std::array::from_fn(|d| half_phase(matrix.vectors.column(d).into_owned()));
-        let mut powers = Vec::with_capacity(matrix.reach + 1);
-        powers.push([Complex::new(1.0, 0.0); D]);
-        for n in 0..matrix.reach {
-            powers.push(std::array::from_fn(|d: usize| -> Complex {
-                powers[n][d] * steps[d]
-            }));
+        let one = [Complex::new(1.0, 0.0); D];
+        let turned =
+            |power: &[Complex; D]| -> [Complex; D] { std::array::from_fn(|d| power[d] * steps[d]) };
+        let mut powers = [one; NEAR];
+        for n in 1..NEAR.min(matrix.reach + 1) {
+            powers[n] = turned(&powers[n - 1]);
+        }
+        let mut far = Vec::new();
+        let mut last = powers[NEAR - 1];
+        for _ in NEAR..matrix.reach + 1 {
+            last = turned(&last);
+            far.push(last);
         }
         let sites = matrix
             .sites
@@ -341,7 +409,7 @@ impl<const D: usize> HalfPhases<D> {
             .skip(1)
             .map(|site| half_phase(matrix.vectors * site))
             .collect();
-        Self { powers, sites }
+        Self { powers, far, sites }
     }
 
     fn of(&self, term: &Term<D>) -> Complex {
@@ -351,7 +419,12 @@ impl<const D: usize> HalfPhases<D> {
             self.sites[term.site - 1]
         };
         for d in 0..D {
-            let power = self.powers[term.cell[d].unsigned_abs() as usize][d];
+            let n = term.cell[d].unsigned_abs() as usize;
+            let power = if n < NEAR {
+                self.powers[n][d]
+            } else {
+                self.far[n - NEAR][d]
+            };
             phase *= if term.cell[d] < 0 {
                 power.conj()
             } else {
@@ -360,15 +433,4 @@ impl<const D: usize> HalfPhases<D> {
         }
         phase
     }
-}
-
-/// The coordinates of a grid point, first slowest.
-pub(super) fn grid_coordinates<const D: usize>(index: usize, resolution: usize) -> [usize; D] {
-    let mut rest = index;
-    let mut coordinates = [0; D];
-    for i in (0..D).rev() {
-        coordinates[i] = rest % resolution;
-        rest /= resolution;
-    }
-    coordinates
 }

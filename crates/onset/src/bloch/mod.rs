@@ -5,12 +5,14 @@
 //! are those of relative positions.
 
 mod assembly;
+mod branches;
 mod dynamical_matrix;
+mod planar;
 mod search;
 mod spectrum;
 
 pub use assembly::{dynamical_matrix, gradient_norm};
-pub use dynamical_matrix::DynamicalMatrix;
+pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use search::ZoneSearch;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 

@@ -3,9 +3,12 @@
 //! A lattice knows nothing of stress.
 
 mod voronoi;
+mod wave_vectors;
 mod zone;
 
 pub use voronoi::voronoi_volumes;
+pub(crate) use wave_vectors::coordinates as grid_coordinates;
+pub use wave_vectors::{WaveGrid, WaveGrids};
 pub use zone::BrillouinZone;
 
 use nalgebra::{SMatrix, SVector};
@@ -114,6 +117,15 @@ impl<const D: usize> BravaisLattice<D> {
     /// The gradient of [`BravaisLattice::laplacian`] with respect to `k`.
     pub fn laplacian_gradient(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         let term = |a: SVector<f64, D>| a * (2.0 * k.dot(&a).sin() / a.norm_squared());
+        (0..D)
+            .map(|i| term(self.vectors.column(i).into_owned()))
+            .sum()
+    }
+
+    /// The second derivatives of [`BravaisLattice::laplacian`].
+    pub fn laplacian_hessian(&self, k: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+        let term =
+            |a: SVector<f64, D>| a * a.transpose() * (2.0 * k.dot(&a).cos() / a.norm_squared());
         (0..D)
             .map(|i| term(self.vectors.column(i).into_owned()))
             .sum()

@@ -11,9 +11,10 @@ pub use configuration::{Configuration, ConfiguredPoint};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
-use crate::lattice::{Arrangement, BravaisLattice, LatticeError};
+use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{Quadrature, QuadraturePoint};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
@@ -268,6 +269,7 @@ pub struct Method<const D: usize> {
     discretization: Discretization,
     lattice: BravaisLattice<D>,
     points: Vec<QuadraturePoint<D>>,
+    wave_grids: Arc<WaveGrids<D>>,
 }
 
 impl<const D: usize> Method<D> {
@@ -299,6 +301,7 @@ impl<const D: usize> Method<D> {
             discretization,
             lattice,
             points,
+            wave_grids: Arc::new(WaveGrids::new(lattice)),
         })
     }
 
@@ -322,6 +325,11 @@ impl<const D: usize> Method<D> {
     /// The quadrature points of one cell.
     pub fn quadrature_points(&self) -> &[QuadraturePoint<D>] {
         &self.points
+    }
+
+    /// Wave vectors of the reference lattice, shared by all states.
+    pub fn wave_grids(&self) -> &Arc<WaveGrids<D>> {
+        &self.wave_grids
     }
 
     /// The support radius in the reference state, `R0 = D_mx spacing`; length.

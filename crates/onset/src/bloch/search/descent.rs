@@ -4,13 +4,18 @@ use super::grid::Grid;
 use super::{Candidate, Objective, ZoneSearch};
 use crate::algebra::{Complex, eigenvalues, eigenvector, left_eigenvector};
 use crate::bloch::DynamicalMatrix;
-use crate::bloch::dynamical_matrix::grid_coordinates;
-use nalgebra::{DMatrix, DVector, SVector};
+use crate::bloch::branches::Taylor;
+use crate::lattice::grid_coordinates;
+use nalgebra::{SMatrix, SVector};
 
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
 const WELLS: usize = 16;
 /// Below this fraction of the zone a wave vector counts as a long wave, which the limit covers.
 const LONG_WAVE: f64 = 1e-3;
+/// Newton steps to the bottom of a well.
+const STEPS: usize = 40;
+/// Relative length of a step that counts as converged.
+const CONVERGED: f64 = 1e-9;
 
 impl<const D: usize> ZoneSearch<D> {
     /// The bottom of the deepest well. A well that is not going to reach below `floor` is left early.
@@ -29,23 +34,43 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let mut best: Option<Candidate<D>> =
             boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
-        // From the boundary too: beside it the grid, folded back, does not tell the wells.
-        let starts = grid.wells(objective).into_iter().take(WELLS);
-        let starts = starts
-            .chain(self.long_starts(matrix, grid, objective))
-            .chain(boundary);
-        for start in starts {
+        for well in grid.wells(objective).iter().take(WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
-            let (value, k) = self.descend(matrix, objective, start, to_beat);
-            let better = best.is_none_or(|best| value < best.0);
-            if value.is_finite() && better {
-                best = Some((value, k));
+            if well.start.0 - well.relief <= to_beat {
+                self.improve(matrix, objective, well.start, floor, &mut best);
             }
+        }
+        // From the boundary too: beside it the grid, folded back, does not tell the wells.
+        let others = self.long_starts(matrix, grid, objective);
+        for start in others.into_iter().chain(boundary) {
+            self.improve(matrix, objective, start, floor, &mut best);
         }
         best
     }
 
-    /// Starts between the origin and the first points of the grid: the best of a ring at each of some radii.
+    /// Descends from a start, as long as that can beat the best so far and the floor.
+    fn improve(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        start: Candidate<D>,
+        floor: f64,
+        best: &mut Option<Candidate<D>>,
+    ) {
+        let to_beat = best.map_or(floor, |best| floor.min(best.0));
+        let (value, k) = self.descend(matrix, objective, start, to_beat);
+        if !value.is_finite() || value > to_beat {
+            return;
+        }
+        // Descended on fast sums; near zero only the exact evaluation tells the sign.
+        let value = self.value_at(matrix, objective, &k);
+        if value.is_finite() && best.is_none_or(|best| value < best.0) {
+            *best = Some((value, k));
+        }
+    }
+
+    /// Starts between the origin and the first points of the grid, along the softest of the long waves: a well that
+    /// opens there is narrow in angle, so that the grid may miss it.
     fn long_starts(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -55,27 +80,22 @@ impl<const D: usize> ZoneSearch<D> {
         if !matches!(objective, Objective::Scaled | Objective::Lowest) {
             return Vec::new();
         }
-        let directions: Vec<SVector<f64, D>> = match D {
-            1 => vec![SVector::repeat(1.0)],
-            _ => (0..12)
-                .map(|n| (std::f64::consts::PI * f64::from(n) / 12.0).sin_cos())
-                .map(|(sine, cosine)| SVector::from_fn(|i, _| [cosine, sine, 0.0][i]))
-                .collect(),
+        let at = |steps: f64| {
+            let k = grid.soft_direction * (steps * grid.step(self));
+            (self.value_at(matrix, objective, &k), k)
         };
-        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
-        let start = |radius: f64| {
-            let ring = directions
-                .iter()
-                .map(|direction| direction * (radius * step));
-            ring.map(|k| (self.value_at(matrix, objective, &k), k))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
+        // A dip on the ray. What falls on beyond is seen from the grid.
+        let ray = [0.15, 0.35, 0.7, 1.2].map(at);
+        let is_dip = |n: &usize| {
+            let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;
+            nearer && ray[n + 1].0 >= ray[*n].0
         };
-        [0.25, 0.6].into_iter().filter_map(start).collect()
+        (0..3).find(is_dip).map(|n| ray[n]).into_iter().collect()
     }
 
     /// Whether a wave vector belongs to the search: inside of the zone where `D` is not periodic.
     pub(super) fn is_admissible(&self, k: &SVector<f64, D>) -> bool {
-        self.is_periodic || self.zone.contains(&(self.from_reference * k), 1e-9)
+        self.is_periodic || self.zone().contains(&(self.from_reference * k), 1e-9)
     }
 
     /// Minima along the boundary of the zone, for matrices that are not periodic.
@@ -85,7 +105,7 @@ impl<const D: usize> ZoneSearch<D> {
         objective: Objective,
     ) -> Vec<Candidate<D>> {
         const SAMPLES: usize = 24;
-        let corners = self.zone.corners();
+        let corners = self.zone().corners();
         let at = |k: &SVector<f64, D>| {
             let k = self.to_reference * k;
             (self.value_at(matrix, objective, &k), k)
@@ -114,8 +134,8 @@ impl<const D: usize> ZoneSearch<D> {
         minima
     }
 
-    /// Follows a well to its bottom: Newton's method with exact gradients, a line search, and a final
-    /// look around, since at a crossing of two branches the gradient is not defined.
+    /// Follows a well to its bottom by Newton's method with exact derivatives and a line search; where the objective is
+    /// not smooth, at a crossing of two branches, with a look around.
     fn descend(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -123,30 +143,19 @@ impl<const D: usize> ZoneSearch<D> {
         start: Candidate<D>,
         floor: f64,
     ) -> Candidate<D> {
-        let longest = self
-            .reference
-            .reciprocal()
-            .column_iter()
-            .map(|b| b.norm())
-            .fold(0.0, f64::max);
+        let longest = self.longest();
         let at = |k: &SVector<f64, D>| {
-            // The limit of long waves is taken exactly elsewhere; and a zone that does not repeat is not left.
-            let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * longest;
-            if too_long || !self.is_admissible(k) {
-                f64::INFINITY
-            } else {
+            if self.is_sought(objective, k) {
                 self.value_at(matrix, objective, k)
+            } else {
+                f64::INFINITY
             }
         };
         let (mut value, mut k) = start;
-        for _ in 0..16 {
-            (value, k) = self.newton(matrix, objective, (value, k), longest, floor, &at);
-            // Two branches cross in a point where the discriminant is zero and stationary. It is a saddle where
-            // the branches beside it are complex, which by symmetry its gradient may not show.
-            if objective == Objective::Discriminant && value.abs() <= 1e-6 * start.0.abs() {
-                return coordinate_search(&at, k, 1e-3 * longest);
-            }
-            if value > floor {
+        for _ in 0..4 {
+            let (bottom, settled) = self.newton(matrix, objective, (value, k), floor);
+            (value, k) = bottom;
+            if settled || value > floor {
                 return (value, k);
             }
             let around = coordinate_search(&at, k, 1e-2 * longest);
@@ -158,78 +167,156 @@ impl<const D: usize> ZoneSearch<D> {
         (value, k)
     }
 
+    /// Where a descent from a wave vector ends.
+    pub(super) fn settled(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        start: SVector<f64, D>,
+    ) -> SVector<f64, D> {
+        let value = self.value_at(matrix, objective, &start);
+        self.descend(matrix, objective, (value, start), f64::INFINITY)
+            .1
+    }
+
+    /// Whether the objective is sought at a wave vector: the limit of long waves is taken exactly elsewhere, and a zone
+    /// that does not repeat is not left.
+    fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
+        let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * self.longest();
+        !too_long && self.is_admissible(k)
+    }
+
+    fn longest(&self) -> f64 {
+        let reciprocal = self.reference().reciprocal();
+        reciprocal
+            .column_iter()
+            .map(|b| b.norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Newton's method; the last value tells whether it ended where it should: in a smooth minimum, or on its way to
+    /// one above the floor.
     fn newton(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         start: Candidate<D>,
-        longest: f64,
         floor: f64,
-        at: &impl Fn(&SVector<f64, D>) -> f64,
-    ) -> Candidate<D> {
+    ) -> (Candidate<D>, bool) {
+        let longest = self.longest();
         let (mut value, mut k) = start;
-        for _ in 0..30 {
-            let gradient = self.gradient(matrix, objective, &k);
-            if !gradient.iter().all(|component| component.is_finite()) || gradient.norm() == 0.0 {
-                break;
+        let mut local = self.expansion(matrix, objective, &k);
+        for _ in 0..STEPS {
+            let (slope, curvature) = (local.slope(), local.curvature());
+            let smooth = slope.iter().chain(curvature.iter()).all(|x| x.is_finite());
+            if !smooth {
+                return ((value, k), false);
             }
-            let step = self.newton_step(matrix, objective, &k, &gradient, longest);
+            let (step, is_convex) = newton_step(&slope, &curvature, longest);
+            let decrease = -slope.dot(&step);
+            // Quadratic convergence: the next step gains less than rounding.
+            if is_convex && (step.norm() < CONVERGED * longest || decrease <= 1e-14 * value.abs()) {
+                return ((value, k), true);
+            }
             // A quadratic well falls by half of the linear decrease; eight times as much is on the safe side.
-            if value + 4.0 * gradient.dot(&step) > floor {
-                break;
+            if is_convex && value - 4.0 * decrease > floor {
+                return ((value, k), true);
             }
             let mut length = 1.0;
-            let mut moved = false;
-            for _ in 0..12 {
+            loop {
                 let trial = k + step * length;
-                let trial_value = at(&trial);
-                if trial_value < value {
-                    (value, k, moved) = (trial_value, trial, true);
-                    break;
+                if self.is_sought(objective, &trial) {
+                    local = self.expansion(matrix, objective, &trial);
+                    if local.value < value {
+                        (value, k) = (local.value, trial);
+                        break;
+                    }
                 }
-                length *= 0.5;
-            }
-            if !moved || step.norm() * length < 1e-14 * longest {
-                break;
+                length *= 0.25;
+                if length < 1e-4 {
+                    // The decrease that is left may be below rounding.
+                    return ((value, k), is_convex && decrease <= 1e-12 * value.abs());
+                }
             }
         }
-        (value, k)
+        ((value, k), false)
     }
 
-    /// The Newton step, or a step down the gradient where the Hessian is not positive definite.
-    fn newton_step(
+    /// The objective with its derivatives. Planar in closed form.
+    fn expansion(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         k: &SVector<f64, D>,
-        gradient: &SVector<f64, D>,
-        longest: f64,
-    ) -> SVector<f64, D> {
-        let h = 1e-5 * longest;
-        let mut hessian = DMatrix::zeros(D, D);
-        for a in 0..D {
+    ) -> Taylor<f64, D> {
+        if D == 3 {
+            return self.differenced(matrix, objective, k);
+        }
+        let real = matrix.planar_expansion(k);
+        if let Some(expansion) = real.filter(|_| objective != Objective::Growth) {
+            return match objective {
+                Objective::Highest => expansion.branch(1.0).map(|x| -x),
+                Objective::Discriminant => expansion.discriminant(),
+                Objective::Scaled => self.scaled(&expansion.branch(-1.0), k),
+                _ => expansion.branch(-1.0),
+            };
+        }
+        let expansion = matrix.expansion_at(k);
+        match objective {
+            Objective::Lowest => expansion.branch(-1.0),
+            Objective::Highest => expansion.branch(1.0).map(|x| -x),
+            Objective::Discriminant => expansion.discriminant().map(|x| x.re),
+            Objective::Growth => expansion.growth().map(|x| -x),
+            Objective::Scaled => self.scaled(&expansion.branch(-1.0), k),
+        }
+    }
+
+    /// The quotient of a branch and `c^2 |k|_h^2`.
+    fn scaled(&self, branch: &Taylor<f64, D>, k: &SVector<f64, D>) -> Taylor<f64, D> {
+        let (lattice, c2) = (self.reference(), self.speed_squared);
+        let scale = c2 * lattice.laplacian(k);
+        let scale_slope = lattice.laplacian_gradient(k) * c2;
+        let scale_curvature = lattice.laplacian_hessian(k) * c2;
+        let value = branch.value / scale;
+        let gradient: [f64; D] =
+            std::array::from_fn(|a| (branch.gradient[a] - value * scale_slope[a]) / scale);
+        Taylor {
+            value,
+            gradient,
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    (branch.hessian[a][b]
+                        - gradient[a] * scale_slope[b]
+                        - gradient[b] * scale_slope[a]
+                        - value * scale_curvature[(a, b)])
+                        / scale
+                })
+            }),
+        }
+    }
+
+    /// In three dimensions: the second derivatives as differences of exact first ones.
+    fn differenced(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        k: &SVector<f64, D>,
+    ) -> Taylor<f64, D> {
+        let h = 1e-5 * self.longest();
+        let rows: [SVector<f64, D>; D] = std::array::from_fn(|a| {
             let mut shift = SVector::<f64, D>::zeros();
             shift[a] = h;
-            let difference = (self.gradient(matrix, objective, &(k + shift))
+            (self.gradient(matrix, objective, &(k + shift))
                 - self.gradient(matrix, objective, &(k - shift)))
-                / (2.0 * h);
-            for b in 0..D {
-                hessian[(a, b)] += 0.5 * difference[b];
-                hessian[(b, a)] += 0.5 * difference[b];
-            }
-        }
-        let newton = hessian.cholesky().map(|cholesky| {
-            let solved = cholesky.solve(&DVector::from_fn(D, |i, _| -gradient[i]));
-            SVector::<f64, D>::from_fn(|i, _| solved[i])
+                / (2.0 * h)
         });
-        let limit = 0.1 * longest;
-        let step = newton
-            .filter(|step| step.iter().all(|x| x.is_finite()))
-            .unwrap_or_else(|| -gradient * (0.05 * longest / gradient.norm()));
-        if step.norm() > limit {
-            step * (limit / step.norm())
-        } else {
-            step
+        let slope = self.gradient(matrix, objective, k);
+        Taylor {
+            value: self.value_at(matrix, objective, k),
+            gradient: std::array::from_fn(|a| slope[a]),
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| 0.5 * (rows[a][b] + rows[b][a]))
+            }),
         }
     }
 
@@ -242,18 +329,6 @@ impl<const D: usize> ZoneSearch<D> {
     ) -> SVector<f64, D> {
         let d = matrix.at(k);
         let derivatives = matrix.gradient_at(k);
-        if objective == Objective::Discriminant {
-            return SVector::from_fn(|a, _| {
-                let slope = &derivatives[a];
-                let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
-                let product = slope[(0, 1)] * d[(1, 0)] + d[(0, 1)] * slope[(1, 0)];
-                if D == 2 {
-                    (half * (slope[(0, 0)] - slope[(1, 1)]) + product).re
-                } else {
-                    f64::NAN
-                }
-            });
-        }
         let branch = if objective == Objective::Highest {
             D - 1
         } else {
@@ -273,16 +348,79 @@ impl<const D: usize> ZoneSearch<D> {
             (product(&left, &image) / norm).re
         });
         match objective {
-            Objective::Lowest | Objective::Discriminant => slope,
+            Objective::Lowest => slope,
             Objective::Highest => -slope,
+            Objective::Discriminant | Objective::Growth => SVector::repeat(f64::NAN),
             Objective::Scaled => {
-                let laplacian = self.reference.laplacian(k);
+                let laplacian = self.reference().laplacian(k);
                 let quotient = eigenvalue.re / laplacian;
-                (slope - self.reference.laplacian_gradient(k) * quotient)
+                (slope - self.reference().laplacian_gradient(k) * quotient)
                     / (self.speed_squared * laplacian)
             }
         }
     }
+}
+
+/// The Newton step and whether the curvature is positive. Where it is not, its negative principal values are taken
+/// with the other sign, so that the step leads down; from a saddle, along the direction of negative curvature. At
+/// most a tenth of the zone long.
+fn newton_step<const D: usize>(
+    slope: &SVector<f64, D>,
+    curvature: &SMatrix<f64, D, D>,
+    longest: f64,
+) -> (SVector<f64, D>, bool) {
+    let limit = 0.1 * longest;
+    let (values, axes) = principal(curvature);
+    let largest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    let is_convex = values.iter().all(|value| *value > 1e-12 * largest);
+    let mut step = SVector::<f64, D>::zeros();
+    for (value, axis) in values.iter().zip(&axes) {
+        let along = axis.dot(slope);
+        let size = value.abs().max(1e-12 * largest);
+        // On the crest the slope vanishes: some way down is taken on one side.
+        let length = if *value < 0.0 && along.abs() < 1e-3 * limit * size {
+            limit * if along > 0.0 { -1.0 } else { 1.0 }
+        } else {
+            -along / size
+        };
+        step += axis * length;
+    }
+    let norm = step.norm();
+    if !norm.is_finite() || largest == 0.0 {
+        (-slope * (limit / slope.norm()), false)
+    } else {
+        (
+            if norm > limit {
+                step * (limit / norm)
+            } else {
+                step
+            },
+            is_convex,
+        )
+    }
+}
+
+/// Principal values and axes of a symmetric matrix of up to two rows; of three rows, the axes of the components with
+/// the diagonal, which is good enough to go down.
+fn principal<const D: usize>(m: &SMatrix<f64, D, D>) -> ([f64; D], [SVector<f64, D>; D]) {
+    let mut values: [f64; D] = std::array::from_fn(|i| m[(i, i)]);
+    let mut axes: [SVector<f64, D>; D] =
+        std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));
+    if D == 2 && m[(0, 1)] != 0.0 {
+        let (mean, half) = (0.5 * (m[(0, 0)] + m[(1, 1)]), 0.5 * (m[(0, 0)] - m[(1, 1)]));
+        let radius = half.hypot(m[(0, 1)]);
+        // The longer of the two forms of the axis of the higher value, for accuracy.
+        let (x, y) = if half > 0.0 {
+            (half + radius, m[(0, 1)])
+        } else {
+            (m[(0, 1)], radius - half)
+        };
+        let length = x.hypot(y);
+        values = std::array::from_fn(|i| if i == 0 { mean + radius } else { mean - radius });
+        axes[0] = SVector::from_fn(|i, _| [x, y][i] / length);
+        axes[1] = SVector::from_fn(|i, _| [-y, x][i] / length);
+    }
+    (values, axes)
 }
 
 /// The minimum of a unimodal function between two arguments.

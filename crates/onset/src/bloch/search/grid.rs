@@ -3,31 +3,119 @@
 use super::{Candidate, Objective, ZoneSearch};
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::DynamicalMatrix;
-use crate::bloch::dynamical_matrix::grid_coordinates;
 use crate::bloch::growth_rate;
+use crate::bloch::planar::PlanarEntries;
+use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::SVector;
+use pulp::Arch;
+use std::sync::Arc;
 
 /// The objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
-    pub(super) resolution: usize,
-    pub(super) points: Vec<GridPoint<D>>,
+    pub(super) waves: Arc<WaveGrid<D>>,
+    pub(super) spectrum: GridSpectrum,
+    /// The direction of the softest long waves.
+    pub(super) soft_direction: SVector<f64, D>,
 }
 
-#[derive(Clone, Copy)]
-pub(super) struct GridPoint<const D: usize> {
-    /// Reference wave vector.
-    pub(super) k: SVector<f64, D>,
-    pub(super) scaled: f64,
-    pub(super) lowest: f64,
-    pub(super) highest: f64,
-    pub(super) discriminant: f64,
-    /// Fastest growth of a mode with complex `omega^2`.
-    pub(super) growth: f64,
+/// A point of the grid that is lower than those around it.
+pub(super) struct Well<const D: usize> {
+    pub(super) start: Candidate<D>,
+    /// How far the highest of those around it is above. The bottom of a quadratic well is at most a quarter of this
+    /// below the point.
+    pub(super) relief: f64,
+}
+
+/// One number a grid point.
+pub(super) struct GridSpectrum {
+    /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch; infinite at `k = 0`.
+    pub(super) scaled: Vec<f64>,
+    pub(super) lowest: Vec<f64>,
+    pub(super) highest: Vec<f64>,
+    pub(super) discriminant: Vec<f64>,
+}
+
+impl GridSpectrum {
+    fn zeros(count: usize) -> Self {
+        let zeros = || vec![0.0; count];
+        Self {
+            scaled: zeros(),
+            lowest: zeros(),
+            highest: zeros(),
+            discriminant: zeros(),
+        }
+    }
+
+    /// The values of an objective.
+    pub(super) fn values(&self, objective: Objective) -> &[f64] {
+        match objective {
+            Objective::Scaled => &self.scaled,
+            Objective::Lowest => &self.lowest,
+            Objective::Highest => &self.highest,
+            // A branch is complex, and can grow, where the discriminant is negative.
+            Objective::Discriminant | Objective::Growth => &self.discriminant,
+        }
+    }
+
+    /// From the real entries of half of the grid.
+    #[inline(always)]
+    fn of_planar(entries: &PlanarEntries, laplacian: &[f64], speed_squared: f64) -> Self {
+        let [a, b, c, d] = entries;
+        let half = a.len();
+        let mut spectrum = Self::zeros(laplacian.len());
+        let (lowest, highest) = (&mut spectrum.lowest[..half], &mut spectrum.highest[..half]);
+        let (scaled, discriminant) = (
+            &mut spectrum.scaled[..half],
+            &mut spectrum.discriminant[..half],
+        );
+        let (b, c, d, laplacian) = (&b[..half], &c[..half], &d[..half], &laplacian[..half]);
+        for n in 0..half {
+            let mean = 0.5 * (a[n] + d[n]);
+            let difference = 0.5 * (a[n] - d[n]);
+            let p = difference * difference + b[n] * c[n];
+            let root = if p > 0.0 { p } else { 0.0 }.sqrt();
+            lowest[n] = mean - root;
+            // As an objective: always a minimum is sought.
+            highest[n] = -(mean + root);
+            discriminant[n] = p;
+            scaled[n] = (mean - root) / (speed_squared * laplacian[n]);
+        }
+        spectrum
+    }
+
+    /// Copies what is known of `k` to `-k`, `D(-k) = conj D(k)`, as far as points of the known half have neighbors there.
+    fn mirrored<const D: usize>(&mut self, n: usize) {
+        let lines = if D == 2 {
+            vec![n / 2 + 1, n - 1]
+        } else {
+            (n / 2 + 1..n).collect()
+        };
+        let width = self.lowest.len() / n;
+        let all = [
+            &mut self.scaled,
+            &mut self.lowest,
+            &mut self.highest,
+            &mut self.discriminant,
+        ];
+        for values in all {
+            for index in lines
+                .iter()
+                .flat_map(|line| line * width..(line + 1) * width)
+            {
+                values[index] = values[opposite_index::<D>(index, n)];
+            }
+        }
+    }
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    pub(super) fn grid(&self, matrix: &DynamicalMatrix<D>, points_per_period: usize) -> Grid<D> {
-        let resolution = points_per_period * matrix.reach().clamp(4, 32);
+    pub(super) fn grid(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        points_per_period: usize,
+        soft_direction: SVector<f64, D>,
+    ) -> Grid<D> {
+        let resolution = points_per_period * matrix.effective_reach().clamp(3, 32);
         // A multiple of six has M, X and K among its points.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
@@ -35,97 +123,159 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             resolution
         };
-        let total = resolution.pow(D as u32);
-        let matrices = if self.is_periodic {
-            matrix.on_grid(resolution, true)
-        } else {
-            None
+        let waves = match (self.is_periodic, self.home_is_reference) {
+            (true, _) => self.grids.grid(resolution),
+            (false, true) => self.grids.folded_grid(resolution),
+            (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
         };
-        let mut points = Vec::with_capacity(total);
-        // D(-k) = conj D(k), and index `total - n` (in each coordinate) is -k: half of the grid is enough.
-        for index in 0..total {
-            let opposite = opposite_index::<D>(index, resolution);
-            if opposite < index {
-                let GridPoint { k, .. }: GridPoint<D> = points[opposite];
-                points.push(GridPoint {
-                    k: -k,
-                    ..points[opposite]
-                });
-                continue;
-            }
-            let centered = |j: usize| {
-                if 2 * j > resolution {
-                    j as f64 - resolution as f64
-                } else {
-                    j as f64
-                }
-            };
-            let fractional =
-                grid_coordinates::<D>(index, resolution).map(|j| centered(j) / resolution as f64);
-            let mut k = self.reference.reciprocal() * SVector::from(fractional);
-            if !self.is_periodic {
-                k = self.folded(&k);
-            }
-            let d = match matrices.as_ref().and_then(|matrices| matrices.get(index)) {
-                Some(d) => *d,
-                None => matrix.at(&k),
-            };
-            let omega_squared = eigenvalues(&d, matrix.noise());
-            let value = |objective| self.value(objective, &k, &d, &omega_squared);
-            points.push(GridPoint {
-                k,
-                scaled: if index == 0 {
-                    f64::INFINITY
-                } else {
-                    value(Objective::Scaled)
-                },
-                lowest: value(Objective::Lowest),
-                highest: value(Objective::Highest),
-                discriminant: value(Objective::Discriminant),
-                growth: complex_growth(&omega_squared),
-            });
+        let mut spectrum = match matrix.planar_entries(&waves) {
+            Some(entries) => Arch::new().dispatch(
+                #[inline(always)]
+                || GridSpectrum::of_planar(&entries, waves.laplacian(), self.speed_squared),
+            ),
+            None => self.pointwise(matrix, &waves),
+        };
+        spectrum.mirrored::<D>(resolution);
+        // Long waves are taken to their limit elsewhere.
+        spectrum.scaled[0] = f64::INFINITY;
+        Grid {
+            waves,
+            spectrum,
+            soft_direction,
         }
-        Grid { resolution, points }
+    }
+
+    /// The objectives of half of the grid, one matrix after the other.
+    fn pointwise(&self, matrix: &DynamicalMatrix<D>, waves: &WaveGrid<D>) -> GridSpectrum {
+        let count = waves.wave_vectors().len();
+        let mut spectrum = GridSpectrum::zeros(count);
+        let line = count / waves.resolution();
+        for index in 0..(waves.resolution() / 2 + 1) * line {
+            let k = &waves.wave_vectors()[index];
+            let d = matrix.at(k);
+            let omega_squared = eigenvalues(&d, matrix.noise());
+            let value = |objective| self.value(objective, k, &d, &omega_squared);
+            spectrum.scaled[index] = value(Objective::Scaled);
+            spectrum.lowest[index] = value(Objective::Lowest);
+            spectrum.highest[index] = value(Objective::Highest);
+            spectrum.discriminant[index] = value(Objective::Discriminant);
+        }
+        spectrum
     }
 }
 
 impl<const D: usize> Grid<D> {
-    /// The distinct local minima of the grid, deepest first.
-    pub(super) fn wells(&self, objective: Objective) -> Vec<Candidate<D>> {
-        let value = |index: usize| {
-            let point = &self.points[index];
-            match objective {
-                Objective::Scaled => point.scaled,
-                Objective::Lowest => point.lowest,
-                Objective::Highest => point.highest,
-                Objective::Discriminant => point.discriminant,
-            }
-        };
-        let mut wells: Vec<Candidate<D>> = Vec::new();
-        for index in 1..self.points.len() {
-            let own = value(index);
-            // Of k and -k only the first is taken.
-            let first = opposite_index::<D>(index, self.resolution) >= index;
-            if first && own.is_finite() && self.neighbors(index).all(|other| value(other) >= own) {
-                wells.push((own, self.points[index].k));
+    /// The smallest value of an objective and where it is.
+    pub(super) fn minimum(&self, objective: Objective) -> Candidate<D> {
+        let values = self.spectrum.values(objective);
+        let mut best = (f64::INFINITY, 0);
+        for (index, value) in values.iter().enumerate() {
+            if *value < best.0 {
+                best = (*value, index);
             }
         }
-        wells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (best.0, self.waves.wave_vectors()[best.1])
+    }
+
+    /// The distinct local minima of the grid, deepest first.
+    pub(super) fn wells(&self, objective: Objective) -> Vec<Well<D>> {
+        self.wells_of(self.spectrum.values(objective))
+    }
+
+    fn wells_of(&self, values: &[f64]) -> Vec<Well<D>> {
+        let n = self.waves.resolution();
+        let lines = values.len() / n;
+        let mut wells: Vec<Well<D>> = Vec::new();
+        // Of k and -k only one is taken: the first half of the lines.
+        let half = if D == 1 { 1 } else { (n / 2 + 1) * lines / n };
+        let mut is_low = vec![false; n];
+        for line in 0..half {
+            let beside: Vec<&[f64]> = lines_beside::<D>(line, n)
+                .iter()
+                .map(|line| &values[line * n..][..n])
+                .collect();
+            Arch::new().dispatch(
+                #[inline(always)]
+                || mark_low(&values[line * n..][..n], &beside, &mut is_low),
+            );
+            let low = is_low.iter().enumerate().filter(|(_, low)| **low);
+            for j in low.map(|(j, _)| j).filter(|j| line + j > 0) {
+                let value = values[line * n + j];
+                let (left, right) = ((j + n - 1) % n, (j + 1) % n);
+                let around = || {
+                    let points = beside
+                        .iter()
+                        .flat_map(|line| [line[left], line[j], line[right]]);
+                    points.filter(|other| other.is_finite())
+                };
+                if value.is_finite() && around().all(|other| other >= value) {
+                    wells.push(Well {
+                        start: (value, self.waves.wave_vectors()[line * n + j]),
+                        relief: around().fold(value, f64::max) - value,
+                    });
+                }
+            }
+        }
+        wells.sort_by(|a, b| a.start.0.total_cmp(&b.start.0));
         // Wells of the same depth are images of each other under the symmetry of the lattice.
-        wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
+        wells.dedup_by(|b, a| (b.start.0 - a.start.0).abs() <= 1e-10 * a.start.0.abs());
         wells
     }
 
-    fn neighbors(&self, index: usize) -> impl Iterator<Item = usize> {
-        let n = self.resolution;
-        let center = grid_coordinates::<D>(index, n);
-        (0..3_usize.pow(D as u32))
-            .filter(move |&shift| shift != 3_usize.pow(D as u32) / 2)
-            .map(move |shift| {
-                let offsets = grid_coordinates::<D>(shift, 3);
-                (0..D).fold(0, |sum, i| sum * n + (center[i] + offsets[i] + n - 1) % n)
-            })
+    /// Where complex branches grow fastest, `omega^2 = Re omega^2 +- i sqrt(-p)`, fastest first; planar.
+    pub(super) fn fastest_flutter(&self) -> impl Iterator<Item = SVector<f64, D>> {
+        let spectrum = &self.spectrum;
+        let slowness = |(p, re): (&f64, &f64)| {
+            if *p < 0.0 {
+                -growth_rate(Complex::new(*re, (-p).sqrt()))
+            } else {
+                0.0
+            }
+        };
+        let pairs = spectrum.discriminant.iter().zip(&spectrum.lowest);
+        let slowness: Vec<f64> = pairs.map(slowness).collect();
+        let wells = self.wells_of(&slowness).into_iter();
+        wells
+            .filter(|well| well.start.0 < 0.0)
+            .map(|well| well.start.1)
     }
+
+    /// The length of a step of the grid along the first reciprocal vector.
+    pub(super) fn step(&self, search: &ZoneSearch<D>) -> f64 {
+        search.reference().reciprocal().column(0).norm() / self.waves.resolution() as f64
+    }
+}
+
+/// Marks the points of a line that none beside them on lines `beside` is lower than; at its ends too generously.
+#[inline(always)]
+fn mark_low(line: &[f64], beside: &[&[f64]], is_low: &mut [bool]) {
+    let n = line.len();
+    is_low.fill(true);
+    for other in beside {
+        let other = &other[..n];
+        let is_low = &mut is_low[..n];
+        for j in 1..n - 1 {
+            let lowest = other[j - 1].min(other[j]).min(other[j + 1]);
+            is_low[j] &= lowest >= line[j];
+        }
+    }
+}
+
+/// A line of the grid (all coordinates but the last) and those beside it.
+fn lines_beside<const D: usize>(line: usize, n: usize) -> Vec<usize> {
+    let mut beside = vec![0];
+    let mut scale = 1;
+    let mut rest = line;
+    for _ in 1..D {
+        let i = rest % n;
+        rest /= n;
+        beside = [(i + n - 1) % n, i, (i + 1) % n]
+            .iter()
+            .flat_map(|neighbor| beside.iter().map(move |known| known + neighbor * scale))
+            .collect();
+        scale *= n;
+    }
+    beside
 }
 
 /// The fastest growth among complex eigenvalues.

@@ -6,16 +6,15 @@
 mod descent;
 mod grid;
 
-use super::dynamical_matrix::grid_coordinates;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, eigenvalues, eigenvector};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, BrillouinZone};
+use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrids, grid_coordinates};
 use crate::method::Method;
-use descent::coordinate_search;
 use grid::{Grid, complex_growth};
 use nalgebra::{DMatrix, SMatrix, SVector};
+use std::sync::{Arc, OnceLock};
 
 /// Scaled measures within this multiple of the rounding error of the matrix count as zero.
 const ROUNDING: f64 = 4.0;
@@ -28,12 +27,17 @@ const FINE: usize = 9;
 /// The search over the zone of one method at one state.
 #[derive(Clone, Debug)]
 pub struct ZoneSearch<const D: usize> {
-    zone: BrillouinZone<D>,
+    /// The lattice whose zone is searched, and the zone once it is needed.
+    lattice: BravaisLattice<D>,
+    zone: OnceLock<BrillouinZone<D>>,
     /// From wave vectors of the searched zone to reference wave vectors, `home^T`.
     to_reference: SMatrix<f64, D, D>,
     /// The inverse.
     from_reference: SMatrix<f64, D, D>,
-    reference: BravaisLattice<D>,
+    /// Whether the searched lattice is the reference lattice.
+    home_is_reference: bool,
+    /// Wave vectors of the reference lattice.
+    grids: Arc<WaveGrids<D>>,
     is_periodic: bool,
     speed_squared: f64,
 }
@@ -50,6 +54,8 @@ enum Objective {
     /// The discriminant `((D11 - D22)/2)^2 + D12 D21`, negative where `omega^2` is complex. Unlike the imaginary
     /// part of `omega^2` it is smooth. (In three dimensions minus the growth rate of complex pairs.)
     Discriminant,
+    /// Minus the growth rate of a mode with complex `omega^2`.
+    Growth,
 }
 
 /// A wave vector with the value of the objective there.
@@ -63,26 +69,39 @@ impl<const D: usize> ZoneSearch<D> {
         let home = method.home_map(f);
         let inverse = DMatrix::from_fn(D, D, |i, j| home[(j, i)]).try_inverse()?;
         Some(Self {
-            zone: BrillouinZone::new(method.lattice().mapped(&home)?),
+            lattice: method.lattice().mapped(&home)?,
+            zone: OnceLock::new(),
             to_reference: home.transpose(),
             from_reference: SMatrix::from_fn(|i, j| inverse[(i, j)]),
-            reference: *method.lattice(),
+            home_is_reference: home == SMatrix::<f64, D, D>::identity(),
+            grids: Arc::clone(method.wave_grids()),
             is_periodic: method.is_periodic(),
             speed_squared,
         })
     }
 
+    fn reference(&self) -> &BravaisLattice<D> {
+        self.grids.lattice()
+    }
+
+    fn zone(&self) -> &BrillouinZone<D> {
+        self.zone.get_or_init(|| BrillouinZone::new(self.lattice))
+    }
+
     /// The extremes of the spectrum.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        let grid = self.grid(matrix, FINE);
         let long_wave = self.long_wave_limit(matrix);
+        let grid = self.grid(matrix, FINE, long_wave.wave_vector);
         let softest = self
             .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
         let rest = self.rest(matrix, long_wave.scaled);
-        let lowest = self
-            .bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re)
+        // A translation that strains the body can have a negative omega^2 itself.
+        let grows = softest.scaled < -self.tolerance(matrix) || rest.omega_squared.re < 0.0;
+        let lowest = grows
+            .then(|| self.bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re))
+            .flatten()
             .map(|bottom| self.mode(matrix, &bottom.1))
             .filter(|mode| {
                 mode.omega_squared.re < rest.omega_squared.re
@@ -112,7 +131,8 @@ impl<const D: usize> ZoneSearch<D> {
         let tolerance = self.tolerance(matrix);
         // One witness is enough. Most unstable states have one among the long waves, at the points of high symmetry, or
         // on a coarse grid, sought in the order of what they cost.
-        let mut measure = self.long_wave_limit(matrix).scaled;
+        let long_wave = self.long_wave_limit(matrix);
+        let mut measure = long_wave.scaled;
         if self.rest(matrix, measure).omega_squared.re < 0.0 {
             return (Stability::Divergence, measure);
         }
@@ -122,9 +142,8 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return (Stability::Divergence, measure);
         }
-        let coarse = self.grid(matrix, COARSE);
-        let sampled = coarse.points.iter().map(|point| point.scaled);
-        measure = sampled.fold(measure, f64::min);
+        let coarse = self.grid(matrix, COARSE, long_wave.wave_vector);
+        measure = measure.min(coarse.minimum(Objective::Scaled).0);
         if measure < -tolerance {
             return (Stability::Divergence, measure);
         }
@@ -132,7 +151,7 @@ impl<const D: usize> ZoneSearch<D> {
         let grid = if matrix.is_hermitian() {
             coarse
         } else {
-            self.grid(matrix, FINE)
+            self.grid(matrix, FINE, long_wave.wave_vector)
         };
         if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, -tolerance) {
             measure = measure.min(bottom.0);
@@ -159,7 +178,7 @@ impl<const D: usize> ZoneSearch<D> {
         let k = &folded;
         let d = matrix.at(k);
         let omega_squared = eigenvalues(&d, matrix.noise())[0];
-        let laplacian = self.reference.laplacian(k);
+        let laplacian = self.reference().laplacian(k);
         Mode {
             wave_vector: *k,
             is_long_wave: false,
@@ -172,10 +191,10 @@ impl<const D: usize> ZoneSearch<D> {
     /// The limit `k -> 0` of the scaled measure, minimized over all directions algebraically.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
-        let map = inverse_square_root(&self.reference.long_wave_metric());
+        let map = self.grids.long_wave_map();
         let minimum = matrix
             .long_wave_stiffness()
-            .with_directions_mapped(&map)
+            .with_directions_mapped(map)
             .minimum();
         Mode {
             wave_vector: (map * minimum.direction).normalize(),
@@ -199,7 +218,7 @@ impl<const D: usize> ZoneSearch<D> {
         (1..4_usize.pow(D as u32))
             .map(|index| SVector::from(grid_coordinates::<D>(index, 4).map(|n| fractions[n])))
             .map(|fractional| {
-                let k = self.reference.reciprocal() * fractional;
+                let k = self.reference().reciprocal() * fractional;
                 let k = if self.is_periodic { k } else { self.folded(&k) };
                 self.value_at(matrix, Objective::Scaled, &k)
             })
@@ -227,7 +246,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The equivalent reference wave vector in the searched zone.
     fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        self.to_reference * self.zone.folded(&(self.from_reference * k))
+        self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 
     fn value(
@@ -239,7 +258,7 @@ impl<const D: usize> ZoneSearch<D> {
     ) -> f64 {
         match objective {
             Objective::Scaled => {
-                omega_squared[0].re / (self.speed_squared * self.reference.laplacian(k))
+                omega_squared[0].re / (self.speed_squared * self.reference().laplacian(k))
             }
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
@@ -251,6 +270,7 @@ impl<const D: usize> ZoneSearch<D> {
                 }
                 _ => -complex_growth(omega_squared),
             },
+            Objective::Growth => -complex_growth(omega_squared),
         }
     }
 
@@ -270,11 +290,8 @@ impl<const D: usize> ZoneSearch<D> {
         if D == 1 || matrix.is_hermitian() {
             return None;
         }
-        let largest = grid
-            .points
-            .iter()
-            .map(|point| point.highest.abs())
-            .fold(0.0, f64::max);
+        let highest = &grid.spectrum.highest;
+        let largest = highest.iter().map(|value| value.abs()).fold(0.0, f64::max);
         let (_, k) = self.bottom(
             matrix,
             grid,
@@ -282,7 +299,7 @@ impl<const D: usize> ZoneSearch<D> {
             -matrix.noise() * largest,
         )?;
         let mode = self.fluttering_mode(matrix, &k)?;
-        let spacing = self.reference.vectors().column(0).norm();
+        let spacing = self.reference().vectors().column(0).norm();
         let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
         (growth_rate(mode.omega_squared) > threshold).then_some(mode)
     }
@@ -296,23 +313,11 @@ impl<const D: usize> ZoneSearch<D> {
         lowest: Mode<D>,
         fluttering: Mode<D>,
     ) -> Mode<D> {
-        let step = self.reference.reciprocal().column(0).norm() / grid.resolution as f64;
-        let slowness = |k: &SVector<f64, D>| {
-            if self.is_admissible(k) {
-                -complex_growth(&matrix.omega_squared(k))
-            } else {
-                0.0
-            }
-        };
-        let on_grid = grid
-            .points
-            .iter()
-            .max_by(|a, b| a.growth.total_cmp(&b.growth))
-            .map(|point| point.k);
-        on_grid
-            .into_iter()
+        grid.fastest_flutter()
+            .take(4)
             .chain([fluttering.wave_vector])
-            .filter_map(|k| self.fluttering_mode(matrix, &coordinate_search(&slowness, k, step).1))
+            .map(|k| self.settled(matrix, Objective::Growth, k))
+            .filter_map(|k| self.fluttering_mode(matrix, &k))
             .chain([lowest])
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
             .unwrap_or(lowest)
@@ -332,21 +337,4 @@ impl<const D: usize> ZoneSearch<D> {
             ..mode
         })
     }
-}
-
-/// `m^-1/2` of a symmetric positive definite matrix; NaN where its decomposition does not converge, which needs
-/// entries that are not finite.
-fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-    let matrix = DMatrix::from_fn(D, D, |i, j| m[(i, j)]);
-    let Some(eigen) = matrix.try_symmetric_eigen(f64::EPSILON, 200) else {
-        return SMatrix::repeat(f64::NAN);
-    };
-    SMatrix::from_fn(|i, j| {
-        (0..D)
-            .map(|n| {
-                let vector = eigen.eigenvectors.column(n);
-                vector[i] * vector[j] / eigen.eigenvalues[n].sqrt()
-            })
-            .sum()
-    })
 }

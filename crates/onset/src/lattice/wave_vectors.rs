@@ -1,0 +1,199 @@
+//! Grids of wave vectors over a cell of the reciprocal lattice, and what of them no state changes.
+
+use super::BravaisLattice;
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The wave vectors `k = sum_i (j_i / n) b_i`, `j_i = 0 .. n`, first index slowest, with the phases of the lattice
+/// vectors and the lattice Laplacian.
+///
+/// Indices beyond `n / 2` stand for negative ones, so that the vectors surround zero.
+#[derive(Debug)]
+pub struct WaveGrid<const D: usize> {
+    resolution: usize,
+    wave_vectors: Vec<SVector<f64, D>>,
+    laplacian: Vec<f64>,
+    /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
+    turned: Vec<(Vec<f64>, Vec<f64>)>,
+    site_phases: Mutex<SitePhases<D>>,
+}
+
+/// Sites with the cosine and the sine of `k.site` at all wave vectors.
+type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<(Vec<f64>, Vec<f64>)>)>;
+
+impl<const D: usize> WaveGrid<D> {
+    fn new(
+        lattice: &BravaisLattice<D>,
+        resolution: usize,
+        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Self {
+        let centered = |j: usize| {
+            let j = j as f64;
+            let n = resolution as f64;
+            (if 2.0 * j > n { j - n } else { j }) / n
+        };
+        let wave_vectors: Vec<SVector<f64, D>> = (0..resolution.pow(D as u32))
+            .map(|index| {
+                let fractional = coordinates::<D>(index, resolution).map(centered);
+                folded(lattice.reciprocal() * SVector::from(fractional))
+            })
+            .collect();
+        let n = resolution as i64;
+        let circle: Vec<(f64, f64)> = (0..n)
+            .map(|m| TAU * m as f64 / n as f64)
+            .map(|angle| (angle.cos(), angle.sin()))
+            .collect();
+        let turned = |m: i64| {
+            (0..n)
+                .map(|j| circle[(m * j).rem_euclid(n) as usize])
+                .unzip()
+        };
+        Self {
+            resolution,
+            laplacian: wave_vectors.iter().map(|k| lattice.laplacian(k)).collect(),
+            wave_vectors,
+            turned: (-(n / 2)..=n / 2).map(turned).collect(),
+            site_phases: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// Points along each reciprocal vector.
+    pub fn resolution(&self) -> usize {
+        self.resolution
+    }
+
+    /// The wave vectors; 1/length.
+    pub fn wave_vectors(&self) -> &[SVector<f64, D>] {
+        &self.wave_vectors
+    }
+
+    /// The lattice Laplacian `|k|_h^2` of each; 1/length^2.
+    pub fn laplacian(&self) -> &[f64] {
+        &self.laplacian
+    }
+
+    /// `cos` and `sin` of `2 pi m / n`.
+    pub(crate) fn on_circle(&self, m: i64) -> (f64, f64) {
+        let unit = &self.turned[self.resolution / 2 + 1];
+        let m = m.rem_euclid(self.resolution as i64) as usize;
+        (unit.0[m], unit.1[m])
+    }
+
+    /// `cos` and `sin` of `2 pi m j / n` for all `j`. `m` of either sign is taken modulo `n`.
+    pub(crate) fn turned(&self, m: i32) -> (&[f64], &[f64]) {
+        let n = self.resolution as i64;
+        let nearest = (i64::from(m) + n / 2).rem_euclid(n);
+        let (cosines, sines) = &self.turned[nearest as usize];
+        (cosines, sines)
+    }
+
+    /// `cos k.site` and `sin k.site` at all wave vectors, computed once a site.
+    pub(crate) fn site_phases(&self, site: &SVector<f64, D>) -> Arc<(Vec<f64>, Vec<f64>)> {
+        let mut known = self
+            .site_phases
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, phases)) = known.iter().find(|(other, _)| other == site) {
+            return Arc::clone(phases);
+        }
+        let phase = |k: &SVector<f64, D>| {
+            let (sine, cosine) = k.dot(site).sin_cos();
+            (cosine, sine)
+        };
+        let phases: Arc<(Vec<f64>, Vec<f64>)> =
+            Arc::new(self.wave_vectors.iter().map(phase).unzip());
+        known.push((*site, Arc::clone(&phases)));
+        phases
+    }
+}
+
+/// The grids of one lattice, each made when it is first asked for.
+#[derive(Debug)]
+pub struct WaveGrids<const D: usize> {
+    lattice: BravaisLattice<D>,
+    long_wave_map: SMatrix<f64, D, D>,
+    made: Mutex<BTreeMap<(usize, bool), Arc<WaveGrid<D>>>>,
+}
+
+impl<const D: usize> WaveGrids<D> {
+    /// For a lattice.
+    pub fn new(lattice: BravaisLattice<D>) -> Self {
+        Self {
+            lattice,
+            long_wave_map: inverse_square_root(&lattice.long_wave_metric()),
+            made: Mutex::new(BTreeMap::new()),
+        }
+    }
+
+    /// The lattice.
+    pub fn lattice(&self) -> &BravaisLattice<D> {
+        &self.lattice
+    }
+
+    /// `G^-1/2` of the long-wave metric: with `k = G^-1/2 m` the scale `|k|_h^2 -> k.G k` becomes `|m|^2`.
+    pub fn long_wave_map(&self) -> &SMatrix<f64, D, D> {
+        &self.long_wave_map
+    }
+
+    /// The grid with `resolution` points along each reciprocal vector.
+    pub fn grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
+        self.cached((resolution, false), |k| k)
+    }
+
+    /// The same with each wave vector replaced by its equivalent in the first Brillouin zone of the lattice.
+    pub fn folded_grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
+        let zone = super::BrillouinZone::new(self.lattice);
+        self.cached((resolution, true), |k| zone.folded(&k))
+    }
+
+    /// A grid with wave vectors replaced by equivalent ones that depend on the state; not kept.
+    pub fn grid_folded_by(
+        &self,
+        resolution: usize,
+        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Arc<WaveGrid<D>> {
+        Arc::new(WaveGrid::new(&self.lattice, resolution, folded))
+    }
+
+    fn cached(
+        &self,
+        key: (usize, bool),
+        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Arc<WaveGrid<D>> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(
+            made.entry(key)
+                .or_insert_with(|| Arc::new(WaveGrid::new(&self.lattice, key.0, folded))),
+        )
+    }
+}
+
+/// The coordinates of a grid point, first slowest.
+pub(crate) fn coordinates<const D: usize>(index: usize, resolution: usize) -> [usize; D] {
+    let mut rest = index;
+    let mut coordinates = [0; D];
+    for i in (0..D).rev() {
+        coordinates[i] = rest % resolution;
+        rest /= resolution;
+    }
+    coordinates
+}
+
+/// `m^-1/2` of a symmetric positive definite matrix; NaN where its decomposition does not converge, which needs
+/// entries that are not finite.
+fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    let matrix = DMatrix::from_fn(D, D, |i, j| m[(i, j)]);
+    let Some(eigen) = matrix.try_symmetric_eigen(f64::EPSILON, 200) else {
+        return SMatrix::repeat(f64::NAN);
+    };
+    SMatrix::from_fn(|i, j| {
+        (0..D)
+            .map(|n| {
+                let vector = eigen.eigenvectors.column(n);
+                vector[i] * vector[j] / eigen.eigenvalues[n].sqrt()
+            })
+            .sum()
+    })
+}
