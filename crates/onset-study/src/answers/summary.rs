@@ -328,7 +328,8 @@ impl StudySummary {
 /// A duration to two digits.
 fn duration(seconds: f64) -> String {
     match seconds {
-        s if s < 1.0 => format!("{:.2} ms", 1e3 * s),
+        s if s < 0.01 => format!("{:.2} ms", 1e3 * s),
+        s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
         s if s < 120.0 => format!("{s:.1} s"),
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.1} h", s / 3600.0),
