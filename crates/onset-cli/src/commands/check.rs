@@ -12,7 +12,7 @@ use std::process::ExitCode;
 #[serde(untagged)]
 enum Entry {
     Valid(Box<StudySummary>),
-    Invalid(Mistake),
+    Invalid(Box<Mistake>),
 }
 
 /// Why a file is not a study.
@@ -31,8 +31,8 @@ struct Mistake {
 }
 
 impl Mistake {
-    fn new(file: &str, told: String) -> Self {
-        Self {
+    fn new(file: &str, told: String) -> Box<Self> {
+        Box::new(Self {
             file: file.to_owned(),
             valid: false,
             line: None,
@@ -40,22 +40,22 @@ impl Mistake {
             message: told.clone(),
             hint: None,
             told,
-        }
+        })
     }
 
-    fn of_setting(file: &str, error: SettingError) -> Self {
+    fn of_setting(file: &str, error: SettingError) -> Box<Self> {
         let told = error.to_string();
         let (line, column) = match error.origin {
             Origin::File { line, column, .. } => (Some(line), Some(column)),
             Origin::CommandLine(_) | Origin::Combination => (None, None),
         };
-        Self {
+        Box::new(Self {
             line,
             column,
             message: error.message,
             hint: error.hint,
-            ..Self::new(file, told)
-        }
+            ..*Self::new(file, told)
+        })
     }
 }
 
@@ -87,7 +87,7 @@ pub fn check(files: &[PathBuf], assignments: &[String], json: bool) -> Result<Ex
     }
 }
 
-fn summary(file: &Path, assignments: &[String]) -> Result<StudySummary, Mistake> {
+fn summary(file: &Path, assignments: &[String]) -> Result<StudySummary, Box<Mistake>> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file)
         .map_err(|error| Mistake::new(&name, format!("cannot read {name}: {error}")))?;
