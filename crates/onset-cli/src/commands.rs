@@ -1,5 +1,7 @@
 //! What each command does: ask, and print the answer.
 
+mod check;
+
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
@@ -80,6 +82,12 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
         Command::List { topic, json } => list(topic.as_deref(), json),
+        Command::Check {
+            files,
+            assignments,
+            json,
+        } => check::check(&files, &assignments, json),
+        Command::Schema => check::schema(),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }
