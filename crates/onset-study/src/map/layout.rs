@@ -40,7 +40,10 @@ fn attributes(study: &Study) -> Map<String, Value> {
     let pairs = [
         ("Conventions", json!("CF-1.11")),
         ("title", json!(study.title)),
-        ("source", json!(concat!("onset ", env!("CARGO_PKG_VERSION")))),
+        (
+            "source",
+            json!(concat!("onset ", env!("CARGO_PKG_VERSION"))),
+        ),
         ("onset_version", json!(env!("CARGO_PKG_VERSION"))),
         ("study", json!(study.document())),
         ("tolerance", json!(study.map.tolerance)),
