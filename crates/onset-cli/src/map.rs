@@ -3,7 +3,7 @@
 use crate::arguments::MapArguments;
 use crate::commands::{Failure, print_json, print_text};
 use crate::interrupt;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::map::{MapError, Plan, Summary, Watch};
 use onset_study::settings::Study;
 use onset_study::store::{StoreError, ZarrStore};
@@ -122,7 +122,9 @@ impl Progress {
         } else {
             ProgressDrawTarget::stderr()
         };
-        let bar = ProgressBar::with_draw_target(Some(states), target);
+        // Cleared also when an error ends the map.
+        let bar = ProgressBar::with_draw_target(Some(states), target)
+            .with_finish(ProgressFinish::AndClear);
         let style = ProgressStyle::with_template(
             "{bar:32} {percent:>3} % of {human_len} states, {per_sec}, {eta} left",
         );

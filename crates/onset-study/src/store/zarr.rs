@@ -308,8 +308,10 @@ impl Drop for ZarrStore {
             return;
         };
         drop(occupancy);
-        if let Ok(Claim::Alone(_)) = Occupancy::alone(&self.path.join(METADATA)) {
-            self.folder.clear();
+        match Occupancy::alone(&self.path.join(METADATA)) {
+            Ok(Claim::Alone(_)) => self.folder.clear(),
+            Ok(Claim::Unknown) => self.folder.clear_if_empty(),
+            Ok(Claim::Shared) | Err(_) => {}
         }
     }
 }
@@ -383,11 +385,7 @@ impl ZarrStore {
     fn runs(&self, tile: &Tile, components: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let (extent, chunk) = (tile.extent.clone(), self.tiling.tile.clone());
         let length = extent.last().copied().unwrap_or(0);
-        let rows = if length == 0 {
-            0
-        } else {
-            tile.states() / length
-        };
+        let rows = tile.states().checked_div(length).unwrap_or(0);
         (0..rows).map(move |row| {
             let place = super::tiling::unravel(row * length, &extent);
             let in_chunk = super::tiling::ravel(&place, &chunk);
