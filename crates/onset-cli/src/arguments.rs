@@ -103,6 +103,20 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Is a study file valid, what does it ask for, and what about it deserves attention?
+    Check {
+        /// Study files.
+        #[arg(value_name = "FILE", required = true)]
+        files: Vec<PathBuf>,
+        /// Set a key of the study otherwise, for example map.tile=128 (may be given several times).
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        assignments: Vec<String>,
+        /// Print one JSON document: a list with an entry for each file.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the JSON Schema of study files, for editors and other programs.
+    Schema,
     /// Reproduce the paper: every figure, and a table with a verdict on every claim.
     Reproduce {
         /// Folder for figures, data and the report.

@@ -1,5 +1,7 @@
 //! What each command does: ask, and print the answer.
 
+mod check;
+
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
 use crate::map;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -82,6 +84,12 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
         Command::Map(arguments) => map::run(&arguments),
         Command::List { topic, json } => list(topic.as_deref(), json),
+        Command::Check {
+            files,
+            assignments,
+            json,
+        } => check::check(&files, &assignments, json),
+        Command::Schema => check::schema(),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }

@@ -4,7 +4,16 @@ use crate::onset;
 
 #[test]
 fn every_command_explains_itself() {
-    for command in ["state", "dispersion", "path", "map", "list", "reproduce"] {
+    for command in [
+        "state",
+        "dispersion",
+        "path",
+        "map",
+        "list",
+        "check",
+        "schema",
+        "reproduce",
+    ] {
         let help = onset(&[command, "--help"]);
         assert_eq!(help.code, Some(0));
         assert!(help.stdout.contains(&format!("Usage: onset {command}")));

@@ -378,7 +378,11 @@ mod tests {
     #[test]
     fn a_measure_that_is_zero_to_rounding_is_no_boundary() {
         let record = |place: &[usize]| {
-            let rounding = if place[0].is_multiple_of(2) { 1e-17 } else { -1e-17 };
+            let rounding = if place[0].is_multiple_of(2) {
+                1e-17
+            } else {
+                -1e-17
+            };
             let measures = [1.0, rounding, rounding];
             Record {
                 measures,

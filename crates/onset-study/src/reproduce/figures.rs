@@ -76,8 +76,8 @@ fn stretch_panel(study: &Study, title: &str) -> Panel {
     let [first, second] = study.plane();
     Panel::new(
         title,
-        Axis::linear(&first.label(), first.range),
-        Axis::linear(&second.label(), second.range),
+        Axis::linear(first.label(), first.range),
+        Axis::linear(second.label(), second.range),
     )
     .equal_aspect()
 }

@@ -1,6 +1,6 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
-use super::super::{Origin, Quantity, SettingError, Settings};
+use super::super::{Origin, Quantity, SettingError, Settings, StateSettings};
 use super::Study;
 use onset::kinematics::KinematicsError;
 use onset::lattice::LatticeError;
@@ -160,12 +160,19 @@ impl Study {
     }
 
     fn kinematics_error(&self, corner: &[f64], error: &KinematicsError) -> SettingError {
-        let of_axis = self
-            .axes
-            .iter()
-            .zip(&self.origins.axes)
-            .find(|(axis, _)| Quantity::OF_STATE.contains(&axis.quantity))
-            .map(|(_, origin)| origin.range.clone());
+        // To blame is the axis without which the state would be admissible.
+        let is_to_blame = |number: &usize| {
+            let name = self.axes[*number].name();
+            let undeformed = StateSettings::default().value(name);
+            undeformed.is_some_and(|value| {
+                let mut without = corner.to_vec();
+                without[*number] = value;
+                self.deformation_at(&without).is_ok()
+            })
+        };
+        let of_axis = (0..self.axes.len())
+            .find(is_to_blame)
+            .map(|number| self.origins.axes[number].range.clone());
         let of_state = || {
             let mut keys = self.origins.keys.iter();
             let origin = keys.find(|(name, _)| name.starts_with("state."));

@@ -128,9 +128,9 @@ impl Study {
                     section = key.parts().0;
                     text.push_str(&format!("\n[{section}]\n"));
                 }
-                let value = match value {
-                    Value::Number(number) => format!("{number:?}"),
-                    other => other.to_string(),
+                let value = match (value, key.unit()) {
+                    (Value::Number(number), Some(_)) => format!("{number:?}"),
+                    (other, _) => other.to_string(),
                 };
                 text.push_str(&format!("{} = {value}\n", key.parts().1));
             }
