@@ -5,6 +5,11 @@ mod documents;
 mod files;
 mod grid;
 mod help;
+mod map;
+mod map_python;
+mod map_refusals;
+#[cfg(unix)]
+mod map_survival;
 mod numbers;
 mod refusals;
 
