@@ -1,8 +1,9 @@
 """Maps in JAX: compiled, batched, double precision, one thread a core.
 
-What was tried for the Lagrangian kernel: a whole array over zone and states with `min`, `argmin` and `max` (`plain=True`
-here), the same with one reduction of several operands, and a loop over a few wave vectors at a time with the running extremes
-of a batch of states in cache, which is several times faster and is the default.
+A loop takes a few wave vectors at a time, with the running extremes of a batch of states in the cache. What was measured
+besides, and is several times slower on a CPU: whole arrays over zone and states with `min`, `argmin` and `max`, as one writes
+at first (`plain=True` of the Lagrangian map); one reduction of several operands; a product of matrices for the whole zone
+before its spectrum; force constants by `segment_sum` or a product with a table of zeros and ones.
 """
 
 import jax
@@ -17,9 +18,8 @@ from .zone import Zone, finished
 
 jax.config.update("jax_enable_x64", True)
 
-# Wave vectors a step of the loop, and of a product of matrices.
+# Wave vectors a step of the loop: more of them leave the registers.
 STEP = 4
-PRODUCT = 72 * STEP
 
 
 def diagonal(s):
@@ -120,7 +120,9 @@ def eulerian_extremes(cosines, scale, index, constants, seen):
     batch = seen.shape[0]
 
     def step(carry, x):
-        d, scale, index = x
+        cosines, scale, index = x
+        # The barrier keeps this a product of matrices.
+        d = lax.optimization_barrier(cosines @ constants).reshape(STEP, 4, batch)
         for n in range(STEP):
             mean, half = 0.5 * (d[n, 0] + d[n, 3]), 0.5 * (d[n, 0] - d[n, 3])
             square = half * half + d[n, 1] * d[n, 2]
@@ -131,12 +133,7 @@ def eulerian_extremes(cosines, scale, index, constants, seen):
             carry = folded(carry, mean, root, growth, scale[n], index[n])
         return carry, None
 
-    def steps(carry, x):
-        cosines, scale, index = x
-        d = (cosines @ constants).reshape(-1, STEP, 4, batch)
-        return lax.scan(step, carry, (d, scale.reshape(-1, STEP), index.reshape(-1, STEP)))[0], None
-
-    minimum, *rest = lax.scan(steps, extremes(batch), (cosines, scale, index))[0]
+    minimum, *rest = lax.scan(step, extremes(batch), (cosines, scale, index))[0]
     lost = lambda value: jnp.where(seen, value, jnp.nan)
     return (lost(minimum), *map(lost, rest))
 
@@ -165,8 +162,8 @@ class LagrangianMap:
 class EulerianMap:
     """The extremes of states over the zone of the Eulerian kernel, by bins of stretches."""
 
-    def __init__(self, resolution=48, symmetry="inversion", batch=128, bins=8, of=None):
-        self.zone = Zone(resolution, symmetry, PRODUCT)
+    def __init__(self, resolution=48, symmetry="inversion", batch=256, bins=8, of=None):
+        self.zone = Zone(resolution, symmetry, STEP)
         self.batch = batch
         # Another map's bins are taken with their compiled force constants: these do not depend on the zone.
         self.bins = of.bins if of else Bins(bins)
@@ -177,8 +174,8 @@ class EulerianMap:
         self.cosines = {}
         for number, neighbors in self.bins.neighborhoods.items():
             table = eulerian.cosines(neighbors, self.zone.fractions)
-            self.cosines[number] = jax.device_put(table.reshape(-1, PRODUCT, table.shape[1]))
-        tables = (t.reshape(-1, PRODUCT) for t in (self.zone.scale, numbered(self.zone)))
+            self.cosines[number] = jax.device_put(table.reshape(-1, STEP, table.shape[1]))
+        tables = (t.reshape(-1, STEP) for t in (self.zone.scale, numbered(self.zone)))
         self.scale, self.index = jax.device_put(tuple(tables))
 
     def evaluate(self, item):

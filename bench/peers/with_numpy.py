@@ -21,27 +21,29 @@ def diagonal(s):
 
 
 def extremes(zone, d11, d12d21, d22, real):
-    """Scaled minimum, index of its wave vector, largest omega^2, largest square of the growth rate; arguments [K, B]."""
-    mean = 0.5 * (d11 + d22)
-    square = np.subtract(d11, mean)
+    """Scaled minimum, index of its wave vector, largest omega^2, largest square of the growth rate; arguments [B, K]."""
+    mean = d11 + d22
+    mean *= 0.5
+    square = np.subtract(d11, mean, out=d11)
     square *= square
     square += d12d21
-    if real or not np.any(square < 0.0):
-        root = np.sqrt(np.maximum(square, 0.0, out=square), out=square)
-        growth = None
-    else:
-        root = np.sqrt(np.maximum(square, 0.0))
+    growth = None
+    if not real and np.any(square < 0.0):
         # (|w| - Re w) / 2 of the complex pair mean +- i sqrt(-square).
         growth = np.sqrt(np.maximum(mean * mean - square, 0.0))
         growth -= mean
         growth *= 0.5
-        growth = np.where(square < 0.0, growth, root - mean)
-    largest = np.max(mean + root, axis=0)
+        growth[square >= 0.0] = -np.inf
+    root = np.sqrt(np.maximum(square, 0.0, out=square), out=square)
+    largest = np.max(np.add(mean, root, out=d22), axis=1)
+    # A complex pair grows at least as fast as its real part alone would.
     mean -= root
-    fastest = -np.min(mean, axis=0) if growth is None else np.max(growth, axis=0)
-    mean *= zone.scale[:, None]
-    where = np.argmin(mean, axis=0)
-    return [mean[where, np.arange(mean.shape[1])], where, largest, fastest]
+    fastest = -np.min(mean, axis=1)
+    if growth is not None:
+        np.maximum(fastest, np.max(growth, axis=1), out=fastest)
+    mean *= zone.scale
+    where = np.argmin(mean, axis=1)
+    return [mean[np.arange(len(where)), where], where, largest, fastest]
 
 
 def force_constants(neighborhood, s):
@@ -69,14 +71,14 @@ def force_constants(neighborhood, s):
 class LagrangianMap:
     """The extremes of states over the zone of the Lagrangian kernel."""
 
-    def __init__(self, resolution=48, symmetry="inversion", batch=16):
+    def __init__(self, resolution=48, symmetry="inversion", batch=8):
         self.zone = Zone(resolution, symmetry)
         self.batch = batch
-        self.h = np.ascontiguousarray(lagrangian.zone_tensors(self.zone.fractions).T)
+        self.h = lagrangian.zone_tensors(self.zone.fractions)
 
     def evaluate(self, s):
         rows = np.array(lagrangian.coefficients(np, diagonal(s)))
-        d11, d12, d22 = (self.h @ row for row in rows)
+        d11, d12, d22 = (row.T @ self.h for row in rows)
         d12 *= d12
         return extremes(self.zone, d11, d12, d22, True)
 
@@ -89,17 +91,17 @@ class LagrangianMap:
 class EulerianMap:
     """The extremes of states over the zone of the Eulerian kernel, by bins of stretches."""
 
-    def __init__(self, resolution=48, symmetry="inversion", batch=16, bins=8):
+    def __init__(self, resolution=48, symmetry="inversion", batch=32, bins=8):
         self.zone = Zone(resolution, symmetry)
         self.batch = batch
         self.bins = Bins(bins)
         tables = self.bins.neighborhoods.items()
-        self.cosines = {number: eulerian.cosines(n, self.zone.fractions) for number, n in tables}
+        self.cosines = {number: eulerian.cosines(n, self.zone.fractions).T.copy() for number, n in tables}
 
     def evaluate(self, item):
         number, s = item
         constants, seen = force_constants(self.bins.neighborhoods[number], s)
-        d11, d12, d21, d22 = (self.cosines[number] @ constants[:, n] for n in range(4))
+        d11, d12, d21, d22 = (constants[:, n].T @ self.cosines[number] for n in range(4))
         d12 *= d21
         return [np.where(seen, value, np.nan) for value in extremes(self.zone, d11, d12, d22, False)]
 

@@ -1,5 +1,6 @@
-//! Tasks of the workspace: `cargo xtask test`, and `cargo xtask figures`.
+//! Tasks of the workspace: `cargo xtask test`, `cargo xtask figures` and `cargo xtask bench`.
 
+mod bench;
 mod python;
 
 use std::process::{Command, ExitCode};
@@ -58,9 +59,12 @@ fn main() -> ExitCode {
     let done = match task.as_deref() {
         Some("test") => run(TEST),
         Some("figures") => run(FIGURES) && copy_figures(),
+        Some("bench") => reported(bench::run(
+            std::env::args().nth(2).as_deref() == Some("--quick"),
+        )),
         _ => {
             eprintln!(
-                "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
             );
             return ExitCode::from(2);
         }
@@ -70,6 +74,14 @@ fn main() -> ExitCode {
     } else {
         ExitCode::FAILURE
     }
+}
+
+/// Tells what failed.
+fn reported(result: Result<(), String>) -> bool {
+    if let Err(message) = &result {
+        eprintln!("== {message}");
+    }
+    result.is_ok()
 }
 
 fn run(steps: &[Step]) -> bool {
