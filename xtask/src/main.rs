@@ -1,5 +1,6 @@
-//! Tasks of the workspace: `cargo xtask test`, `cargo xtask figures`, and `cargo xtask schema`.
+//! Tasks of the workspace: `cargo xtask test`, `figures`, `schema` and `bench`.
 
+mod bench;
 mod python;
 
 use std::path::Path;
@@ -60,9 +61,12 @@ fn main() -> ExitCode {
         Some("test") => test(),
         Some("schema") => write_schema(),
         Some("figures") => run(FIGURES, None) && copy_figures(),
+        Some("bench") => reported(bench::run(
+            std::env::args().nth(2).as_deref() == Some("--quick"),
+        )),
         _ => {
             eprintln!(
-                "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction\n       cargo xtask schema    the JSON Schema of study files, studies/study.schema.json"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
             );
             return ExitCode::from(2);
         }
@@ -84,6 +88,14 @@ fn test() -> bool {
             false
         }
     }
+}
+
+/// Tells what failed.
+fn reported(result: Result<(), String>) -> bool {
+    if let Err(message) = &result {
+        eprintln!("== {message}");
+    }
+    result.is_ok()
 }
 
 fn run(steps: &[Step], interpreter: Option<&Path>) -> bool {

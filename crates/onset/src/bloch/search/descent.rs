@@ -152,7 +152,7 @@ impl<const D: usize> ZoneSearch<D> {
             }
         };
         let (mut value, mut k) = start;
-        for _ in 0..4 {
+        for _ in 0..16 {
             let (bottom, settled) = self.newton(matrix, objective, (value, k), floor);
             (value, k) = bottom;
             if settled || value > floor {

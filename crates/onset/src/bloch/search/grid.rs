@@ -115,7 +115,7 @@ impl<const D: usize> ZoneSearch<D> {
         points_per_period: usize,
         soft_direction: SVector<f64, D>,
     ) -> Grid<D> {
-        let resolution = points_per_period * matrix.effective_reach().clamp(3, 32);
+        let resolution = points_per_period * matrix.effective_reach().clamp(4, 32);
         // A multiple of six has M, X and K among its points.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {

@@ -1,0 +1,1 @@
+"""What a user would write instead: the same maps in NumPy and in JAX."""

@@ -1,0 +1,148 @@
+//! States per second of a map, on all cores, as one JSON document: what `cargo xtask bench` compares with its peers.
+//!
+//! `cargo bench -p onset-study --bench map -- [lagrangian|eulerian] [--states N] [--seed S] [--repetitions N] [--out FILE]`:
+//! with `--out` the extremes of each state are also written, a line a state.
+
+use nalgebra::Vector2;
+use onset::bloch::SpectrumSummary;
+use onset::kinematics::DeformationGradient;
+use onset::material::ModifiedMooneyRivlin;
+use onset::method::{Discretization, Frame, Method};
+use onset::verdict::assess;
+use rayon::prelude::*;
+use std::error::Error;
+use std::time::Instant;
+
+/// The range of both stretches.
+const RANGE: (f64, f64) = (0.5, 2.5);
+
+/// What is to be done.
+struct Arguments {
+    frame: Frame,
+    states: usize,
+    seed: u64,
+    repetitions: usize,
+    out: Option<String>,
+}
+
+/// The extremes of a state over the zone.
+struct Extremes {
+    /// `min Re omega^2 / (c^2 |k|_h^2)`.
+    minimum: f64,
+    /// Its wave vector; the direction where it is the limit of long waves.
+    wave_vector: Vector2<f64>,
+    /// `max Re omega^2`.
+    largest: f64,
+    /// The largest growth rate.
+    growth_rate: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse()?;
+    let method = Method::<2>::new(Discretization {
+        frame: arguments.frame,
+        ..Discretization::default()
+    })?;
+    let material = ModifiedMooneyRivlin::default();
+    let states = states(arguments.states, arguments.seed);
+    let mut rates = Vec::new();
+    let mut found = Vec::new();
+    for _ in 0..arguments.repetitions {
+        let start = Instant::now();
+        found = map(&method, &material, &states);
+        rates.push(states.len() as f64 / start.elapsed().as_secs_f64());
+    }
+    if let Some(path) = &arguments.out {
+        std::fs::write(path, table(&found))?;
+    }
+    let mut sorted = rates.clone();
+    sorted.sort_by(f64::total_cmp);
+    let document = serde_json::json!({
+        "states": states.len(),
+        "lost": found.iter().filter(|extremes| extremes.is_none()).count(),
+        "threads": rayon::current_num_threads(),
+        "states_per_second": sorted[sorted.len() / 2],
+        "repetitions": rates,
+    });
+    println!("{document}");
+    Ok(())
+}
+
+/// The extremes of all states; `None` where the support is lost.
+fn map(
+    method: &Method<2>,
+    material: &ModifiedMooneyRivlin,
+    states: &[[f64; 2]],
+) -> Vec<Option<Extremes>> {
+    let extremes = |[first, second]: &[f64; 2]| {
+        let f = DeformationGradient::from_stretches([*first, *second, 1.0]).ok()?;
+        let assessment = assess(method, material, &f).ok()?;
+        Some(Extremes::of(&assessment.spectrum))
+    };
+    states.par_iter().map(extremes).collect()
+}
+
+impl Extremes {
+    fn of(spectrum: &SpectrumSummary<2>) -> Self {
+        Self {
+            minimum: spectrum.softest.scaled,
+            wave_vector: spectrum.softest.wave_vector,
+            largest: spectrum.maximum_omega.powi(2),
+            growth_rate: spectrum.growth_rate(),
+        }
+    }
+}
+
+/// A line a state: minimum, wave vector, largest `omega^2`, growth rate; `nan` where the support is lost.
+fn table(found: &[Option<Extremes>]) -> String {
+    let line = |extremes: &Option<Extremes>| match extremes {
+        Some(e) => format!(
+            "{:.17e} {:.17e} {:.17e} {:.17e} {:.17e}\n",
+            e.minimum, e.wave_vector.x, e.wave_vector.y, e.largest, e.growth_rate
+        ),
+        None => "nan nan nan nan nan\n".to_owned(),
+    };
+    found.iter().map(line).collect()
+}
+
+/// Pseudo-random pairs of stretches by splitmix64, the same as those of `bench/peers/states.py`.
+fn states(count: usize, seed: u64) -> Vec<[f64; 2]> {
+    let uniform = |n: u64| {
+        let mut z = seed.wrapping_add(n.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+        RANGE.0 + (RANGE.1 - RANGE.0) * ((z >> 11) as f64 * (-53.0_f64).exp2())
+    };
+    (0..count as u64)
+        .map(|n| [uniform(2 * n + 1), uniform(2 * n + 2)])
+        .collect()
+}
+
+impl Arguments {
+    fn parse() -> Result<Self, Box<dyn Error>> {
+        let mut result = Self {
+            frame: Frame::Lagrangian,
+            states: 512,
+            seed: 1,
+            repetitions: 3,
+            out: None,
+        };
+        let mut words = std::env::args().skip(1);
+        while let Some(word) = words.next() {
+            let mut value = || words.next().ok_or(format!("{word} needs a value"));
+            match word.as_str() {
+                "lagrangian" => result.frame = Frame::Lagrangian,
+                "eulerian" => result.frame = Frame::Eulerian,
+                "--states" => result.states = value()?.parse()?,
+                "--seed" => result.seed = value()?.parse()?,
+                "--repetitions" => result.repetitions = value()?.parse::<usize>()?.max(1),
+                "--out" => result.out = Some(value()?),
+                // What cargo adds.
+                "--bench" => {}
+                _ => return Err(format!("unknown argument {word}").into()),
+            }
+        }
+        Ok(result)
+    }
+}

@@ -1,0 +1,68 @@
+//! Benchmarks: our own, and the same work by what a user would write in Python.
+
+use crate::python;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs the criterion benches, checks the peers against the command, and compares states per second and minima.
+/// A full run writes `bench/README.md`, a quick one a trial in `target/bench/`.
+///
+/// # Errors
+/// What failed, in words.
+pub fn run(quick: bool) -> Result<(), String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let interpreter = python::environment("peers", Path::new("bench/requirements.txt"))?;
+    if !quick {
+        step(
+            "criterion benches",
+            Command::new(&cargo).args(["bench", "--package", "onset"]),
+        )?;
+    }
+    step(
+        "the command",
+        Command::new(&cargo).args(["build", "--release", "--package", "onset-cli"]),
+    )?;
+    // Built before it is timed.
+    step(
+        "the map",
+        Command::new(&cargo).args([
+            "bench",
+            "--package",
+            "onset-study",
+            "--bench",
+            "map",
+            "--no-run",
+        ]),
+    )?;
+    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let current = std::env::current_dir()
+        .map_err(|error| format!("cannot tell the current folder: {error}"))?;
+    let onset = current.join(target).join("release/onset");
+    let states = if quick { "10" } else { "40" };
+    step(
+        "the peers against the command",
+        Command::new(&interpreter)
+            .current_dir("bench")
+            .args(["-m", "peers.check", "--states", states, "--onset"])
+            .arg(onset),
+    )?;
+    let mut compare = Command::new(&interpreter);
+    compare.arg("bench/compare.py").args(if quick {
+        ["--quick", "--out", "target/bench/README.md"].as_slice()
+    } else {
+        ["--out", "bench/README.md"].as_slice()
+    });
+    step("the peers against the map", &mut compare)
+}
+
+fn step(purpose: &str, command: &mut Command) -> Result<(), String> {
+    eprintln!("== {purpose}");
+    let status = command
+        .status()
+        .map_err(|error| format!("{purpose}: cannot run: {error}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{purpose}: failed"))
+    }
+}
