@@ -71,7 +71,7 @@ fn is_bounded(d: &DynamicalMatrix<2>) -> bool {
 }
 
 proptest! {
-    #![proptest_config(config(2000))]
+    #![proptest_config(config(400))]
 
     #[test]
     fn a_wave_that_grows_on_a_dense_grid_is_never_called_stable(case in case()) {

@@ -36,7 +36,8 @@ impl<const D: usize> ZoneSearch<D> {
             boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
         for well in grid.wells(objective).iter().take(WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
-            if well.start.0 - well.relief <= to_beat {
+            // Folded back, points of the grid do not tell what is beside them.
+            if well.start.0 - well.relief <= to_beat || !self.is_periodic {
                 self.improve(matrix, objective, well.start, floor, &mut best);
             }
         }
@@ -155,7 +156,8 @@ impl<const D: usize> ZoneSearch<D> {
         for _ in 0..16 {
             let (bottom, settled) = self.newton(matrix, objective, (value, k), floor);
             (value, k) = bottom;
-            if settled || value > floor {
+            // Near the boundary of a zone that does not repeat, the bottom may lie on it: a look around is needed there.
+            if (settled && self.is_periodic) || value > floor {
                 return (value, k);
             }
             let around = coordinate_search(&at, k, 1e-2 * longest);
