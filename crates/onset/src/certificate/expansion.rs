@@ -1,0 +1,259 @@
+//! Expansions of a sum of cosines: at a wave vector, and at the limit of long waves along a direction.
+
+use super::patch::{MatrixPatch, Patch};
+use super::waves::{Entries, Waves};
+use crate::real::{Interval, Real};
+
+/// What the expansions of one sum share.
+pub(super) struct Expansion<'a> {
+    pub(super) waves: &'a Waves,
+    /// `sum |C_n| |n|^m`, the largest of all entries, `m = 0 ..= 6`; with `|n| = |n_1| + |n_2|`.
+    sizes: [f64; 7],
+    /// `sum C_n n_1^a n_2^b / 2`, `a + b = 2`, by `b`.
+    second: [Entries; 3],
+    /// `sum C_n n_1^a n_2^b / 24`, `a + b = 4`, by `b`.
+    fourth: [Entries; 5],
+    /// Relative rounding error of sums over all vectors.
+    rounding: f64,
+}
+
+/// A box of wave vectors, by phases or by direction and squared length.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Region {
+    /// `|theta_i - center_i| <= half`.
+    Phases { center: [f64; 2], half: f64 },
+    /// `theta = r (1, s)` on the first chart, `r (s, 1)` on the second; `r^2` and `s` by center and half width.
+    Rays {
+        chart: usize,
+        s: (f64, f64),
+        r2: (f64, f64),
+    },
+}
+
+impl<'a> Expansion<'a> {
+    pub(super) fn new(waves: &'a Waves) -> Self {
+        let mut sizes = [[0.0_f64; 4]; 7];
+        let mut second = [[0.0; 4]; 3];
+        let mut fourth = [[0.0; 4]; 5];
+        let binomial = [1.0, 4.0, 6.0, 4.0, 1.0];
+        for term in &waves.terms {
+            let n = vector(waves, term.cell, term.site);
+            let length = n[0].abs() + n[1].abs();
+            for e in 0..4 {
+                let c = term.coefficient[e];
+                let mut power = c.abs();
+                for size in &mut sizes {
+                    size[e] += power;
+                    power *= length;
+                }
+                for b in 0..3 {
+                    let weight = [0.5, 1.0, 0.5][b];
+                    second[b][e] += c * weight * n[0].powi(2 - b as i32) * n[1].powi(b as i32);
+                }
+                for b in 0..5 {
+                    let weight = binomial[b] / 24.0;
+                    fourth[b][e] += c * weight * n[0].powi(4 - b as i32) * n[1].powi(b as i32);
+                }
+            }
+        }
+        Self {
+            waves,
+            sizes: sizes.map(|size| size.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)),
+            second,
+            fourth,
+            rounding: (16 * waves.reach + waves.terms.len() + 64) as f64 * f64::EPSILON,
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.sizes[6].is_finite()
+            && self.waves.error.is_finite()
+            && self.waves.long_error.is_finite()
+    }
+
+    /// The bound of the terms beyond those of fourth order, for `|theta|_max = r`: `r^6` times this, `r^4` in units of
+    /// `r^2`.
+    pub(super) fn sixth(&self) -> f64 {
+        self.sizes[6] / 720.0
+    }
+
+    /// `D - shift L` on a box, in units of `r^2` for rays; `L = sum_i (1 - cos theta_i)`.
+    pub(super) fn patch(&self, region: &Region, shift: f64) -> MatrixPatch {
+        match *region {
+            Region::Phases { center, half } => self.at_phases(center, half, shift),
+            Region::Rays { chart, s, r2 } => self.on_rays(chart, s, r2, shift),
+        }
+    }
+
+    fn at_phases(&self, center: [f64; 2], w: f64, shift: f64) -> MatrixPatch {
+        let waves = self.waves;
+        let phases = Phases::new(waves, center);
+        let mut sums = [[0.0_f64; 4]; 6];
+        let half = 0.5 * w * w;
+        for term in &waves.terms {
+            let (cosine, sine) = phases.of(term.cell, term.site);
+            let n = vector(waves, term.cell, term.site);
+            let weights = [
+                1.0 - cosine,
+                n[0] * sine * w,
+                n[1] * sine * w,
+                n[0] * n[0] * cosine * half,
+                2.0 * n[0] * n[1] * cosine * half,
+                n[1] * n[1] * cosine * half,
+            ];
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                for e in 0..4 {
+                    sum[e] += weight * term.coefficient[e];
+                }
+            }
+        }
+        let sizes = &self.sizes;
+        let mut rest = w * w * w * (sizes[3] + 2.0 * shift) / 6.0
+            + 2.0
+                * self.rounding
+                * (sizes[0] + shift + w * (sizes[1] + shift) + w * w * (sizes[2] + shift))
+            + 2.0 * waves.error;
+        if let Some(rigid) = &waves.rigid {
+            for e in 0..4 {
+                sums[0][e] += rigid[e].midpoint();
+            }
+            rest += rigid.iter().map(|entry| entry.radius()).fold(0.0, f64::max);
+        }
+        for i in 0..waves.dimension {
+            let (sine, cosine) = center[i].sin_cos();
+            for e in [0, 3] {
+                sums[0][e] -= shift * (1.0 - cosine);
+                sums[1 + i][e] -= shift * sine * w;
+                sums[3 + 2 * i][e] -= shift * cosine * half;
+            }
+        }
+        std::array::from_fn(|e| Patch {
+            value: sums[0][e],
+            slope: [sums[1][e], sums[2][e]],
+            curvature: [sums[3][e], sums[4][e], sums[5][e]],
+            rest,
+        })
+    }
+
+    /// `D / r^2 = Q2(s) - r^2 Q4(s) + rest`, from `1 - cos x = x^2/2 - x^4/24 + rest`, `|rest| <= x^6/720`.
+    fn on_rays(&self, chart: usize, s: (f64, f64), r2: (f64, f64), shift: f64) -> MatrixPatch {
+        let far = r2.0 + r2.1;
+        let rest = far * far * (self.sixth() + 2.0 * shift / 720.0)
+            + self.rounding * (self.sizes[2] + shift + far * (self.sizes[4] + shift))
+            + self.waves.long_error;
+        std::array::from_fn(|e| {
+            let axes = |order: usize, factor: f64, b: usize| {
+                let is_axis = b == 0 || (b == order && self.waves.dimension == 2);
+                if is_axis && (e == 0 || e == 3) {
+                    shift * factor
+                } else {
+                    0.0
+                }
+            };
+            let second: [f64; 3] = std::array::from_fn(|b| {
+                let b = if chart == 0 { b } else { 2 - b };
+                self.second[b][e] - axes(2, 0.5, b)
+            });
+            let fourth: [f64; 5] = std::array::from_fn(|b| {
+                let b = if chart == 0 { b } else { 4 - b };
+                self.fourth[b][e] - axes(4, 1.0 / 24.0, b)
+            });
+            let long = taylor(&second, s.0, s.1);
+            let next = taylor(&fourth, s.0, s.1);
+            let beyond = next[3].abs() + next[4].abs();
+            Patch {
+                value: long[0] - r2.0 * next[0],
+                slope: [long[1] - r2.0 * next[1], -r2.1 * next[0]],
+                curvature: [long[2] - r2.0 * next[2], -r2.1 * next[1], 0.0],
+                rest: rest + far * beyond + r2.1 * next[2].abs(),
+            }
+        })
+    }
+
+    /// `D` at given phases in intervals, for the confirmation of a witness.
+    pub(super) fn confirmed(&self, phases: [f64; 2]) -> [Interval; 4] {
+        let waves = self.waves;
+        let mut sums = waves.rigid.unwrap_or([Interval::ZERO; 4]);
+        for term in &waves.terms {
+            let mut angle = Interval::ZERO;
+            for i in 0..2 {
+                let n = Interval::around(waves.sites[term.site][i], 4) + f64::from(term.cell[i]);
+                angle = angle + n * phases[i];
+            }
+            // 1 - cos x = 2 sin^2(x / 2), accurate also for long waves.
+            let weight = (angle * 0.5).sin().square() * 2.0;
+            for e in 0..4 {
+                sums[e] = sums[e] + weight * term.coefficient[e];
+            }
+        }
+        let length = phases[0].abs().max(phases[1].abs());
+        let error = (2.0 * waves.error).min(waves.long_error * length * length * (1.0 + 1e-9));
+        let error = error.next_up();
+        sums.map(|sum| sum + Interval::new(-error, error))
+    }
+}
+
+fn vector(waves: &Waves, cell: [i32; 2], site: usize) -> [f64; 2] {
+    [0, 1].map(|i| waves.sites[site][i] + f64::from(cell[i]))
+}
+
+/// The coefficients of a polynomial about a center, for an argument in units of a half width.
+fn taylor<const N: usize>(coefficients: &[f64; N], center: f64, half: f64) -> [f64; 5] {
+    let mut result = [0.0; 5];
+    let mut shifted = *coefficients;
+    // Repeated synthetic division.
+    let mut scale = 1.0;
+    for m in 0..N {
+        for i in (m..N - 1).rev() {
+            shifted[i] += center * shifted[i + 1];
+        }
+        result[m] = shifted[m] * scale;
+        scale *= half;
+    }
+    result
+}
+
+/// Cosines and sines of `n.theta` from powers of the phases of the axes.
+struct Phases {
+    powers: [Vec<(f64, f64)>; 2],
+    sites: Vec<(f64, f64)>,
+}
+
+impl Phases {
+    fn new(waves: &Waves, center: [f64; 2]) -> Self {
+        let powers = center.map(|angle| {
+            let (sine, cosine) = angle.sin_cos();
+            let mut powers = Vec::with_capacity(waves.reach + 1);
+            powers.push((1.0, 0.0));
+            for n in 0..waves.reach {
+                powers.push(rotated(powers[n], (cosine, sine)));
+            }
+            powers
+        });
+        let site = |site: &[f64; 2]| {
+            let (sine, cosine) = (site[0] * center[0] + site[1] * center[1]).sin_cos();
+            (cosine, sine)
+        };
+        Self {
+            powers,
+            sites: waves.sites.iter().map(site).collect(),
+        }
+    }
+
+    fn of(&self, cell: [i32; 2], site: usize) -> (f64, f64) {
+        let power = |axis: usize| {
+            let (cosine, sine) = self.powers[axis][cell[axis].unsigned_abs() as usize];
+            (cosine, if cell[axis] < 0 { -sine } else { sine })
+        };
+        let phase = rotated(power(0), power(1));
+        if site == 0 {
+            phase
+        } else {
+            rotated(phase, self.sites[site])
+        }
+    }
+}
+
+fn rotated(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
