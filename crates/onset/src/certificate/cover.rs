@@ -10,6 +10,8 @@ use std::collections::VecDeque;
 const HALF_PERIOD: f64 = 25736.0 / 8192.0;
 /// Boxes of the first cover along the half period.
 const FIRST: f64 = 4.0;
+/// Boxes after which candidates are asked for: as much work as a search in floating point.
+const BEFORE_CANDIDATES: usize = 2_000;
 /// Widest zone, in half periods, of a lattice whose dynamical matrix is not periodic.
 const WIDEST: f64 = 16.0;
 
@@ -23,10 +25,8 @@ pub(super) struct Question<'a> {
     pub(super) growth_squared: f64,
     /// The part of the smallest measure seen that is to be proved.
     pub(super) share: f64,
-    /// Boxes beyond which the cover is given up; a tenth of them where the measure is within the tolerance.
+    /// Boxes beyond which the cover is given up.
     pub(super) budget: usize,
-    /// Measures of smaller magnitude need not be decided.
-    pub(super) tolerance: f64,
 }
 
 /// What a cover found.
@@ -63,7 +63,13 @@ enum Attempt {
 }
 
 /// Covers the zone.
-pub(super) fn cover(waves: &Waves, question: &Question) -> Finding {
+///
+/// Where many boxes remain, the waves that `candidates` finds by other means are looked at before the work goes on.
+pub(super) fn cover(
+    waves: &Waves,
+    question: &Question,
+    candidates: impl FnOnce() -> Vec<[f64; 2]>,
+) -> Finding {
     let expansion = Expansion::new(waves);
     let open = Finding::Open {
         measure: f64::NAN,
@@ -76,43 +82,17 @@ pub(super) fn cover(waves: &Waves, question: &Question) -> Finding {
         expansion,
         question,
     };
-    // What a few waves show is the start of the proof, and often the end of it.
-    let mut smallest = f64::INFINITY;
-    for region in cover.samples() {
-        match cover.seen(&region) {
-            Seen::Grows(wave) => return Finding::Grows(wave),
-            Seen::Measure(measure) => smallest = smallest.min(measure),
-        }
+    let first = cover.finding(question.budget.min(BEFORE_CANDIDATES));
+    if !matches!(first, Finding::Open { .. }) {
+        return first;
     }
-    loop {
-        if !(smallest > 0.0) {
-            // Zero to rounding, or below: what can be had is a witness.
-            let attempt = cover.attempt(0.0);
-            return match attempt {
-                Attempt::Grows(wave) => Finding::Grows(wave),
-                Attempt::Exhausted { is_growth } => Finding::Open {
-                    measure: smallest,
-                    is_growth,
-                },
-                Attempt::Proved => Finding::Bounded(0.0),
-                Attempt::Lower(measure) => Finding::Open {
-                    measure,
-                    is_growth: false,
-                },
-            };
-        }
-        let target = question.share * smallest;
-        match cover.attempt(target) {
-            Attempt::Proved => return Finding::Bounded(target.next_down()),
-            Attempt::Grows(wave) => return Finding::Grows(wave),
-            Attempt::Lower(measure) => smallest = measure,
-            Attempt::Exhausted { is_growth } => {
-                return Finding::Open {
-                    measure: smallest,
-                    is_growth,
-                };
-            }
-        }
+    let mut waves = candidates()
+        .into_iter()
+        .filter(|phases| cover.is_inside(*phases));
+    match waves.find_map(|phases| cover.confirmed(phases)) {
+        Some(wave) => Finding::Grows(wave),
+        None if question.budget > BEFORE_CANDIDATES => cover.finding(question.budget),
+        None => first,
     }
 }
 
@@ -201,16 +181,18 @@ impl Cover<'_> {
     /// Looks at the center of a box.
     fn seen(&self, region: &Region) -> Seen {
         let (at_center, phases, laplacian) = self.center(region);
+        if !self.is_inside(phases) {
+            // The box reaches into the zone, its center does not: it says nothing.
+            return Seen::Measure(f64::INFINITY);
+        }
         let measure = smallest(&at_center) / laplacian;
         let trace = at_center[0] + at_center[3];
         let half = 0.5 * (at_center[0] - at_center[3]);
         let discriminant = half * half + at_center[1] * at_center[2];
         let is_suspect =
             measure < 0.0 || discriminant < -2.0 * self.question.growth_squared * trace.max(0.0);
-        if is_suspect && self.is_inside(phases) {
-            if let Some(wave) = self.confirmed(phases) {
-                return Seen::Grows(wave);
-            }
+        if is_suspect && let Some(wave) = self.confirmed(phases) {
+            return Seen::Grows(wave);
         }
         Seen::Measure(measure)
     }
@@ -311,8 +293,34 @@ impl Cover<'_> {
         })
     }
 
+    fn finding(&self, budget: usize) -> Finding {
+        // What a few waves show is the start of the proof, and often the end of it.
+        let mut smallest = f64::INFINITY;
+        for region in self.samples() {
+            match self.seen(&region) {
+                Seen::Grows(wave) => return Finding::Grows(wave),
+                Seen::Measure(measure) => smallest = smallest.min(measure),
+            }
+        }
+        loop {
+            // Zero to rounding, or below: what can be had is a witness.
+            let target = self.question.share * smallest.max(0.0);
+            match self.attempt(target, budget) {
+                Attempt::Proved => return Finding::Bounded(target.next_down()),
+                Attempt::Grows(wave) => return Finding::Grows(wave),
+                Attempt::Lower(measure) => smallest = measure,
+                Attempt::Exhausted { is_growth } => {
+                    return Finding::Open {
+                        measure: smallest,
+                        is_growth,
+                    };
+                }
+            }
+        }
+    }
+
     /// Tries to prove the measure `target` everywhere.
-    fn attempt(&self, target: f64) -> Attempt {
+    fn attempt(&self, target: f64, budget: usize) -> Attempt {
         let first = HALF_PERIOD / (2.0 * FIRST);
         // Of the long waves as much as the rest of the expansion leaves to be proved.
         let mut inner = 2.0 * first;
@@ -342,16 +350,10 @@ impl Cover<'_> {
                 Seen::Grows(wave) => return Attempt::Grows(wave),
                 Seen::Measure(measure) => measure,
             };
-            if measure > 0.0 && measure < 1.05 * target && !self.is_off(&region) {
+            if measure > 0.0 && measure < 1.05 * target {
                 return Attempt::Lower(measure);
             }
             boxes += 1;
-            let is_close = target.abs() <= self.question.tolerance;
-            let budget = if is_close {
-                self.question.budget / 10
-            } else {
-                self.question.budget
-            };
             if boxes > budget {
                 is_growth |= self.growth(&region).is_some() && is_positive(&patch, None);
                 return Attempt::Exhausted { is_growth };
@@ -359,11 +361,6 @@ impl Cover<'_> {
             queue.extend(halves(&region, self.waves().dimension));
         }
         Attempt::Proved
-    }
-
-    /// Whether the center of a box lies outside of the zone although a part of the box does not.
-    fn is_off(&self, region: &Region) -> bool {
-        matches!(region, Region::Phases { center, .. } if !self.is_inside(*center))
     }
 }
 

@@ -15,6 +15,7 @@ mod patch;
 mod points;
 mod waves;
 
+use crate::bloch::{ZoneSearch, dynamical_matrix};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::BrillouinZone;
@@ -35,7 +36,7 @@ pub const GROWTH: f64 = 1e-7;
 /// The part of the smallest measure seen that is proved as its lower bound, unless asked otherwise.
 const SHARE: f64 = 0.5;
 /// Boxes per cover, unless asked otherwise.
-const BUDGET: usize = 40_000;
+const BUDGET: usize = 100_000;
 /// Intervals of directions per proof of ellipticity.
 const DIRECTIONS: usize = 2_000;
 
@@ -137,8 +138,8 @@ impl<const D: usize> Certainty<D> {
     }
 }
 
-/// Proves stability or instability of a material and a method at a homogeneous state. Measures within `tolerance` of
-/// zero may be left undecided (they are tried, with less work). For many states of one method, [`Certifier`] is faster.
+/// Proves stability or instability of a material and a method at a homogeneous state. All states get
+/// the same work; one that stays undecided says whether its measure is within `tolerance` of zero. For many states of one method, [`Certifier`] is faster.
 ///
 /// ```
 /// use onset::certificate::{Certainty, certify};
@@ -362,8 +363,8 @@ impl<'a, const D: usize> Certifier<'a, D> {
                 growth_squared: growth,
                 share: self.share,
                 budget: self.budget,
-                tolerance: self.tolerance / self.scaled(1.0),
             },
+            || self.candidates(f),
         );
         match finding {
             Finding::Bounded(bound) if bound > 0.0 => Certainty::Stable {
@@ -377,6 +378,22 @@ impl<'a, const D: usize> Certifier<'a, D> {
                 Certainty::undecided(self.scaled(measure), self.tolerance, is_growth)
             }
         }
+    }
+
+    /// The phases of the waves that the search in floating point thinks to grow.
+    fn candidates(&self, f: &DeformationGradient) -> Vec<[f64; 2]> {
+        let search = ZoneSearch::new(self.method, f, self.speed_squared);
+        let matrix = dynamical_matrix(self.method, self.material, f);
+        let (Some(search), Ok(matrix)) = (search, matrix) else {
+            return Vec::new();
+        };
+        let summary = search.summary(&matrix);
+        let vectors = self.method.lattice().vectors();
+        [summary.softest, summary.lowest, summary.fastest_growing]
+            .into_iter()
+            .filter(|mode| !mode.is_long_wave)
+            .map(|mode| planar(&(vectors.transpose() * mode.wave_vector)))
+            .collect()
     }
 
     fn witness(&self, wave: &GrowingWave) -> Witness<D> {
@@ -457,8 +474,8 @@ impl<'a, const D: usize> Certifier<'a, D> {
                 growth_squared: 0.0,
                 share: 0.9,
                 budget: 10 * BUDGET,
-                tolerance: 0.0,
             },
+            Vec::new,
         );
         Ok(match finding {
             Finding::Bounded(bound) if bound > 0.0 => Some(Gradient::Bounded(bound)),

@@ -1,0 +1,7 @@
+//! Certificates: what is proved is true, and what is true is nearly always proved.
+
+#[path = "../discretization/choices.rs"]
+mod choices;
+mod covers;
+mod known;
+mod random;
