@@ -246,15 +246,21 @@ impl Cover<'_> {
         let determinant = m11 * m22 - m12 * m21;
         let root = discriminant.hull(Interval::ZERO);
         let root = Interval::new(root.low.max(0.0), root.high).sqrt();
-        let omega_squared = half_trace - root;
+        let mut omega_squared = half_trace - root;
         if determinant.high < 0.0 || (half_trace.high < 0.0 && discriminant.low >= 0.0) {
-            // Real eigenvalues, one of them negative at least.
-            let growth_squared = (-omega_squared.high).max(0.0);
-            return Some(GrowingWave {
-                phases,
-                omega_squared,
-                growth_squared,
-            });
+            // Real eigenvalues, one of them negative at least: where both signs occur, without the cancellation.
+            let larger = half_trace + root;
+            if determinant.high < 0.0 && larger.low > 0.0 {
+                omega_squared = determinant / larger;
+            }
+            // How negative has to be certain too.
+            if omega_squared.high < 0.0 {
+                return Some(GrowingWave {
+                    phases,
+                    omega_squared,
+                    growth_squared: -omega_squared.high,
+                });
+            }
         }
         if half_trace.high < 0.0 {
             return Some(GrowingWave {

@@ -257,3 +257,203 @@ impl Phases {
 fn rotated(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Expansion, Region};
+    use crate::approximation::Approximation;
+    use crate::bloch::dynamical_matrix;
+    use crate::certificate::points::points;
+    use crate::certificate::waves::{Waves, dynamical_waves};
+    use crate::kinematics::DeformationGradient;
+    use crate::lattice::Arrangement;
+    use crate::material::ModifiedMooneyRivlin;
+    use crate::method::{
+        Background, CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize,
+    };
+    use crate::quadrature::Quadrature;
+    use crate::real::Interval;
+    use nalgebra::Vector2;
+
+    /// One method for every value of every choice, the others running through theirs.
+    fn methods() -> Vec<Method<2>> {
+        use Linearization::{Exact, ExactPlaneWave, FrozenNormalization, Paper, PaperInterpolated};
+        let linearizations = [
+            Exact,
+            Paper,
+            ExactPlaneWave,
+            PaperInterpolated,
+            FrozenNormalization,
+        ];
+        let approximations = [
+            Approximation::Raw,
+            Approximation::Shepard,
+            Approximation::Mls,
+        ];
+        let quadratures = [
+            Quadrature::Nodal,
+            Quadrature::StressPoints,
+            Quadrature::StressPointsOnly,
+        ];
+        let sizes = [
+            SupportSize::Fixed,
+            SupportSize::Scaled,
+            SupportSize::Convected,
+        ];
+        let choice = |n: usize| Discretization {
+            arrangement: [Arrangement::Hexagonal, Arrangement::Square][n % 2],
+            linearization: linearizations[n % 5],
+            approximation: approximations[n / 2 % 3],
+            quadrature: quadratures[n / 5 % 3],
+            support_size: sizes[n / 7 % 3],
+            lattice: [CurrentLattice::Convected, CurrentLattice::Regular][n / 3 % 2],
+            background: [Background::Imposed, Background::Interpolated][n / 4 % 2],
+            frame: if n % 11 == 0 {
+                Frame::Lagrangian
+            } else {
+                Frame::Eulerian
+            },
+            support: 1.8 + 0.05 * (n % 13) as f64,
+            ..Discretization::default()
+        };
+        (0..120)
+            .map(|n| Method::new(choice(n)).expect("a method"))
+            .collect()
+    }
+
+    fn state() -> DeformationGradient {
+        DeformationGradient::plane_strain([[1.07, 0.12], [-0.03, 0.91]], 1.02).expect("a state")
+    }
+
+    fn waves(method: &Method<2>) -> Waves {
+        let points = points(method, &state()).expect("inversion symmetry");
+        dynamical_waves(method, &ModifiedMooneyRivlin::default(), &points)
+    }
+
+    #[test]
+    fn intervals_hold_the_dynamical_matrix_in_floating_point_and_are_narrow() {
+        for method in methods() {
+            let matrix = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &state());
+            let matrix = matrix.expect("finite");
+            let waves = waves(&method);
+            let expansion = Expansion::new(&waves);
+            let vectors = method.lattice().vectors();
+            for k in [
+                Vector2::new(0.7, -1.9),
+                Vector2::new(3.1, 2.2),
+                Vector2::new(1e-3, 2e-3),
+            ] {
+                let phases = vectors.transpose() * k;
+                let d = matrix.at(&k);
+                let scale = matrix.at(&Vector2::new(1.0, 2.0)).map(|x| x.norm()).amax();
+                for (e, entry) in expansion
+                    .confirmed([phases[0], phases[1]])
+                    .iter()
+                    .enumerate()
+                {
+                    let value = d[(e / 2, e % 2)];
+                    let slack = 1e-11 * scale;
+                    let near = Interval::new(entry.low - slack, entry.high + slack);
+                    assert!(
+                        near.contains(value.re),
+                        "{entry:?} of {value}: {:?}",
+                        method.discretization()
+                    );
+                    assert!(value.im.abs() < slack, "D is real");
+                    assert!(
+                        entry.width() < 1e-9 * scale,
+                        "{entry:?}: {:?}",
+                        method.discretization()
+                    );
+                }
+            }
+        }
+    }
+
+    /// What a patch says at a point of its box, with its rest.
+    fn bounds(patch: &super::Patch, x: [f64; 2]) -> Interval {
+        let [a, b, c] = patch.curvature;
+        let value = patch.value
+            + patch.slope[0] * x[0]
+            + patch.slope[1] * x[1]
+            + a * x[0] * x[0]
+            + b * x[0] * x[1]
+            + c * x[1] * x[1];
+        Interval::new(value - patch.rest, value + patch.rest)
+    }
+
+    #[test]
+    fn patches_hold_the_matrix_on_their_whole_box() {
+        let corners = [
+            [1.0, 1.0],
+            [-1.0, 1.0],
+            [0.3, -0.8],
+            [1.0, -1.0],
+            [-0.6, 0.1],
+        ];
+        for method in methods().into_iter().step_by(7) {
+            let waves = waves(&method);
+            let expansion = Expansion::new(&waves);
+            let shift = 0.37;
+            let exact = |phases: [f64; 2]| {
+                let laplacian: f64 = phases.iter().map(|x| 2.0 * (0.5 * x).sin().powi(2)).sum();
+                let mut entries = expansion.confirmed(phases).map(Interval::midpoint);
+                entries[0] -= shift * laplacian;
+                entries[3] -= shift * laplacian;
+                entries
+            };
+            for half in [0.02, 0.1, 0.4] {
+                let center = [1.7, -0.9];
+                let patch = expansion.patch(&Region::Phases { center, half }, shift);
+                for x in corners {
+                    let there = exact([center[0] + half * x[0], center[1] + half * x[1]]);
+                    for e in 0..4 {
+                        assert!(
+                            bounds(&patch[e], x).contains(there[e]),
+                            "{:?}",
+                            method.discretization()
+                        );
+                    }
+                }
+            }
+            if waves.rigid.is_some() {
+                continue;
+            }
+            for (chart, half) in [(0, 0.1), (1, 0.3), (0, 0.5)] {
+                let (s, r2) = ((0.25, half), (0.01, 0.008));
+                let patch = expansion.patch(&Region::Rays { chart, s, r2 }, shift);
+                for x in corners {
+                    let (along, squared) = (s.0 + s.1 * x[0], r2.0 + r2.1 * x[1]);
+                    let r = squared.sqrt();
+                    let phases = if chart == 0 {
+                        [r, r * along]
+                    } else {
+                        [r * along, r]
+                    };
+                    let there = exact(phases).map(|entry| entry / squared);
+                    for e in 0..4 {
+                        let slack = 1e-10 * there[0].abs();
+                        let held = bounds(&patch[e], x);
+                        let near = Interval::new(held.low - slack, held.high + slack);
+                        assert!(
+                            near.contains(there[e]),
+                            "chart {chart}: {:?}",
+                            method.discretization()
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn volumes_and_places_hold_the_ideal_ones() {
+        // Nodes have a third of the cell each, as the two centroids do: the Voronoi cells are hexagons.
+        let method = Method::<2>::new(Discretization::default()).expect("a method");
+        let cell = 0.5 * 3.0_f64.sqrt();
+        for point in method.quadrature_points() {
+            let volume = Interval::around(point.volume, 64);
+            assert!(volume.contains(cell / 3.0), "{volume:?}");
+        }
+    }
+}

@@ -487,7 +487,7 @@ fn finished(assembly: Assembly, rigid: Option<[Interval; 4]>, frame: Frame) -> W
         error: assembly.error * (1.0 + 1e-9) + f64::MIN_POSITIVE,
         long_error: assembly.long_error * (1.0 + 1e-9) + f64::MIN_POSITIVE,
         rigid,
-        is_symmetric: frame == Frame::Lagrangian,
+        is_symmetric: frame == Frame::Lagrangian || assembly.dimension == 1,
         dimension: assembly.dimension,
     }
 }

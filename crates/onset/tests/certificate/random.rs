@@ -75,7 +75,7 @@ fn check(case: &Case, decided: &Cell<usize>) -> Result<(), TestCaseError> {
 #[test]
 fn no_proof_contradicts_the_matrix_in_floating_point() {
     let (decided, seen) = (Cell::new(0), Cell::new(0));
-    let mut runner = TestRunner::new(config(400));
+    let mut runner = TestRunner::new(config(1500));
     let result = runner.run(&case(), |case| {
         seen.set(seen.get() + 1);
         check(&case, &decided)
