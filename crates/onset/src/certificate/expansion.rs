@@ -308,7 +308,7 @@ mod tests {
             support_size: sizes[n / 7 % 3],
             lattice: [CurrentLattice::Convected, CurrentLattice::Regular][n / 3 % 2],
             background: [Background::Imposed, Background::Interpolated][n / 4 % 2],
-            frame: if n % 11 == 0 {
+            frame: if n.is_multiple_of(11) {
                 Frame::Lagrangian
             } else {
                 Frame::Eulerian

@@ -316,11 +316,14 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
         let order = crate::approximation::Order::First;
         self.method.configuration(f, order)?;
-        let Some(points) = points::points(self.method, f) else {
-            return Ok(Certainty::Undecided {
-                measure: f64::NAN,
-                reason: Reason::NoInversionCenter,
-            });
+        let points = match points::points(self.method, f) {
+            Ok(points) => points,
+            Err(reason) => {
+                return Ok(Certainty::Undecided {
+                    measure: f64::NAN,
+                    reason,
+                });
+            }
         };
         if let Some(gradient) = self.gradient {
             // Different tangents at the points, each elliptic: the same proof, with the least of them.
@@ -462,7 +465,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         if let Some(phases) = zero_energy_phases(all) {
             return Ok(Some(Gradient::Vanishes(phases)));
         }
-        let Some(points) = points::points(self.method, &identity) else {
+        let Ok(points) = points::points(self.method, &identity) else {
             return Ok(None);
         };
         let waves = waves::gradient_waves(self.method, &points);

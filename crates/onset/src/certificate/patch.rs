@@ -94,13 +94,14 @@ pub(super) type MatrixPatch = [Patch; 4];
 pub(super) fn is_positive(matrix: &MatrixPatch, growth: Option<(f64, f64)>) -> bool {
     let [m11, m12, m21, m22] = matrix;
     let trace = m11.combined(1.0, m22, 1.0);
-    // Written so that NaN is no proof.
-    if !(trace.lower() > 0.0) {
+    // NaN exceeds nothing: it is no proof.
+    let is_above_zero = |patch: &Patch| patch.lower() > 0.0;
+    if !is_above_zero(&trace) {
         return false;
     }
     let coupling = m12.times(m21);
     let determinant = m11.times(m22).combined(1.0, &coupling, -1.0);
-    if !(determinant.lower() > 0.0) {
+    if !is_above_zero(&determinant) {
         return false;
     }
     let Some((constant, factor)) = growth else {

@@ -3,9 +3,10 @@
 //! The same definitions as in [`crate::method`] and [`crate::approximation`], written a second time: what is proved does not
 //! rest on the floating-point path.
 
+use super::Reason;
 use crate::approximation::Approximation;
 use crate::kinematics::DeformationGradient;
-use crate::method::{Background, CurrentLattice, Frame, Method, SupportSize};
+use crate::method::{Background, CurrentLattice, Frame, MAXIMUM_NEIGHBORS, Method, SupportSize};
 use crate::real::{Interval, Real};
 
 /// Units in the last place by which places of quadrature points and primitive vectors can be off the ideal ones.
@@ -13,7 +14,7 @@ const PLACE_ULPS: u32 = 4;
 /// Units in the last place by which Voronoi volumes can be off the ideal ones.
 const VOLUME_ULPS: u32 = 64;
 /// Distance of lattice coordinates below which two places are the same.
-const SAME_PLACE: f64 = 1e-14;
+const SAME_PLACE: f64 = 2e-16;
 
 /// Up to three coefficients or basis functions; with fewer, the rest are zero.
 type Basis = [Interval; 3];
@@ -71,11 +72,13 @@ struct Layout<const D: usize> {
 
 /// The quadrature points of one cell, one of each pair that inversion maps to each other.
 ///
-/// `None` when inversion does not map the set onto itself.
+/// # Errors
+/// [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
+/// lattice is so thin that intervals do not tell it from a degenerate one.
 pub(super) fn points<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
-) -> Option<Vec<Point<D>>> {
+) -> Result<Vec<Point<D>>, Reason> {
     let layout = layout(method, f);
     let all = method.quadrature_points();
     let mut points = Vec::new();
@@ -86,7 +89,10 @@ pub(super) fn points<const D: usize>(
                 (sum - sum.round()).abs() <= SAME_PLACE
             }) && (point.volume - other.volume).abs() <= 1e-14 * point.volume
         };
-        let partner = all.iter().position(image)?;
+        let partner = all
+            .iter()
+            .position(image)
+            .ok_or(Reason::NoInversionCenter)?;
         if partner < index {
             continue;
         }
@@ -96,17 +102,10 @@ pub(super) fn points<const D: usize>(
         let factor = share * multiplicity / method.discretization().density;
         let place = std::array::from_fn(|i| point.place[i]);
         let is_center = partner == index;
-        points.push(enclosed(
-            method,
-            f,
-            &layout,
-            place,
-            point.is_node,
-            is_center,
-            factor,
-        ));
+        let point = enclosed(method, f, &layout, place, point.is_node, is_center, factor);
+        points.push(point.ok_or(Reason::NotFinite)?);
     }
-    Some(points)
+    Ok(points)
 }
 
 fn layout<const D: usize>(method: &Method<D>, f: &DeformationGradient) -> Layout<D> {
@@ -149,7 +148,7 @@ fn enclosed<const D: usize>(
     is_node: bool,
     is_center: bool,
     factor: Interval,
-) -> Point<D> {
+) -> Option<Point<D>> {
     let discretization = method.discretization();
     let approximation = discretization.approximation;
     let basis = if approximation == Approximation::Mls {
@@ -161,7 +160,7 @@ fn enclosed<const D: usize>(
     let map = inverse(&product(&layout.metric, &layout.vectors));
     let reach = map.map(|row| (norm(&row) * layout.radius).high);
     let mut terms = Vec::new();
-    for cell in cells(&fractional, &reach) {
+    for cell in cells(&fractional, &reach)? {
         let offset: [Interval; D] = std::array::from_fn(|i| -fractional[i] + f64::from(cell[i]));
         let position = image(&layout.vectors, &offset);
         terms.extend(term(method, layout, cell, position, basis));
@@ -177,7 +176,7 @@ fn enclosed<const D: usize>(
         && (3.0 * place[0] - (3.0 * place[0]).round()).abs() <= 3.0 * SAME_PLACE;
     let neighbors = shape_functions(&terms, basis, raw);
     let deformation = carried(method, f, &terms, &neighbors);
-    Point {
+    Some(Point {
         factor,
         is_node,
         place,
@@ -185,7 +184,7 @@ fn enclosed<const D: usize>(
         deformation,
         basis,
         has_balanced_gradients: raw.is_none() || is_center || is_centroid,
-    }
+    })
 }
 
 /// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in:
@@ -400,8 +399,12 @@ fn carried<const D: usize>(
     DeformationGradient::from_components(components)
 }
 
-/// The cells with lattice coordinates within `reach` of a place.
-fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Vec<[i32; D]> {
+/// The cells with lattice coordinates within `reach` of a place; `None` when there are too many.
+fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Option<Vec<[i32; D]>> {
+    let boxes: f64 = reach.iter().map(|r| 2.0 * r + 3.0).product();
+    if boxes.is_nan() || boxes > 1e4 * MAXIMUM_NEIGHBORS as f64 {
+        return None;
+    }
     let low: [i32; D] = std::array::from_fn(|i| (place[i].low - reach[i]).floor() as i32);
     let high: [i32; D] = std::array::from_fn(|i| (place[i].high + reach[i]).ceil() as i32);
     let mut cells = Vec::new();
@@ -409,7 +412,7 @@ fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Vec<[i32; D
     loop {
         cells.push(cell);
         let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else {
-            return cells;
+            return Some(cells);
         };
         cell[..axis].copy_from_slice(&low[..axis]);
         cell[axis] += 1;

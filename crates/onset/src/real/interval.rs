@@ -205,7 +205,7 @@ impl Interval {
             high: 1.0,
         };
         // Beyond, an interval of a unit in the last place can hold a noticeable part of a period.
-        if !(self.magnitude() < 1e15) {
+        if self.magnitude() >= 1e15 {
             return all;
         }
         let turns = self * Self::around(FRAC_1_PI, 1) + shift;
@@ -412,7 +412,7 @@ impl Real for Interval {
         let count = exponent.unsigned_abs();
         let power = if self.low >= 0.0 {
             self.positive_power(count)
-        } else if count % 2 == 0 {
+        } else if count.is_multiple_of(2) {
             self.abs().positive_power(count)
         } else if self.high <= 0.0 {
             -(-self).positive_power(count)
