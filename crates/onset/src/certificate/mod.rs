@@ -29,7 +29,7 @@ use ellipticity::{Acoustic, Ellipticity};
 use nalgebra::SVector;
 
 /// Growth rates of oscillations up to this fraction of sound speed over spacing are no instability, as in
-/// [`ZoneSearch`](crate::bloch::ZoneSearch). Where two branches cross, the discriminant touches zero, and no computation
+/// [`ZoneSearch`]. Where two branches cross, the discriminant touches zero, and no computation
 /// with rounding can prove that it does not pass.
 pub const GROWTH: f64 = 1e-7;
 

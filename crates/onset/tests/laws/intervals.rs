@@ -1,9 +1,9 @@
 //! Intervals against arbitrary precision (`dashu`): they hold the truth, and little else.
 
+use crate::table::laws;
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use onset::kinematics::DeformationGradient;
-use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::real::{Interval, Jet, Real, Side};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -152,9 +152,8 @@ proptest! {
     ) {
         let state = [[stretches[0], shear, 0.0], [0.0, stretches[1], 0.0], [0.0, 0.0, stretches[2]]];
         let f = DeformationGradient::new(state).expect("a state");
-        let laws: [Box<dyn Hyperelastic>; 2] =
-            [Box::new(ModifiedMooneyRivlin::default()), Box::new(BlatzKo::default())];
-        for law in laws {
+        for entry in laws() {
+            let law = entry.law;
             let response = law.response(&f).expect("finite");
             for width in [0.0, spread] {
                 let wide = state.map(|row| row.map(|x| Interval::new(x - width, x + 2.0 * width)));
