@@ -7,6 +7,8 @@ use crate::real::{Interval, Real};
 /// What the expansions of one sum share.
 pub(super) struct Expansion<'a> {
     pub(super) waves: &'a Waves,
+    /// The vectors `n` of the terms.
+    vectors: Vec<[f64; 2]>,
     /// `sum |C_n| |n|^m`, the largest of all entries, `m = 0 ..= 6`; with `|n| = |n_1| + |n_2|`.
     sizes: [f64; 7],
     /// `sum C_n n_1^a n_2^b / 2`, `a + b = 2`, by `b`.
@@ -56,8 +58,13 @@ impl<'a> Expansion<'a> {
                 }
             }
         }
+        let vectors = waves
+            .terms
+            .iter()
+            .map(|term| vector(waves, term.cell, term.site));
         Self {
             waves,
+            vectors: vectors.collect(),
             sizes: sizes.map(|size| size.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)),
             second,
             fourth,
@@ -90,9 +97,8 @@ impl<'a> Expansion<'a> {
         let phases = Phases::new(waves, center);
         let mut sums = [[0.0_f64; 4]; 6];
         let half = 0.5 * w * w;
-        for term in &waves.terms {
+        for (term, n) in waves.terms.iter().zip(&self.vectors) {
             let (cosine, sine) = phases.of(term.cell, term.site);
-            let n = vector(waves, term.cell, term.site);
             let weights = [
                 1.0 - cosine,
                 n[0] * sine * w,
