@@ -10,6 +10,7 @@
 //! 5. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
 //! 6. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
 //! 7. [`verdict`]: stable or not, why, and where along a path that changes.
+//! 8. [`certificate`]: the same answer proved, or left open.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -29,6 +30,7 @@
 pub mod algebra;
 pub mod approximation;
 pub mod bloch;
+pub mod certificate;
 pub mod continuum;
 pub mod kernel;
 pub mod kinematics;

@@ -1,5 +1,6 @@
 //! Weight functions of compact support.
 
+use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 
 /// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`.
@@ -27,23 +28,24 @@ pub struct Weight<const D: usize> {
 }
 
 /// The radial profile in a form that has no singularity at the origin.
-struct Profile {
-    value: f64,
+pub(crate) struct Profile<R> {
+    pub(crate) value: R,
     /// `W'(q) / q`.
-    slope_over_q: f64,
+    pub(crate) slope_over_q: R,
     /// `(W'' - W'/q) / q^2` times `q`, finite at zero.
-    curvature_over_q: f64,
+    pub(crate) curvature_over_q: R,
 }
 
 impl Kernel {
-    fn profile(self, q: f64) -> Profile {
+    /// The profile within the support, `q <= 1`, where it ends with the value, slope and curvature zero.
+    pub(crate) fn profile<R: Real>(self, q: R) -> Profile<R> {
         match self {
             Self::QuarticSpline => {
-                let p = 1.0 - q;
+                let p = -q + 1.0;
                 Profile {
-                    value: p * p * p * (1.0 + 3.0 * q),
-                    slope_over_q: -12.0 * p * p,
-                    curvature_over_q: 24.0 * p,
+                    value: p * p * p * (q * 3.0 + 1.0),
+                    slope_over_q: p * -12.0 * p,
+                    curvature_over_q: p * 24.0,
                 }
             }
         }

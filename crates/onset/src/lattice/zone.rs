@@ -57,6 +57,11 @@ impl<const D: usize> BrillouinZone<D> {
         &self.lattice
     }
 
+    /// The reciprocal vectors whose bisectors bound the zone.
+    pub(crate) fn bounding_vectors(&self) -> &[SVector<f64, D>] {
+        &self.reciprocal
+    }
+
     /// The equivalent wave vector in the zone.
     pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         let cycles = self.lattice.vectors().transpose() * k / std::f64::consts::TAU;

@@ -14,7 +14,7 @@ pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
 pub use tensors::FourthOrder;
 
 use crate::kinematics::DeformationGradient;
-use crate::real::{Jet, Real};
+use crate::real::{Interval, Jet, Real};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -83,6 +83,30 @@ pub trait Hyperelastic: Send + Sync {
     /// # Errors
     /// [`MaterialError::NotFinite`] when one of them over- or underflows.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
+
+    /// Bounds of energy, stress and tangent over all states with components in the given intervals.
+    ///
+    /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.
+    fn enclosure(&self, _f: &DeformationGradient<Interval>) -> ResponseEnclosure {
+        ResponseEnclosure {
+            energy: Interval::ENTIRE,
+            first_piola: [[Interval::ENTIRE; 3]; 3],
+            tangent: [[[[Interval::ENTIRE; 3]; 3]; 3]; 3],
+        }
+    }
+}
+
+/// Bounds of energy, first Piola-Kirchhoff stress and tangent. Indices as in [`Response`], units of stress.
+///
+/// They hold the response of the law with its constants as the program computes them, in exact arithmetic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseEnclosure {
+    /// `W`, per reference volume.
+    pub energy: Interval,
+    /// `P_iJ`.
+    pub first_piola: [[Interval; 3]; 3],
+    /// `A_iJkL`, indexed `[i][J][k][L]`.
+    pub tangent: [[[[Interval; 3]; 3]; 3]; 3],
 }
 
 /// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
@@ -111,12 +135,33 @@ pub struct Response {
     pub tangent: FourthOrder,
 }
 
+/// The energy with its derivatives by the nine components of `F`.
+fn energy_jet<R: Real>(law: &impl StrainEnergy, f: &DeformationGradient<R>) -> Jet<9, R> {
+    let components = f.components();
+    let variables = Jet::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
+    let jets = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+    law.energy(&DeformationGradient::from_components(jets))
+}
+
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
+    fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {
+        let energy = energy_jet(self, f);
+        let hessian = |i: usize, j: usize, k: usize, l: usize| energy.hessian[3 * i + j][3 * k + l];
+        ResponseEnclosure {
+            energy: energy.value,
+            first_piola: std::array::from_fn(|i| {
+                std::array::from_fn(|j| energy.gradient[3 * i + j])
+            }),
+            tangent: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    std::array::from_fn(|k| std::array::from_fn(|l| hessian(i, j, k, l)))
+                })
+            }),
+        }
+    }
+
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        let components = f.components();
-        let variables = Jet::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
-        let jets = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
-        let energy = self.energy(&DeformationGradient::from_components(jets));
+        let energy = energy_jet(self, f);
         let response = Response {
             deformation: *f,
             energy: energy.value,

@@ -1,9 +1,10 @@
 //! Second-order forward differentiation.
 
-use super::Real;
+use super::{Real, Side};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its gradient and Hessian in `N` variables: the Taylor expansion to second order.
+/// A value with its gradient and Hessian in `N` variables: the Taylor expansion to second order. Over the numbers `R`:
+/// jets of [`Interval`](super::Interval)s enclose values and derivatives.
 ///
 /// ```
 /// use onset::real::{Jet, Real};
@@ -15,28 +16,38 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// assert_eq!(f.hessian, [[10.0, 6.0], [6.0, 0.0]]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jet<const N: usize> {
+pub struct Jet<const N: usize, R = f64> {
     /// The value.
-    pub value: f64,
+    pub value: R,
     /// First derivatives.
-    pub gradient: [f64; N],
+    pub gradient: [R; N],
     /// Second derivatives; always symmetric.
-    pub hessian: [[f64; N]; N],
+    pub hessian: [[R; N]; N],
 }
 
-impl<const N: usize> Jet<N> {
+impl<const N: usize, R: Real> Jet<N, R> {
+    /// A number with vanishing derivatives.
+    fn fixed(value: R) -> Self {
+        let zero = R::constant(0.0);
+        Self {
+            value,
+            gradient: [zero; N],
+            hessian: [[zero; N]; N],
+        }
+    }
+
     /// The `N` independent variables at a point: unit gradients, zero Hessians.
-    pub fn variables(point: [f64; N]) -> [Self; N] {
+    pub fn variables(point: [R; N]) -> [Self; N] {
         std::array::from_fn(|i| {
-            let mut variable = Self::constant(point[i]);
-            variable.gradient[i] = 1.0;
+            let mut variable = Self::fixed(point[i]);
+            variable.gradient[i] = R::constant(1.0);
             variable
         })
     }
 
     /// The composition `h(x)` of a scalar function with this jet, from `h`, `h'` and `h''` at the
     /// value: `grad = h' g`, `Hess = h' H + h'' g (x) g`.
-    fn chain(self, value: f64, first: f64, second: f64) -> Self {
+    fn chain(self, value: R, first: R, second: R) -> Self {
         let mut result = self;
         result.value = value;
         for i in 0..N {
@@ -50,7 +61,7 @@ impl<const N: usize> Jet<N> {
     }
 
     /// Applies the same linear operation to value, gradient and Hessian.
-    fn zip(self, other: Self, operation: impl Fn(f64, f64) -> f64) -> Self {
+    fn zip(self, other: Self, operation: impl Fn(R, R) -> R) -> Self {
         let mut result = self;
         result.value = operation(self.value, other.value);
         for i in 0..N {
@@ -63,24 +74,27 @@ impl<const N: usize> Jet<N> {
     }
 }
 
-impl<const N: usize> Real for Jet<N> {
+impl<const N: usize, R: Real> Real for Jet<N, R> {
     fn constant(value: f64) -> Self {
-        Self {
-            value,
-            gradient: [0.0; N],
-            hessian: [[0.0; N]; N],
-        }
+        Self::fixed(R::constant(value))
     }
     fn value(self) -> f64 {
-        self.value
+        self.value.value()
+    }
+    fn side(self, threshold: f64) -> Option<Side> {
+        self.value.side(threshold)
+    }
+    fn hull(self, other: Self) -> Self {
+        self.zip(other, R::hull)
     }
     fn recip(self) -> Self {
         let r = self.value.recip();
-        self.chain(r, -r * r, 2.0 * r * r * r)
+        self.chain(r, -r * r, r * r * r * 2.0)
     }
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, 0.5 / root, -0.25 / (root * self.value))
+        let second = (root * self.value).recip() * -0.25;
+        self.chain(root, root.recip() * 0.5, second)
     }
     fn exp(self) -> Self {
         let e = self.value.exp();
@@ -91,11 +105,11 @@ impl<const N: usize> Real for Jet<N> {
         self.chain(self.value.ln(), r, -r * r)
     }
     fn sin(self) -> Self {
-        let (s, c) = self.value.sin_cos();
+        let (s, c) = (self.value.sin(), self.value.cos());
         self.chain(s, c, -s)
     }
     fn cos(self) -> Self {
-        let (s, c) = self.value.sin_cos();
+        let (s, c) = (self.value.sin(), self.value.cos());
         self.chain(c, -s, -c)
     }
     fn powi(self, exponent: i32) -> Self {
@@ -103,9 +117,9 @@ impl<const N: usize> Real for Jet<N> {
         // The coefficient is tested first: 0 * x^(n-1) must be 0 also at x = 0.
         let term = |coefficient: f64, power: i32| {
             if coefficient == 0.0 {
-                0.0
+                R::constant(0.0)
             } else {
-                coefficient * self.value.powi(power)
+                self.value.powi(power) * coefficient
             }
         };
         self.chain(
@@ -116,29 +130,29 @@ impl<const N: usize> Real for Jet<N> {
     }
     fn powf(self, exponent: f64) -> Self {
         let p = self.value.powf(exponent);
-        let first = exponent * p / self.value;
-        self.chain(p, first, (exponent - 1.0) * first / self.value)
+        let first = p * exponent / self.value;
+        self.chain(p, first, first * (R::constant(exponent) - 1.0) / self.value)
     }
 }
 
-impl<const N: usize> Add for Jet<N> {
+impl<const N: usize, R: Real> Add for Jet<N, R> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         self.zip(other, |a, b| a + b)
     }
 }
 
-impl<const N: usize> Sub for Jet<N> {
+impl<const N: usize, R: Real> Sub for Jet<N, R> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self.zip(other, |a, b| a - b)
     }
 }
 
-impl<const N: usize> Mul for Jet<N> {
+impl<const N: usize, R: Real> Mul for Jet<N, R> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let mut result = Self::constant(self.value * other.value);
+        let mut result = Self::fixed(self.value * other.value);
         for i in 0..N {
             result.gradient[i] = self.value * other.gradient[i] + other.value * self.gradient[i];
             for j in 0..=i {
@@ -159,45 +173,46 @@ impl<const N: usize> Mul for Jet<N> {
     clippy::suspicious_arithmetic_impl,
     reason = "a quotient is a product with the reciprocal"
 )]
-impl<const N: usize> Div for Jet<N> {
+impl<const N: usize, R: Real> Div for Jet<N, R> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         self * other.recip()
     }
 }
 
-impl<const N: usize> Neg for Jet<N> {
+impl<const N: usize, R: Real> Neg for Jet<N, R> {
     type Output = Self;
     fn neg(self) -> Self {
         self * -1.0
     }
 }
 
-impl<const N: usize> Add<f64> for Jet<N> {
+impl<const N: usize, R: Real> Add<f64> for Jet<N, R> {
     type Output = Self;
     fn add(mut self, constant: f64) -> Self {
-        self.value += constant;
+        self.value = self.value + constant;
         self
     }
 }
 
-impl<const N: usize> Sub<f64> for Jet<N> {
+impl<const N: usize, R: Real> Sub<f64> for Jet<N, R> {
     type Output = Self;
     fn sub(self, constant: f64) -> Self {
         self + -constant
     }
 }
 
-impl<const N: usize> Mul<f64> for Jet<N> {
+impl<const N: usize, R: Real> Mul<f64> for Jet<N, R> {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
-        self.chain(self.value * factor, factor, 0.0)
+        self.chain(self.value * factor, R::constant(factor), R::constant(0.0))
     }
 }
 
-impl<const N: usize> Div<f64> for Jet<N> {
+impl<const N: usize, R: Real> Div<f64> for Jet<N, R> {
     type Output = Self;
     fn div(self, divisor: f64) -> Self {
-        self.chain(self.value / divisor, divisor.recip(), 0.0)
+        let inverse = R::constant(divisor).recip();
+        self.chain(self.value / divisor, inverse, R::constant(0.0))
     }
 }

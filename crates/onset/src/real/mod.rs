@@ -1,20 +1,31 @@
-//! Numbers a law can be evaluated with: plain floating point and second-order jets.
+//! Numbers a law can be evaluated with: plain floating point, second-order jets, and intervals.
 //!
 //! A strain energy is written once, generic over [`Real`]. Evaluated with [`f64`] it gives the
 //! energy; evaluated with a [`Jet`] over the nine components of the deformation gradient it gives,
-//! in the same pass, the stress and the tangent, exact to rounding.
+//! in the same pass, the stress and the tangent, exact to rounding; with jets of [`Interval`]s, bounds that hold them.
 
+mod interval;
 mod jet;
 
+pub use interval::Interval;
 pub use jet::Jet;
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// A side of a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Less than the threshold.
+    Below,
+    /// The threshold itself, or more.
+    Above,
+}
+
 /// A number that an energy can be written with.
 ///
-/// Comparisons are made on [`Real::value`], so that a branch in a law (a switch between tension
-/// and compression, say) selects the same formula for the value and for its derivatives.
+/// A branch in a law (a switch between tension and compression, say) is made with [`Real::switch`], which selects the same
+/// formula for the value and for its derivatives, and takes both where an interval does not decide.
 pub trait Real:
     Copy
     + Debug
@@ -33,6 +44,42 @@ pub trait Real:
 
     /// The floating-point value, without derivatives.
     fn value(self) -> f64;
+
+    /// On which side of a threshold the number is; `None` where an interval holds numbers of both.
+    fn side(self, threshold: f64) -> Option<Side> {
+        Some(if self.value() < threshold {
+            Side::Below
+        } else {
+            Side::Above
+        })
+    }
+
+    /// A number that stands for both: the smallest interval that holds two intervals. Of numbers whose [`Real::side`]
+    /// is always known it is never asked.
+    fn hull(self, _other: Self) -> Self {
+        self
+    }
+
+    /// One formula below a threshold of this number, another at it and above; both where that is not decided.
+    ///
+    /// ```
+    /// use onset::real::{Interval, Real};
+    /// let ramp = |x: Interval| x.switch(0.0, || Interval::ZERO, || x);
+    /// assert_eq!(ramp(Interval::new(-2.0, -1.0)), Interval::ZERO);
+    /// assert!(ramp(Interval::new(-1.0, 2.0)).contains(2.0));
+    /// ```
+    fn switch(
+        self,
+        threshold: f64,
+        below: impl FnOnce() -> Self,
+        above: impl FnOnce() -> Self,
+    ) -> Self {
+        match self.side(threshold) {
+            Some(Side::Below) => below(),
+            Some(Side::Above) => above(),
+            None => below().hull(above()),
+        }
+    }
 
     /// The reciprocal, `1 / x`.
     fn recip(self) -> Self;

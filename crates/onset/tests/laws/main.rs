@@ -4,6 +4,7 @@ mod directions;
 mod ellipticity;
 mod energy;
 mod extremes;
+mod intervals;
 mod numbers;
 mod rates;
 mod table;

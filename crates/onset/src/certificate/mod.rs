@@ -1,0 +1,511 @@
+//! Proofs of stability and of instability.
+//!
+//! [`judge`](crate::verdict::judge) samples the zone and follows its wells: very likely right, but no proof. A
+//! [`Certificate`] says of material and discretization each that they are proved stable, with a lower bound over *all*
+//! directions or wave vectors; proved unstable, with a wave of which intervals confirm that it grows; or undecided.
+//!
+//! What is proved is a statement on the linearized equations of a perfect infinite lattice as this crate defines them, with the
+//! state and all constants taken as the doubles that they are. It assumes that the processor computes as IEEE 754 says and
+//! that the elementary functions of the platform are within four units in the last place. The book derives the bounds.
+
+mod cover;
+mod ellipticity;
+mod expansion;
+mod patch;
+mod points;
+mod waves;
+
+use crate::bloch::{ZoneSearch, dynamical_matrix};
+use crate::continuum::Stiffness;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::BrillouinZone;
+use crate::material::Hyperelastic;
+use crate::method::{Background, Frame, Method, MethodError};
+use crate::quadrature::QuadraturePoint;
+use crate::real::Interval;
+use crate::verdict::speed_squared;
+use cover::{Finding, GrowingWave, Question, cover};
+use ellipticity::{Acoustic, Ellipticity};
+use nalgebra::SVector;
+
+/// Growth rates of oscillations up to this fraction of sound speed over spacing are no instability, as in
+/// [`ZoneSearch`]. Where two branches cross, the discriminant touches zero, and no computation
+/// with rounding can prove that it does not pass.
+pub const GROWTH: f64 = 1e-7;
+
+/// The part of the smallest measure seen that is proved as its lower bound, unless asked otherwise.
+const SHARE: f64 = 0.5;
+/// Boxes per cover, unless asked otherwise.
+const BUDGET: usize = 100_000;
+/// Intervals of directions per proof of ellipticity.
+const DIRECTIONS: usize = 2_000;
+
+/// What is proved of material and discretization at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate<const D: usize> {
+    /// Strong ellipticity. Measures are acoustic eigenvalues over `rho0 c^2`, witnesses directions `N`.
+    pub material: Certainty<D>,
+    /// Waves of the discretization. Measures are `Re omega^2 / (c^2 |k|_h^2)`, witnesses wave vectors.
+    pub discretization: Certainty<D>,
+}
+
+/// A three-valued answer, and what carries it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Certainty<const D: usize> {
+    /// The measure is at least the bound everywhere, and no oscillation grows faster than [`GROWTH`].
+    Stable {
+        /// A positive lower bound of the measure over the whole zone, the limit of long waves included.
+        bound: f64,
+    },
+    /// No wave grows, but one of finite length costs no energy at any state: the quadrature does not see it.
+    RankDeficient {
+        /// Its reference wave vector.
+        wave_vector: SVector<f64, D>,
+    },
+    /// A wave grows.
+    Unstable {
+        /// One that does.
+        witness: Witness<D>,
+    },
+    /// Neither is proved.
+    Undecided {
+        /// The smallest measure seen; NaN when none could be evaluated.
+        measure: f64,
+        /// Why.
+        reason: Reason,
+    },
+}
+
+/// A wave that certainly grows, or a direction in which ellipticity is certainly lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Witness<const D: usize> {
+    /// Reference wave vector, 1/length; of a material the direction `N`.
+    pub wave_vector: SVector<f64, D>,
+    /// The phases `k.a_i` at which the wave was confirmed, exactly; of a material `N` again.
+    pub phases: SVector<f64, D>,
+    /// Bounds of the measure.
+    pub measure: Interval,
+    /// A lower bound of the growth rate in units of sound speed over spacing; of a material, where waves of any length
+    /// grow, of sound speed times wave number.
+    pub growth_rate: f64,
+}
+
+/// Why a state is undecided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The measure is within the stated tolerance of zero.
+    WithinTolerance,
+    /// The measure is proved or seen positive where the work stopped, but oscillations may grow a little faster than
+    /// [`GROWTH`].
+    Growth,
+    /// The number of boxes was exhausted although the measure is beyond the tolerance.
+    Budget,
+    /// Inversion does not map the quadrature points onto themselves; such sets are not covered.
+    NoInversionCenter,
+    /// The arrangement is three-dimensional; such are not covered.
+    Dimension,
+    /// The enclosures are not finite at this state.
+    NotFinite,
+}
+
+impl<const D: usize> Certainty<D> {
+    /// The word used in files and legends.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Stable { .. } => "proved-stable",
+            Self::RankDeficient { .. } => "proved-rank-deficient",
+            Self::Unstable { .. } => "proved-unstable",
+            Self::Undecided { .. } => "undecided",
+        }
+    }
+
+    /// Whether stability or instability is proved.
+    pub fn is_decided(&self) -> bool {
+        !matches!(self, Self::Undecided { .. })
+    }
+
+    fn undecided(measure: f64, tolerance: f64, is_growth: bool) -> Self {
+        let reason = if measure.is_nan() {
+            Reason::NotFinite
+        } else if measure.abs() <= tolerance {
+            Reason::WithinTolerance
+        } else if is_growth {
+            Reason::Growth
+        } else {
+            Reason::Budget
+        };
+        Self::Undecided { measure, reason }
+    }
+}
+
+/// Proves stability or instability of a material and a method at a homogeneous state. All states get
+/// the same work; one that stays undecided says whether its measure is within `tolerance` of zero. For many states of one method, [`Certifier`] is faster.
+///
+/// ```
+/// use onset::certificate::{Certainty, certify};
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::method::{Discretization, Frame, Method};
+/// let (material, f) = (
+///     ModifiedMooneyRivlin::default(),
+///     DeformationGradient::from_stretches([1.2, 1.0, 1.0])?,
+/// );
+/// let lagrangian = Method::<2>::new(Discretization::default())?;
+/// let proof = certify(&lagrangian, &material, &f, 1e-3)?;
+/// assert!(matches!(proof.discretization, Certainty::Stable { bound } if bound > 0.0));
+///
+/// let sph = Discretization { frame: Frame::Eulerian, ..Discretization::default() };
+/// let proof = certify(&Method::<2>::new(sph)?, &material, &f, 1e-3)?;
+/// assert_eq!(proof.material.name(), "proved-stable");
+/// assert_eq!(proof.discretization.name(), "proved-unstable");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`MethodError`] when the method or the material cannot be evaluated at the state.
+pub fn certify<const D: usize>(
+    method: &Method<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    tolerance: f64,
+) -> Result<Certificate<D>, MethodError> {
+    Certifier::new(method, material, tolerance)?.certify(f)
+}
+
+/// What the certificates of one method and one material have in common.
+pub struct Certifier<'a, const D: usize> {
+    method: &'a Method<D>,
+    material: &'a dyn Hyperelastic,
+    tolerance: f64,
+    share: f64,
+    budget: usize,
+    /// `c^2`.
+    speed_squared: f64,
+    /// Lagrangian kernels: what is proved of the discrete gradient, of which no state knows.
+    gradient: Option<Gradient<D>>,
+}
+
+/// The discrete gradient of a Lagrangian method.
+#[derive(Clone, Copy)]
+enum Gradient<const D: usize> {
+    /// `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
+    Bounded(f64),
+    /// It vanishes for the wave with these phases.
+    Vanishes(SVector<f64, D>),
+}
+
+impl<'a, const D: usize> Certifier<'a, D> {
+    /// Proves once what can be proved without a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the undeformed material or a Lagrangian method cannot be evaluated.
+    pub fn new(
+        method: &'a Method<D>,
+        material: &'a dyn Hyperelastic,
+        tolerance: f64,
+    ) -> Result<Self, MethodError> {
+        let mut certifier = Self {
+            method,
+            material,
+            tolerance,
+            share: SHARE,
+            budget: BUDGET,
+            speed_squared: speed_squared(method, material)?,
+            gradient: None,
+        };
+        if method.discretization().frame == Frame::Lagrangian && D <= 2 {
+            certifier.gradient = certifier.gradient()?;
+        }
+        Ok(certifier)
+    }
+
+    /// With a share of the true minimum, up to 0.95, that is to be proved as the lower bound. The nearer to one, the
+    /// more work.
+    pub fn with_share(mut self, share: f64) -> Self {
+        self.share = share.clamp(0.01, 0.95);
+        self
+    }
+
+    /// With a number of boxes after which a state is undecided.
+    pub fn with_budget(mut self, boxes: usize) -> Self {
+        self.budget = boxes;
+        self
+    }
+
+    /// The certificate of a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method or the material cannot be evaluated there.
+    pub fn certify(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
+        if !f.is_block_diagonal::<D>() {
+            return Err(MethodError::NotPlanar { dimension: D });
+        }
+        let response = self.material.response(f)?;
+        if D > 2 {
+            let undecided = Certainty::Undecided {
+                measure: f64::NAN,
+                reason: Reason::Dimension,
+            };
+            return Ok(Certificate {
+                material: undecided,
+                discretization: undecided,
+            });
+        }
+        let hint = Stiffness::<D>::of(&response).minimum().direction;
+        let exact = DeformationGradient::from_components(
+            f.components().map(|row| row.map(Interval::point)),
+        );
+        let ellipticity = self.ellipticity(&exact, &hint);
+        Ok(Certificate {
+            material: self.of_material(ellipticity),
+            discretization: self.of_discretization(f, &hint, ellipticity)?,
+        })
+    }
+
+    fn ellipticity(
+        &self,
+        f: &DeformationGradient<Interval>,
+        hint: &SVector<f64, D>,
+    ) -> Ellipticity {
+        let acoustic = Acoustic::new::<D>(&self.material.enclosure(f).tangent);
+        acoustic.ellipticity(planar(hint), DIRECTIONS)
+    }
+
+    fn of_material(&self, ellipticity: Ellipticity) -> Certainty<D> {
+        let scale = self.method.discretization().density * self.speed_squared;
+        match ellipticity {
+            // The scale is a double of its own: two roundings.
+            Ellipticity::Bounded(bound) if bound > 0.0 => Certainty::Stable {
+                bound: bound / scale * (1.0 - 4.0 * f64::EPSILON),
+            },
+            Ellipticity::Bounded(bound) => Certainty::undecided(bound, self.tolerance, false),
+            Ellipticity::Refuted {
+                direction,
+                eigenvalue,
+            } => {
+                let wave_vector = SVector::from_fn(|i, _| direction[i]);
+                let measure = eigenvalue / Interval::point(scale);
+                Certainty::Unstable {
+                    witness: Witness {
+                        wave_vector,
+                        phases: wave_vector,
+                        measure,
+                        growth_rate: lower_root(-measure.high),
+                    },
+                }
+            }
+            Ellipticity::Open { eigenvalue } => {
+                Certainty::undecided(eigenvalue / scale, self.tolerance, false)
+            }
+        }
+    }
+
+    fn of_discretization(
+        &self,
+        f: &DeformationGradient,
+        hint: &SVector<f64, D>,
+        ellipticity: Ellipticity,
+    ) -> Result<Certainty<D>, MethodError> {
+        let is_imposed = self.method.discretization().background == Background::Imposed;
+        // One tangent at all points, elliptic: the theorem.
+        if let (Some(gradient), true, Ellipticity::Bounded(bound)) =
+            (self.gradient, is_imposed, ellipticity)
+            && bound > 0.0
+        {
+            return Ok(self.by_theorem(gradient, bound));
+        }
+        let order = crate::approximation::Order::First;
+        self.method.configuration(f, order)?;
+        let points = match points::points(self.method, f) {
+            Ok(points) => points,
+            Err(reason) => {
+                return Ok(Certainty::Undecided {
+                    measure: f64::NAN,
+                    reason,
+                });
+            }
+        };
+        if let Some(gradient) = self.gradient {
+            // Different tangents at the points, each elliptic: the same proof, with the least of them.
+            let mut least = f64::INFINITY;
+            for point in &points {
+                least = match self.ellipticity(&point.deformation, hint) {
+                    Ellipticity::Bounded(bound) => least.min(bound),
+                    _ => 0.0,
+                };
+            }
+            if least > 0.0 {
+                return Ok(self.by_theorem(gradient, least));
+            }
+        }
+        let waves = waves::dynamical_waves(self.method, self.material, &points);
+        Ok(self.of_waves(f, &waves))
+    }
+
+    /// Strong ellipticity at all points with positive volumes, and inversion symmetry: `D >= bound sum_q V_q |B_q|^2`.
+    fn by_theorem(&self, gradient: Gradient<D>, bound: f64) -> Certainty<D> {
+        match gradient {
+            Gradient::Bounded(gradient) => Certainty::Stable {
+                bound: self.scaled(bound * gradient) * (1.0 - 16.0 * f64::EPSILON),
+            },
+            Gradient::Vanishes(phases) => Certainty::RankDeficient {
+                wave_vector: self.wave_vector(&phases),
+            },
+        }
+    }
+
+    fn of_waves(&self, f: &DeformationGradient, waves: &waves::Waves) -> Certainty<D> {
+        let (zone, farthest) = self.zone(f);
+        let spacing = self.method.discretization().spacing;
+        let growth = GROWTH * GROWTH * self.speed_squared / (spacing * spacing);
+        let finding = cover(
+            waves,
+            &Question {
+                zone: &zone,
+                farthest,
+                growth_squared: growth,
+                share: self.share,
+                budget: self.budget,
+            },
+            || self.candidates(f),
+        );
+        match finding {
+            Finding::Bounded(bound) if bound > 0.0 => Certainty::Stable {
+                bound: self.scaled(bound) * (1.0 - 16.0 * f64::EPSILON),
+            },
+            Finding::Bounded(bound) => Certainty::undecided(bound, self.tolerance, false),
+            Finding::Grows(wave) => Certainty::Unstable {
+                witness: self.witness(&wave),
+            },
+            Finding::Open { measure, is_growth } => {
+                Certainty::undecided(self.scaled(measure), self.tolerance, is_growth)
+            }
+        }
+    }
+
+    /// The phases of the waves that the search in floating point thinks to grow.
+    fn candidates(&self, f: &DeformationGradient) -> Vec<[f64; 2]> {
+        let search = ZoneSearch::new(self.method, f, self.speed_squared);
+        let matrix = dynamical_matrix(self.method, self.material, f);
+        let (Some(search), Ok(matrix)) = (search, matrix) else {
+            return Vec::new();
+        };
+        let summary = search.summary(&matrix);
+        let vectors = self.method.lattice().vectors();
+        [summary.softest, summary.lowest, summary.fastest_growing]
+            .into_iter()
+            .filter(|mode| !mode.is_long_wave)
+            .map(|mode| planar(&(vectors.transpose() * mode.wave_vector)))
+            .collect()
+    }
+
+    fn witness(&self, wave: &GrowingWave) -> Witness<D> {
+        let spacing = self.method.discretization().spacing;
+        let laplacian = (0..D).fold(Interval::ZERO, |sum, i| {
+            use crate::real::Real;
+            sum + (Interval::point(wave.phases[i]) * 0.5).sin().square() * 2.0
+        });
+        let scale = Interval::around(self.scaled(1.0), 4);
+        let phases = SVector::from_fn(|i, _| wave.phases[i]);
+        Witness {
+            wave_vector: self.wave_vector(&phases),
+            phases,
+            measure: wave.omega_squared / laplacian * scale,
+            growth_rate: lower_root(
+                wave.growth_squared * spacing * spacing / self.speed_squared
+                    * (1.0 - 8.0 * f64::EPSILON),
+            ),
+        }
+    }
+
+    /// `omega^2 / L` as a measure: `c^2 |k|_h^2 = 2 c^2 L / spacing^2`, since all primitive vectors have that length.
+    fn scaled(&self, measure: f64) -> f64 {
+        let spacing = self.method.discretization().spacing;
+        measure * spacing * spacing / (2.0 * self.speed_squared)
+    }
+
+    fn wave_vector(&self, phases: &SVector<f64, D>) -> SVector<f64, D> {
+        self.method.lattice().reciprocal() * phases / std::f64::consts::TAU
+    }
+
+    /// The half planes of phases that bound the zone, and the largest phase in it.
+    fn zone(&self, f: &DeformationGradient) -> (Vec<([f64; 2], f64)>, f64) {
+        if self.method.is_periodic() {
+            return (Vec::new(), std::f64::consts::PI);
+        }
+        let home = self.method.home_map(f);
+        let Some(lattice) = self.method.lattice().mapped(&home) else {
+            return (Vec::new(), f64::INFINITY);
+        };
+        let zone = BrillouinZone::new(lattice);
+        // k.G <= |G|^2 / 2 with k = sum_i theta_i b_i / (2 pi).
+        let half_plane = |g: &SVector<f64, D>| {
+            let normal = planar(&(lattice.reciprocal().transpose() * g));
+            (normal, std::f64::consts::PI * g.norm_squared())
+        };
+        let farthest = zone
+            .corners()
+            .iter()
+            .map(|corner| (lattice.vectors().transpose() * corner).amax())
+            .fold(0.0, f64::max);
+        let half_planes = zone.bounding_vectors().iter().map(half_plane).collect();
+        (half_planes, farthest * (1.0 + 1e-6))
+    }
+
+    /// The discrete gradient of a Lagrangian method over the zone.
+    fn gradient(&self) -> Result<Option<Gradient<D>>, MethodError> {
+        let identity = DeformationGradient::identity();
+        let order = crate::approximation::Order::First;
+        self.method.configuration(&identity, order)?;
+        let has_volumes = |point: &QuadraturePoint<D>| point.volume > 0.0;
+        let all = self.method.quadrature_points();
+        if !all.iter().all(has_volumes) {
+            return Ok(None);
+        }
+        if let Some(phases) = zero_energy_phases(all) {
+            return Ok(Some(Gradient::Vanishes(phases)));
+        }
+        let Ok(points) = points::points(self.method, &identity) else {
+            return Ok(None);
+        };
+        let waves = waves::gradient_waves(self.method, &points);
+        let finding = cover(
+            &waves,
+            &Question {
+                zone: &[],
+                farthest: std::f64::consts::PI,
+                growth_squared: 0.0,
+                share: 0.9,
+                budget: 10 * BUDGET,
+            },
+            Vec::new,
+        );
+        Ok(match finding {
+            Finding::Bounded(bound) if bound > 0.0 => Some(Gradient::Bounded(bound)),
+            _ => None,
+        })
+    }
+}
+
+/// The phases `pi m` of a wave of which no quadrature point feels a gradient. Where a point is an inversion center and
+/// all phases relative to it are 0 or pi, the gradients of mirrored neighbors cancel.
+fn zero_energy_phases<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<SVector<f64, D>> {
+    let is_integer = |x: f64| (x - x.round()).abs() <= 1e-14;
+    let are_centers = points
+        .iter()
+        .all(|point| point.place.iter().all(|&x| is_integer(2.0 * x)));
+    let candidates = (1..2_usize.pow(D as u32))
+        .map(|bits| SVector::<f64, D>::from_fn(|i, _| ((bits >> i) & 1) as f64));
+    let mut silent = candidates
+        .filter(|m| are_centers && points.iter().all(|point| is_integer(m.dot(&point.place))));
+    silent.next().map(|m| m * std::f64::consts::PI)
+}
+
+fn planar<const D: usize>(v: &SVector<f64, D>) -> [f64; 2] {
+    [0, 1].map(|i| if i < D { v[i] } else { 0.0 })
+}
+
+/// A lower bound of a square root.
+fn lower_root(x: f64) -> f64 {
+    x.max(0.0).sqrt().next_down().max(0.0)
+}
