@@ -1,0 +1,1 @@
+//! Boundaries of the laws and of their discretizations.
