@@ -1,5 +1,7 @@
 //! Tasks of the workspace: `cargo xtask test`, and `cargo xtask figures`.
 
+mod python;
+
 use std::process::{Command, ExitCode};
 
 /// A step of a task: what it is for, and its arguments to cargo.

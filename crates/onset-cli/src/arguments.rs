@@ -10,7 +10,9 @@ fn keys() -> String {
         let (meaning, default) = (key.meaning, key.default_value());
         format!(
             "  {:<31} {meaning} [default: {default}]\n{:34}{}\n",
-            key.name, "", key.expects
+            key.name,
+            "",
+            key.expects()
         )
     };
     format!(

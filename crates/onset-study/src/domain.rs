@@ -1,4 +1,4 @@
-//! The verdict on every state of a window of principal stretches.
+//! The verdict on every state of a window with two axes.
 
 use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
@@ -75,10 +75,18 @@ impl Domain {
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
         let method = problem.method::<2>()?;
-        let count = study.resolution * study.resolution;
-        let classes = (0..count)
+        let of_state = |index: usize| {
+            let coordinates = study.coordinates(index);
+            let f = study.deformation_at(&coordinates)?;
+            if !study.varies_settings() {
+                return class(&problem, &method, &f);
+            }
+            let problem = Problem::new(study.settings_at(&coordinates)?)?;
+            class(&problem, &problem.method::<2>()?, &f)
+        };
+        let classes = (0..study.states())
             .into_par_iter()
-            .map(|index| class(&problem, &method, &state(study, index)?))
+            .map(of_state)
             .collect::<Result<_, ProblemError>>()?;
         Ok(Self {
             study: study.clone(),
@@ -95,11 +103,11 @@ impl Domain {
                 .unwrap_or(0) as u8
         };
         let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
-        let n = self.study.resolution;
+        let [first, second] = self.study.plane();
         Regions::new(
-            self.study.stretch_1,
-            self.study.stretch_2,
-            (n, n),
+            first.range,
+            second.range,
+            (first.count, second.count),
             self.classes.iter().map(index).collect(),
             key.to_vec(),
         )
@@ -109,7 +117,8 @@ impl Domain {
     pub fn stable_fraction(&self, condition: impl Fn([f64; 2], Class) -> bool) -> f64 {
         let (mut all, mut stable) = (0.0, 0.0);
         for (index, class) in self.classes.iter().enumerate() {
-            if condition(self.study.stretches(index), *class) {
+            let coordinates = self.study.coordinates(index);
+            if condition([coordinates[0], coordinates[1]], *class) {
                 all += 1.0;
                 stable += f64::from(u8::from(class.is_stable_for_particles()));
             }
@@ -119,18 +128,18 @@ impl Domain {
 
     /// The map as a table.
     pub fn csv(&self) -> String {
-        let mut text = String::from("stretch_1,stretch_2,class\n");
+        let names = self
+            .study
+            .plane()
+            .map(|axis| axis.name().replace(['-', '.'], "_"));
+        let mut text = format!("{},class\n", names.join(","));
         for (index, class) in self.classes.iter().enumerate() {
-            let [a, b] = self.study.stretches(index);
+            let coordinates = self.study.coordinates(index);
+            let (a, b) = (coordinates[0], coordinates[1]);
             text.push_str(&format!("{a:.16e},{b:.16e},{}\n", class.name()));
         }
         text
     }
-}
-
-fn state(study: &Study, index: usize) -> Result<DeformationGradient, ProblemError> {
-    let [a, b] = study.stretches(index);
-    Ok(DeformationGradient::from_stretches([a, b, 1.0])?)
 }
 
 /// The class of one state.

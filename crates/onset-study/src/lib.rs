@@ -8,5 +8,7 @@ pub mod catalog;
 pub mod domain;
 pub mod figure;
 pub mod json;
+pub mod map;
 pub mod reproduce;
 pub mod settings;
+pub mod store;

@@ -72,14 +72,12 @@ pub const ALL: [Recipe; 8] = [
     },
 ];
 
-const STRETCH_1: &str = "stretch λ₁ (−)";
-const STRETCH_2: &str = "stretch λ₂ (−)";
-
 fn stretch_panel(study: &Study, title: &str) -> Panel {
+    let [first, second] = study.plane();
     Panel::new(
         title,
-        Axis::linear(STRETCH_1, study.stretch_1),
-        Axis::linear(STRETCH_2, study.stretch_2),
+        Axis::linear(&first.label(), first.range),
+        Axis::linear(&second.label(), second.range),
     )
     .equal_aspect()
 }
@@ -110,20 +108,20 @@ fn pairs(points: &[(f64, f64)]) -> String {
 /// The boundary of strong ellipticity within a window.
 fn continuum_boundary(study: &Study, count: usize) -> Result<Vec<(f64, f64)>, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
+    let [first, second] = study.plane();
     Ok(material_boundary(
         &*problem.material,
-        &spread(study.stretch_1, count),
-        study.stretch_2,
+        &spread(first.range, count),
+        second.range,
     )?)
 }
 
 /// The continuum alone, as a map with the exact verdict on ellipticity.
 fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
-    let n = study.resolution;
+    let [first, second] = study.plane();
     let elliptic = |index: usize| -> Result<&'static str, ProblemError> {
-        let [a, b] = study.stretches(index);
-        let f = state(a, b)?;
+        let f = study.deformation_at(&study.coordinates(index))?;
         let response = problem.material.response(&f).map_err(MethodError::from)?;
         Ok(if Stiffness::<2>::of(&response).is_strongly_elliptic() {
             "stable"
@@ -131,14 +129,14 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
             "material"
         })
     };
-    let words: Vec<&str> = (0..n * n)
+    let words: Vec<&str> = (0..study.states())
         .into_par_iter()
         .map(elliptic)
         .collect::<Result<_, _>>()?;
     Ok(crate::figure::Regions::of_words(
-        study.stretch_1,
-        study.stretch_2,
-        (n, n),
+        first.range,
+        second.range,
+        (first.count, second.count),
         words,
     ))
 }
@@ -146,11 +144,7 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
 fn figure_02() -> Result<Plate, ReproduceError> {
     let study = study!("figure-02")?;
     let boundary = continuum_boundary(&study, 100)?;
-    let restored = study!("figure-02").map(|study| Study {
-        stretch_1: (0.5, 16.0),
-        stretch_2: (0.5, 16.0),
-        ..study
-    })?;
+    let restored = study.clone().with_ranges(&[(0.5, 16.0), (0.5, 16.0)]);
     let wide = continuum_boundary(&restored, 80)?;
     let upper: Vec<(f64, f64)> = wide.iter().copied().filter(|(a, b)| a * b > 20.0).collect();
     let lower: Vec<(f64, f64)> = wide
@@ -413,26 +407,32 @@ fn figure_07() -> Result<Plate, ReproduceError> {
     let study = study!("figure-07")?;
     let problem = Problem::new(study.settings.clone())?;
     let method = problem.method::<2>()?;
-    let n = study.resolution;
+    let [first, second] = study.plane();
     let extremes = |index: usize| -> Result<Vec<f64>, ProblemError> {
-        let [a, b] = study.stretches(index);
-        let f = state(a, b)?;
+        let coordinates = study.coordinates(index);
+        let f = study.deformation_at(&coordinates)?;
         let matrix = dynamical_matrix(&method, &*problem.material, &f)?;
         let summary = zone_search(&method, &*problem.material, &f)?.summary(&matrix);
         Ok(vec![
-            a,
-            b,
+            coordinates[0],
+            coordinates[1],
             summary.lowest.omega_squared.re,
             summary.maximum_omega.powi(2),
         ])
     };
-    let rows: Vec<Vec<f64>> = (0..n * n)
+    let rows: Vec<Vec<f64>> = (0..study.states())
         .into_par_iter()
         .map(extremes)
         .collect::<Result<_, _>>()?;
     let column = |c: usize| rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
     let field = |c: usize, label: &str| {
-        Field::new(study.stretch_1, study.stretch_2, (n, n), column(c), label)
+        Field::new(
+            first.range,
+            second.range,
+            (first.count, second.count),
+            column(c),
+            label,
+        )
     };
     let lowest = column(2).into_iter().fold(0.0, f64::min);
     let figure = Figure::new("Figure 7. Squares of the frequencies, Eulerian kernel with stress points")
@@ -458,7 +458,7 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     let study = study!("figure-08")?;
     let material = BlatzKo::default();
     let gamma = 2.0 - 3.0_f64.sqrt();
-    let (low, high) = study.stretch_1;
+    let (low, high) = study.plane()[0].range;
     // The two-dimensional boundary from the acoustic tensor of plane waves, along circles around the origin.
     let boundary = continuum_boundary(&study, 80)?;
     let (upper, lower): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);

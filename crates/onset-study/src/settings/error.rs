@@ -21,6 +21,17 @@ pub enum Origin {
     Combination,
 }
 
+impl Origin {
+    /// The place as part of a sentence.
+    pub(super) fn place(&self) -> String {
+        match self {
+            Self::CommandLine(argument) => argument.clone(),
+            Self::File { line, column, .. } => format!("line {line}, column {column}"),
+            Self::Combination => "another place".to_owned(),
+        }
+    }
+}
+
 impl std::fmt::Display for Origin {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -69,10 +80,10 @@ impl SettingError {
     }
 
     /// Names the word nearest to the one typed, where words are expected.
-    pub(super) fn nearest_word(mut self, value: &Value, expects: &str) -> Self {
+    pub(super) fn nearest_word(mut self, value: &Value, words: &[&str]) -> Self {
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
-            && let Some(nearest) = nearest(word, expects.split(" | "))
-            && expects.contains(" | ")
+            && let Some(nearest) = nearest(word, words.iter().copied())
+            && words.len() > 1
         {
             hint.push_str(&format!("; did you mean `{nearest}`?"));
         }

@@ -1,14 +1,23 @@
-//! What a user sets: material and discretization, by dotted keys, from the command line or a study file.
+//! What a user sets: material and discretization by dotted keys, from the command line or a study file, and the study itself.
 //!
-//! Every key is defined once, in the table [`KEYS`]; parsing, suggestions and documentation follow from it.
+//! Every key is defined once, in the tables [`KEYS`], [`STATE_KEYS`] and [`MAP_KEYS`]; parsing, suggestions, the schema and
+//! documentation follow from them.
 
+mod axis;
 mod error;
-mod file;
+mod key;
+mod map;
 mod material;
+mod state;
+mod study;
 
+pub use axis::{Axis, Quantity};
 pub use error::{Origin, SettingError};
-pub use file::Study;
+pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
+pub use map::MapSettings;
 pub use material::{MaterialSettings, Model};
+pub use state::StateSettings;
+pub use study::Study;
 
 use onset::approximation::Approximation;
 use onset::kernel::Kernel;
@@ -19,131 +28,6 @@ use onset::method::{
 use onset::quadrature::Quadrature;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-
-/// A key that can be set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Key {
-    /// Its dotted name.
-    pub name: &'static str,
-    /// What it expects, in words.
-    pub expects: &'static str,
-    /// What it means.
-    pub meaning: &'static str,
-}
-
-const fn key(name: &'static str, expects: &'static str, meaning: &'static str) -> Key {
-    Key {
-        name,
-        expects,
-        meaning,
-    }
-}
-
-/// Every key, in the order of the documentation.
-pub const KEYS: &[Key] = &[
-    key(
-        "material.model",
-        "modified-mooney-rivlin | blatz-ko",
-        "the law",
-    ),
-    key(
-        "material.c1",
-        "a number (stress)",
-        "first constant of modified-mooney-rivlin",
-    ),
-    key(
-        "material.c2",
-        "a number (stress)",
-        "second constant of modified-mooney-rivlin",
-    ),
-    key(
-        "material.lambda",
-        "a number (stress)",
-        "volumetric constant of modified-mooney-rivlin",
-    ),
-    key(
-        "material.mu",
-        "a positive number (stress)",
-        "shear modulus of blatz-ko",
-    ),
-    key(
-        "discretization.arrangement",
-        "square | hexagonal | chain",
-        "arrangement of the particles",
-    ),
-    key(
-        "discretization.spacing",
-        "a positive number (length)",
-        "distance of nearest particles",
-    ),
-    key(
-        "discretization.density",
-        "a positive number (mass/volume)",
-        "reference density",
-    ),
-    key("discretization.kernel", "quartic-spline", "weight function"),
-    key(
-        "discretization.support",
-        "a positive number",
-        "support radius in spacings, D_mx",
-    ),
-    key(
-        "discretization.approximation",
-        "raw | shepard | mls",
-        "correction of the weights",
-    ),
-    key(
-        "discretization.quadrature",
-        "nodal | stress-points | stress-points-only",
-        "quadrature points",
-    ),
-    key(
-        "discretization.frame",
-        "lagrangian | eulerian",
-        "coordinates of the kernel",
-    ),
-    key(
-        "discretization.background",
-        "imposed | interpolated",
-        "deformation that the quadrature points carry",
-    ),
-    key(
-        "discretization.lattice",
-        "convected | regular",
-        "Eulerian kernels: positions of the particles",
-    ),
-    key(
-        "discretization.support-size",
-        "fixed | scaled | convected",
-        "Eulerian kernels: size of the support",
-    ),
-    key(
-        "discretization.linearization",
-        "exact | paper | exact-plane-wave | paper-interpolated | frozen-normalization",
-        "Eulerian kernels: what the perturbation moves",
-    ),
-];
-
-impl Key {
-    /// Its default value as one would write it; for a material constant that of its law.
-    pub fn default_value(&self) -> String {
-        let written = |value: &serde_json::Value| match value {
-            serde_json::Value::String(word) => word.clone(),
-            other => other.to_string(),
-        };
-        match self.name.split_once('.') {
-            Some(("material", "model")) => Model::default().name().to_owned(),
-            Some(("material", parameter)) => Model::ALL
-                .iter()
-                .flat_map(|model| model.parameters())
-                .find(|(name, _)| *name == parameter)
-                .map_or_else(String::new, |(_, value)| value.to_string()),
-            Some((_, field)) => serde_json::to_value(Discretization::default())
-                .map_or_else(|_| String::new(), |defaults| written(&defaults[field])),
-            None => String::new(),
-        }
-    }
-}
 
 /// Material and discretization, as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -194,8 +78,8 @@ impl Settings {
         };
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{name}` cannot be {value}"))
-                .hint(format!("expected {} ({})", key.expects, key.meaning))
-                .nearest_word(value, key.expects)
+                .hint(format!("expected {} ({})", key.expects(), key.meaning))
+                .nearest_word(value, key.words())
         };
         let number = value.number();
         let discretization = &mut self.discretization;
@@ -243,6 +127,28 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// The value of a key; `None` when there is no such key, or for a constant of another material.
+    pub fn value(&self, name: &str) -> Option<Value> {
+        match name.split_once('.')? {
+            ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
+            ("material", name) => {
+                let mut values = self.material.values().into_iter();
+                let (_, value) = values.find(|(parameter, _)| *parameter == name)?;
+                Some(Value::Number(value))
+            }
+            ("discretization", name) => {
+                let fields = serde_json::to_value(self.discretization).ok()?;
+                match fields.get(name)? {
+                    serde_json::Value::String(word) => Some(Value::Word(word.clone())),
+                    other => other.as_f64().map(Value::Number),
+                }
+            }
+            _ => None,
+        }
+    }
+}
+
 /// Assigns what could be read; tells whether it could.
 fn assign<T>(target: &mut T, read: Option<T>) -> bool {
     let done = read.is_some();
@@ -259,28 +165,32 @@ pub enum Value {
     Number(f64),
     /// A word.
     Word(String),
+    /// `true` or `false`.
+    Switch(bool),
 }
 
 impl Value {
     /// The value that a text on the command line stands for.
     fn of_text(text: &str) -> Self {
-        text.parse().map_or_else(
-            |_| Self::Word(text.trim_matches('"').to_owned()),
-            Self::Number,
-        )
+        match (text, text.parse()) {
+            ("true", _) => Self::Switch(true),
+            ("false", _) => Self::Switch(false),
+            (_, Ok(number)) => Self::Number(number),
+            (word, Err(_)) => Self::Word(word.trim_matches('"').to_owned()),
+        }
     }
 
     fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            Self::Word(_) => None,
+            Self::Word(_) | Self::Switch(_) => None,
         }
     }
 
     /// The named choice, by the one name that serialization uses too.
     fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
-            Self::Number(_) => None,
+            Self::Number(_) | Self::Switch(_) => None,
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
         }
     }
@@ -291,6 +201,7 @@ impl std::fmt::Display for Value {
         match self {
             Self::Number(number) => write!(formatter, "{number}"),
             Self::Word(word) => write!(formatter, "\"{word}\""),
+            Self::Switch(on) => write!(formatter, "{on}"),
         }
     }
 }
@@ -336,10 +247,9 @@ mod tests {
     #[test]
     fn every_key_can_be_set_with_every_word_that_it_expects() {
         for key in KEYS {
-            let words: Vec<&str> = if key.expects.starts_with('a') {
-                vec!["1.5"]
-            } else {
-                key.expects.split(" | ").collect()
+            let words = match key.words() {
+                [] => &["1.5"],
+                words => words,
             };
             for word in words {
                 let mut settings = Settings::default();

@@ -1,0 +1,296 @@
+//! What of a state is stored: the table of fields, each with how its value is taken.
+
+use super::record::{Certainty, Outcome, Record};
+use crate::settings::MapSettings;
+use crate::store::{Column, Field, Kind};
+use onset::bloch::Stability;
+use onset::verdict::Verdict;
+
+/// The field that is written last.
+pub const VERDICT: &str = "verdict";
+
+/// How the value of a field is taken from what is known about a state.
+#[derive(Clone, Copy, Debug)]
+enum Taken {
+    /// A flag of every state; -1 where there is none.
+    Flag(fn(&Outcome) -> i8),
+    /// A number where the state was computed.
+    Number(fn(&Record) -> f64),
+    /// A vector where the state was computed.
+    Vector(fn(&Record) -> [f64; 3]),
+}
+
+/// The fields of a map with how they are taken.
+pub(super) struct Table(Vec<(Field, Taken)>);
+
+/// The fields of a map, in the order of the store.
+pub fn fields(map: &MapSettings) -> Vec<Field> {
+    Table::of(map).fields()
+}
+
+impl Table {
+    pub(super) fn of(map: &MapSettings) -> Self {
+        let mut table = words();
+        table.extend(numbers());
+        if map.certify {
+            table.extend(proofs());
+        }
+        Self(table)
+    }
+
+    pub(super) fn fields(&self) -> Vec<Field> {
+        self.0.iter().map(|(field, _)| field.clone()).collect()
+    }
+
+    /// The columns of a tile.
+    pub(super) fn columns(&self, outcomes: &[Outcome], components: usize) -> Vec<Column> {
+        let number = |outcome: &Outcome, take: fn(&Record) -> f64| {
+            outcome.record.as_ref().map_or(f64::NAN, take)
+        };
+        let vector = |outcome: &Outcome, take: fn(&Record) -> [f64; 3]| {
+            let values = outcome.record.as_ref().map_or([f64::NAN; 3], take);
+            values.into_iter().take(components)
+        };
+        let column = |(_, taken): &(Field, Taken)| match *taken {
+            Taken::Flag(take) => Column::Flags(outcomes.iter().map(take).collect()),
+            Taken::Number(take) => {
+                Column::Numbers(outcomes.iter().map(|outcome| number(outcome, take)).collect())
+            }
+            Taken::Vector(take) => Column::Numbers(
+                outcomes
+                    .iter()
+                    .flat_map(|outcome| vector(outcome, take))
+                    .collect(),
+            ),
+        };
+        self.0.iter().map(column).collect()
+    }
+}
+
+/// The words of the verdicts, in the order of their flags.
+pub(super) fn verdicts() -> Vec<&'static str> {
+    let names = Verdict::ALL.iter().map(|verdict| verdict.name());
+    names.chain(["undefined"]).collect()
+}
+
+/// The ways in which perturbations develop, in the order of their flags.
+const STABILITIES: [(Stability, &str); 3] = [
+    (Stability::Stable, "stable"),
+    (Stability::Flutter, "flutter"),
+    (Stability::Divergence, "divergence"),
+];
+
+/// The flag of an element of a list; the one after the last where there is none.
+fn flag<T: PartialEq>(list: &[T], element: Option<T>) -> i8 {
+    element
+        .and_then(|element| list.iter().position(|other| *other == element))
+        .unwrap_or(list.len()) as i8
+}
+
+fn words() -> Vec<(Field, Taken)> {
+    let stabilities = STABILITIES.map(|(_, name)| name);
+    vec![
+        flags(
+            VERDICT,
+            "to whom the first instability belongs",
+            verdicts(),
+            |outcome| flag(&Verdict::ALL, outcome.finding.verdict),
+        ),
+        flags(
+            "stability",
+            "how perturbations of the particles develop",
+            stabilities.into_iter().chain(["undefined"]).collect(),
+            |outcome| {
+                let stabilities = STABILITIES.map(|(stability, _)| stability);
+                flag(&stabilities, outcome.finding.stability)
+            },
+        ),
+        flags(
+            "evaluated",
+            "whether the state was computed, or its verdict follows from its surroundings",
+            vec!["filled-in", "computed"],
+            |outcome| i8::from(outcome.record.is_some()),
+        ),
+        flags(
+            "long_wave",
+            "whether wave_vector is that of a finite wave, or the direction of the limit of long waves",
+            vec!["finite", "limit"],
+            |outcome| {
+                let is_long_wave = outcome.record.and_then(|record| record.is_long_wave);
+                is_long_wave.map_or(-1, i8::from)
+            },
+        ),
+    ]
+}
+
+fn numbers() -> Vec<(Field, Taken)> {
+    vec![
+        number(
+            "acoustic_minimum",
+            "smallest eigenvalue of the acoustic tensor over all directions",
+            "stress",
+            |record| record.acoustic_minimum,
+        ),
+        vector(
+            "acoustic_direction",
+            "reference direction of the softest wave of the continuum",
+            "1",
+            |record| record.acoustic_direction,
+        ),
+        number(
+            "scaled_minimum",
+            "smallest Re omega^2 / (c^2 |k|^2) over the Brillouin zone and the limit of long waves",
+            "1",
+            |record| record.scaled_minimum,
+        ),
+        vector(
+            "wave_vector",
+            "reference wave vector of scaled_minimum; its unit direction in the limit of long waves",
+            "1/length",
+            |record| record.wave_vector,
+        ),
+        number(
+            "growth_rate",
+            "growth rate of the fastest growing mode; zero when stable",
+            "1/time",
+            |record| record.growth_rate,
+        ),
+        number(
+            "critical_time_step",
+            "critical time step of central differences, 2 / omega_max",
+            "time",
+            |record| record.critical_time_step,
+        ),
+    ]
+}
+
+fn proofs() -> Vec<(Field, Taken)> {
+    vec![
+        flags(
+            "certainty",
+            "what has been proved about the stability of the particles",
+            Certainty::ALL.map(Certainty::name).to_vec(),
+            |outcome| {
+                let certainty = outcome
+                    .record
+                    .map_or(Certainty::NotAsked, |record| record.certainty);
+                flag(&Certainty::ALL, Some(certainty))
+            },
+        ),
+        number(
+            "proved_bound",
+            "proved bound of scaled_minimum: from below where stable, from above where unstable",
+            "1",
+            |record| record.proved_bound,
+        ),
+    ]
+}
+
+fn flags(
+    name: &'static str,
+    long_name: &'static str,
+    meanings: Vec<&'static str>,
+    take: fn(&Outcome) -> i8,
+) -> (Field, Taken) {
+    let kind = Kind::Flags(meanings);
+    let field = Field {
+        name,
+        long_name,
+        kind,
+        is_vector: false,
+    };
+    (field, Taken::Flag(take))
+}
+
+fn number(
+    name: &'static str,
+    long_name: &'static str,
+    unit: &'static str,
+    take: fn(&Record) -> f64,
+) -> (Field, Taken) {
+    let kind = Kind::Numbers(unit);
+    let field = Field {
+        name,
+        long_name,
+        kind,
+        is_vector: false,
+    };
+    (field, Taken::Number(take))
+}
+
+fn vector(
+    name: &'static str,
+    long_name: &'static str,
+    unit: &'static str,
+    take: fn(&Record) -> [f64; 3],
+) -> (Field, Taken) {
+    let kind = Kind::Numbers(unit);
+    let field = Field {
+        name,
+        long_name,
+        kind,
+        is_vector: true,
+    };
+    (field, Taken::Vector(take))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Finding;
+
+    #[test]
+    fn every_flag_that_a_state_can_have_has_a_meaning() {
+        let map = MapSettings {
+            certify: true,
+            ..MapSettings::default()
+        };
+        let table = Table::of(&map);
+        for verdict in Verdict::ALL.map(Some).into_iter().chain([None]) {
+            for (stability, _) in STABILITIES {
+                let finding = Finding {
+                    verdict,
+                    stability: verdict.map(|_| stability),
+                };
+                let record = Record {
+                    finding,
+                    is_long_wave: Some(true),
+                    ..Record::UNDEFINED
+                };
+                let columns = table.columns(&[record.into()], 2);
+                for (field, column) in table.fields().iter().zip(&columns) {
+                    if let Kind::Flags(meanings) = &field.kind {
+                        let flag = column.flags()[0];
+                        assert!((0..meanings.len() as i8).contains(&flag), "{field:?}");
+                    }
+                }
+                let name = verdict.map_or("undefined", Verdict::name);
+                assert_eq!(verdicts()[columns[0].flags()[0] as usize], name);
+            }
+        }
+    }
+
+    #[test]
+    fn states_that_are_filled_in_have_words_and_no_numbers() {
+        let outcome = Outcome {
+            finding: Finding {
+                verdict: Some(Verdict::Kernel),
+                stability: Some(Stability::Flutter),
+            },
+            record: None,
+        };
+        let table = Table::of(&MapSettings::default());
+        for (field, column) in table.fields().iter().zip(table.columns(&[outcome], 2)) {
+            let expected = match field.name {
+                "verdict" => 3,
+                "stability" => 1,
+                "evaluated" => 0,
+                _ => -1,
+            };
+            match column {
+                Column::Flags(flags) => assert_eq!(flags, [expected], "{}", field.name),
+                Column::Numbers(numbers) => assert!(numbers.iter().all(|n| n.is_nan())),
+            }
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Maps: what every state of a study is, computed tile by tile into a store.
+//!
+//! A [`Plan`] is a study made ready: its [layout](Plan::layout) is that of the store, its tiles are computed by
+//! [`Plan::run`], on all cores and in any order, always with the same result. What is computed at a state is a [`Record`]; what
+//! of it is stored, the table [`fields`].
+
+mod adaptive;
+mod evaluate;
+mod fields;
+mod layout;
+mod record;
+mod run;
+mod summary;
+mod tile;
+
+pub use evaluate::Evaluator;
+pub use fields::{VERDICT, fields};
+pub use record::{Certainty, Finding, Outcome, Record};
+pub use run::{MapError, Watch};
+pub use summary::{Share, Summary};
+pub use tile::Plan;

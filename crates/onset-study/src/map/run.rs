@@ -1,0 +1,175 @@
+//! The computation of a map: tile by tile, on all cores, into a store.
+
+use super::fields::VERDICT;
+use super::record::Outcome;
+use super::summary::{Summary, Tally};
+use super::tile::{Plan, Work};
+use crate::answers::ProblemError;
+use crate::store::{Column, ResultStore, StoreError};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Why a map cannot be computed.
+#[derive(Debug, Error)]
+pub enum MapError {
+    /// Its material or discretization.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// A state.
+    #[error("at {place}: {source}")]
+    State {
+        /// Its coordinates.
+        place: String,
+        /// What is wrong.
+        source: Box<ProblemError>,
+    },
+    /// Tiles that the map does not have.
+    #[error("the map has {tiles} tile(s), numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all")]
+    Tiles {
+        /// What was asked for.
+        asked: Range<usize>,
+        /// How many there are.
+        tiles: usize,
+    },
+    /// The store.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+impl MapError {
+    /// Whether what was asked for is wrong, and not the machine.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Store(error) => error.is_input(),
+            _ => true,
+        }
+    }
+}
+
+/// Who watches a map being computed, and may end it.
+pub trait Watch: Sync {
+    /// Some states are done.
+    fn advance(&self, states: u64);
+
+    /// Whether no further tile is to be begun.
+    fn is_interrupted(&self) -> bool;
+}
+
+/// Below this many tiles for each core, states are shared out instead of tiles.
+const TILES_PER_CORE: usize = 4;
+
+impl Plan {
+    /// The tiles of a range that the map has; all when none is given. The end may lie beyond the last.
+    ///
+    /// # Errors
+    /// [`MapError::Tiles`] when none of them exists.
+    pub fn tiles(&self, asked: Option<Range<usize>>) -> Result<Range<usize>, MapError> {
+        let tiles = self.tiling.tiles();
+        match asked {
+            None => Ok(0..tiles),
+            Some(range) if range.start < range.end.min(tiles) => {
+                Ok(range.start..range.end.min(tiles))
+            }
+            Some(asked) => Err(MapError::Tiles { asked, tiles }),
+        }
+    }
+
+    /// Computes the tiles of a range that are not done, and checks those that are.
+    ///
+    /// # Errors
+    /// [`MapError`] when a state cannot be computed, or the store not be read or written. Tiles that are done stay so.
+    pub fn run(
+        &self,
+        store: &dyn ResultStore,
+        tiles: Range<usize>,
+        watch: &dyn Watch,
+    ) -> Result<Summary, MapError> {
+        let started = Instant::now();
+        let mut open = Vec::new();
+        let mut done = Vec::new();
+        for tile in tiles {
+            if store.is_done(tile)? {
+                done.push(tile);
+            } else {
+                open.push(tile);
+            }
+        }
+        let found = self.each(&done, |tile| self.checked(store, tile, watch).map(Some))?;
+        let work = Work {
+            by_state: open.len() < TILES_PER_CORE * rayon::current_num_threads(),
+            watch,
+        };
+        let computed = self.each(&open, |tile| {
+            if watch.is_interrupted() {
+                return Ok(None);
+            }
+            // Another process may have been faster.
+            if store.is_done(tile)? {
+                return self.checked(store, tile, watch).map(Some);
+            }
+            let outcomes = self.outcomes(&self.tiling.at(tile), work)?;
+            store.write(tile, self.columns(&outcomes))?;
+            Ok(Some(Tally::computed(&outcomes)))
+        })?;
+        let mut left = 0;
+        for tile in 0..self.tiling.tiles() {
+            left += usize::from(!store.is_done(tile)?);
+        }
+        Ok(Summary::new(
+            &self.study,
+            found + computed,
+            self.tiling.tiles() - left,
+            self.tiling.tiles(),
+            started.elapsed(),
+        ))
+    }
+
+    /// Does something with some tiles, on all cores, and adds up what comes of it.
+    fn each(
+        &self,
+        tiles: &[usize],
+        action: impl Fn(usize) -> Result<Option<Tally>, MapError> + Sync,
+    ) -> Result<Tally, MapError> {
+        tiles
+            .par_iter()
+            .with_max_len(1)
+            .map(|tile| Ok(action(*tile)?.unwrap_or_default()))
+            .try_reduce(Tally::default, |a, b| Ok(a + b))
+    }
+
+    /// Reads all of a tile that is done, so that damage is found where it would be built upon.
+    fn checked(
+        &self,
+        store: &dyn ResultStore,
+        tile: usize,
+        watch: &dyn Watch,
+    ) -> Result<Tally, MapError> {
+        let mut tally = Tally::default();
+        for field in &self.layout().fields {
+            let column = store.read(field.name, tile)?;
+            match (field.name, column) {
+                (VERDICT, Some(Column::Flags(flags))) => tally.count_verdicts(&flags),
+                ("evaluated", Some(Column::Flags(flags))) => tally.count_evaluated(&flags),
+                _ => {}
+            }
+        }
+        tally.found = 1;
+        watch.advance(self.tiling.at(tile).states() as u64);
+        Ok(tally)
+    }
+}
+
+impl Tally {
+    fn computed(outcomes: &[Outcome]) -> Self {
+        let mut tally = Self {
+            computed: 1,
+            ..Self::default()
+        };
+        for outcome in outcomes {
+            tally.count(outcome);
+        }
+        tally
+    }
+}

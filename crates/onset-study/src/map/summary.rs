@@ -1,0 +1,178 @@
+//! What came of a run, in words and numbers.
+
+use super::fields::verdicts;
+use super::record::Outcome;
+use crate::settings::Study;
+use onset::verdict::Verdict;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Add;
+use std::time::Duration;
+
+/// Counts of states and tiles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tally {
+    verdicts: [u64; Verdict::ALL.len() + 1],
+    evaluated: u64,
+    /// States that this run has computed.
+    fresh: u64,
+    /// Tiles that were done.
+    pub(super) found: usize,
+    /// Tiles that this run has computed.
+    pub(super) computed: usize,
+}
+
+impl Tally {
+    pub(super) fn count(&mut self, outcome: &Outcome) {
+        let verdict = outcome.finding.verdict;
+        let index = Verdict::ALL
+            .iter()
+            .position(|other| Some(*other) == verdict)
+            .unwrap_or(Verdict::ALL.len());
+        self.verdicts[index] += 1;
+        let is_computed = u64::from(outcome.record.is_some());
+        self.evaluated += is_computed;
+        self.fresh += is_computed;
+    }
+
+    pub(super) fn count_verdicts(&mut self, flags: &[i8]) {
+        for flag in flags {
+            if let Some(count) = usize::try_from(*flag)
+                .ok()
+                .and_then(|index| self.verdicts.get_mut(index))
+            {
+                *count += 1;
+            }
+        }
+    }
+
+    pub(super) fn count_evaluated(&mut self, flags: &[i8]) {
+        self.evaluated += flags.iter().filter(|flag| **flag == 1).count() as u64;
+    }
+}
+
+impl Add for Tally {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            verdicts: std::array::from_fn(|i| self.verdicts[i] + other.verdicts[i]),
+            evaluated: self.evaluated + other.evaluated,
+            fresh: self.fresh + other.fresh,
+            found: self.found + other.found,
+            computed: self.computed + other.computed,
+        }
+    }
+}
+
+/// States of one verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// How many.
+    pub states: u64,
+    /// Their part of all states of the run.
+    pub share: f64,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The study.
+    pub title: String,
+    /// States of the tiles of this run that are done.
+    pub states: u64,
+    /// Those of them that were computed, by this run or before; the verdict of the others follows from their surroundings.
+    pub evaluated: u64,
+    /// How many states are what, over the tiles of this run.
+    pub verdicts: BTreeMap<&'static str, Share>,
+    /// Tiles that this run has computed.
+    pub tiles_computed: usize,
+    /// Tiles of this run that were done already, or that another process has done meanwhile.
+    pub tiles_found: usize,
+    /// Tiles of the store that are done.
+    pub tiles_done: usize,
+    /// All tiles of the store.
+    pub tiles: usize,
+    /// How long it took.
+    pub seconds: f64,
+    /// States that this run has computed, a second.
+    pub states_per_second: f64,
+}
+
+impl Summary {
+    pub(super) fn new(
+        study: &Study,
+        tally: Tally,
+        tiles_done: usize,
+        tiles: usize,
+        elapsed: Duration,
+    ) -> Self {
+        let states: u64 = tally.verdicts.iter().sum();
+        let share = |count: u64| Share {
+            states: count,
+            share: count as f64 / states.max(1) as f64,
+        };
+        let seconds = elapsed.as_secs_f64();
+        Self {
+            title: study.title.clone(),
+            states,
+            evaluated: tally.evaluated,
+            verdicts: verdicts()
+                .into_iter()
+                .zip(tally.verdicts.map(share))
+                .collect(),
+            tiles_computed: tally.computed,
+            tiles_found: tally.found,
+            tiles_done,
+            tiles,
+            seconds,
+            states_per_second: tally.fresh as f64 / seconds.max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// Whether all tiles of the store are done.
+    pub fn is_complete(&self) -> bool {
+        self.tiles_done == self.tiles
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.title.is_empty() {
+            writeln!(formatter, "{}", self.title)?;
+        }
+        for name in verdicts() {
+            if let Some(Share { states, share }) = self.verdicts.get(name)
+                && *states > 0
+            {
+                writeln!(formatter, "  {name:<14} {states:>10}  {:5.1} %", 100.0 * share)?;
+            }
+        }
+        writeln!(
+            formatter,
+            "{} states, {} of them computed ({:.1} %)",
+            self.states,
+            self.evaluated,
+            100.0 * self.evaluated as f64 / self.states.max(1) as f64
+        )?;
+        let found = match self.tiles_found {
+            0 => String::new(),
+            count => format!("; {count} were done already"),
+        };
+        if self.tiles_computed == 0 {
+            write!(formatter, "nothing to compute{found}")?;
+        } else {
+            write!(
+                formatter,
+                "{} tile(s) in {:.1} s, {:.0} states/s{found}",
+                self.tiles_computed, self.seconds, self.states_per_second
+            )?;
+        }
+        if !self.is_complete() {
+            let left = self.tiles - self.tiles_done;
+            write!(formatter, "\n{left} of {} tiles are still to do", self.tiles)?;
+        }
+        Ok(())
+    }
+}

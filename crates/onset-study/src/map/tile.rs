@@ -1,0 +1,166 @@
+//! A study made ready to be computed, and the computation of one tile.
+
+use super::adaptive::refine;
+use super::evaluate::Evaluator;
+use super::fields::Table;
+use super::layout::layout;
+use super::record::{Outcome, Record};
+use super::run::{MapError, Watch};
+use crate::answers::ProblemError;
+use crate::settings::{Quantity, Study};
+use crate::store::{Column, Layout, Tile, Tiling, ravel, unravel};
+use rayon::prelude::*;
+use std::sync::OnceLock;
+
+/// A study made ready.
+pub struct Plan {
+    pub(super) study: Study,
+    pub(super) tiling: Tiling,
+    layout: Layout,
+    table: Table,
+    /// For all states, where no axis varies material or discretization.
+    evaluator: Option<Evaluator>,
+}
+
+/// How the work on a tile is done.
+#[derive(Clone, Copy)]
+pub(super) struct Work<'a> {
+    /// Whether the states of a tile are shared out among the cores.
+    pub(super) by_state: bool,
+    /// Who watches.
+    pub(super) watch: &'a dyn Watch,
+}
+
+impl Plan {
+    /// Makes a study ready.
+    ///
+    /// # Errors
+    /// [`MapError`] when its material or discretization is not admissible.
+    pub fn new(study: &Study) -> Result<Self, MapError> {
+        let evaluator = if study.varies_settings() {
+            None
+        } else {
+            Some(Evaluator::new(study.settings.clone(), &study.map)?)
+        };
+        let layout = layout(study);
+        Ok(Self {
+            study: study.clone(),
+            tiling: layout.tiling(),
+            table: Table::of(&study.map),
+            layout,
+            evaluator,
+        })
+    }
+
+    /// What a store of the map holds.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// How the states are cut into tiles.
+    pub fn tiling(&self) -> &Tiling {
+        &self.tiling
+    }
+
+    /// What is known about every state of a tile, last dimension running fastest.
+    pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Vec<Outcome>, MapError> {
+        let states = States::new(self, tile);
+        let record = |state: &usize| {
+            let record = states.record(*state);
+            if !self.study.map.adaptive {
+                work.watch.advance(1);
+            }
+            record
+        };
+        let evaluate = |batch: &[usize]| -> Result<Vec<Record>, MapError> {
+            if work.by_state {
+                batch.par_iter().map(record).collect()
+            } else {
+                batch.iter().map(record).collect()
+            }
+        };
+        if self.study.map.adaptive {
+            let outcomes = refine(&tile.extent, self.study.map.refine_from, evaluate)?;
+            work.watch.advance(tile.states() as u64);
+            return Ok(outcomes);
+        }
+        let all: Vec<usize> = (0..tile.states()).collect();
+        Ok(evaluate(&all)?.into_iter().map(Outcome::from).collect())
+    }
+
+    /// The columns of a tile in the order of the layout.
+    pub(super) fn columns(&self, outcomes: &[Outcome]) -> Vec<Column> {
+        self.table.columns(outcomes, self.layout.components)
+    }
+}
+
+/// The states of a tile.
+struct States<'a> {
+    plan: &'a Plan,
+    tile: &'a Tile,
+    /// The extent of the tile along dimensions that vary material or discretization, one along the others.
+    varied: Vec<usize>,
+    /// Evaluators, one for each material and discretization in the tile, made when first needed.
+    evaluators: Vec<OnceLock<Evaluator>>,
+}
+
+impl<'a> States<'a> {
+    fn new(plan: &'a Plan, tile: &'a Tile) -> Self {
+        let axes = plan.study.axes.iter().rev();
+        let varied: Vec<usize> = axes
+            .zip(&tile.extent)
+            .map(|(axis, states)| match axis.quantity {
+                Quantity::Setting(_) => *states,
+                _ => 1,
+            })
+            .collect();
+        let count = if plan.evaluator.is_some() {
+            0
+        } else {
+            varied.iter().product()
+        };
+        Self {
+            plan,
+            tile,
+            varied,
+            evaluators: (0..count).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// Computes the state with a number in the tile.
+    fn record(&self, state: usize) -> Result<Record, MapError> {
+        let study = &self.plan.study;
+        let place = unravel(state, &self.tile.extent);
+        let coordinates = study.coordinates(self.tile.state(&place, &self.plan.tiling.shape));
+        let at = |source: ProblemError| MapError::State {
+            place: study
+                .axes
+                .iter()
+                .zip(&coordinates)
+                .map(|(axis, value)| format!("{} = {value}", axis.name()))
+                .collect::<Vec<_>>()
+                .join(", "),
+            source: Box::new(source),
+        };
+        let f = study
+            .deformation_at(&coordinates)
+            .map_err(|error| at(error.into()))?;
+        if let Some(evaluator) = &self.plan.evaluator {
+            return evaluator.record(&f).map_err(at);
+        }
+        let evaluator = self.evaluator(&place, &coordinates).map_err(at)?;
+        evaluator.record(&f).map_err(at)
+    }
+
+    fn evaluator(&self, place: &[usize], coordinates: &[f64]) -> Result<&Evaluator, ProblemError> {
+        let along = |(place, states): (&usize, &usize)| place % states;
+        let varied: Vec<usize> = place.iter().zip(&self.varied).map(along).collect();
+        let slot = &self.evaluators[ravel(&varied, &self.varied)];
+        if let Some(evaluator) = slot.get() {
+            return Ok(evaluator);
+        }
+        let study = &self.plan.study;
+        let made = Evaluator::new(study.settings_at(coordinates)?, &study.map)?;
+        Ok(slot.get_or_init(|| made))
+    }
+}

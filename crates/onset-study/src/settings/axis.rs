@@ -1,0 +1,177 @@
+//! The axes of a study: which quantity a map varies, over which range, in how many states.
+
+use super::{KEYS, Key, Kind};
+
+/// What an axis varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A stretch by its number, 1 to 3: along the axes of the plane, and out of it.
+    Stretch(usize),
+    /// The amount of shear.
+    Shear,
+    /// The angle of the lattice against the load; radians.
+    Rotation,
+    /// A key that takes a number.
+    Setting(&'static Key),
+}
+
+impl Quantity {
+    /// The quantities of the deformation.
+    pub const OF_STATE: [Self; 5] = [
+        Self::Stretch(1),
+        Self::Stretch(2),
+        Self::Stretch(3),
+        Self::Shear,
+        Self::Rotation,
+    ];
+
+    /// Every quantity that an axis can vary, in the order of the documentation.
+    pub fn all() -> impl Iterator<Item = Self> + Clone {
+        let settings = KEYS.iter().filter(|key| key.unit().is_some());
+        Self::OF_STATE
+            .into_iter()
+            .chain(settings.map(Self::Setting))
+    }
+
+    /// The quantity with a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::all().find(|quantity| quantity.name() == name)
+    }
+
+    /// Its name in a study.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stretch(1) => "stretch-1",
+            Self::Stretch(2) => "stretch-2",
+            Self::Stretch(_) => "stretch-3",
+            Self::Shear => "shear",
+            Self::Rotation => "rotation",
+            Self::Setting(key) => key.name,
+        }
+    }
+
+    /// The key that sets it where no axis varies it.
+    pub fn key_name(self) -> String {
+        match self {
+            Self::Setting(key) => key.name.to_owned(),
+            of_state => format!("state.{}", of_state.name()),
+        }
+    }
+
+    /// Its unit; `1` without dimension.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Rotation => "rad",
+            Self::Setting(key) => key.unit().unwrap_or("1"),
+            Self::Stretch(_) | Self::Shear => "1",
+        }
+    }
+
+    /// What its values must be, in words.
+    pub fn expects(self) -> String {
+        match self {
+            Self::Rotation => "an angle from -2 pi to 2 pi (rad)".to_owned(),
+            Self::Shear => Kind::Number("1").expects(),
+            Self::Stretch(_) => Kind::Positive("1").expects(),
+            Self::Setting(key) => key.expects(),
+        }
+    }
+
+    /// Whether it can have a value.
+    pub fn admits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Stretch(_) => value > 0.0,
+                Self::Shear => true,
+                Self::Rotation => value.abs() <= std::f64::consts::TAU,
+                Self::Setting(key) => match key.kind {
+                    Kind::Positive(_) => value > 0.0,
+                    _ => true,
+                },
+            }
+    }
+}
+
+/// An axis of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// What it varies.
+    pub quantity: Quantity,
+    /// Its ends; the states lie in the middle of equal cells between them.
+    pub range: (f64, f64),
+    /// Number of states.
+    pub count: usize,
+}
+
+impl Axis {
+    /// Its name in a study, for example `stretch-1` or `discretization.support`.
+    pub fn name(&self) -> &'static str {
+        self.quantity.name()
+    }
+
+    /// Its label in a figure, with the unit.
+    pub fn label(&self) -> String {
+        match self.quantity {
+            Quantity::Stretch(1) => "stretch λ₁ (−)".to_owned(),
+            Quantity::Stretch(2) => "stretch λ₂ (−)".to_owned(),
+            Quantity::Stretch(_) => "stretch λ₃ (−)".to_owned(),
+            Quantity::Shear => "shear γ (−)".to_owned(),
+            Quantity::Rotation => "rotation of the lattice θ (rad)".to_owned(),
+            Quantity::Setting(key) => match (key.parts().1, self.unit()) {
+                (name, "1") => format!("{name} (−)"),
+                (name, unit) => format!("{name} ({unit})"),
+            },
+        }
+    }
+
+    /// Its unit; `1` without dimension.
+    pub fn unit(&self) -> &'static str {
+        self.quantity.unit()
+    }
+
+    /// The value of the state with a number: the middle of its cell.
+    pub fn coordinate(&self, i: usize) -> f64 {
+        let (low, high) = self.range;
+        low + (high - low) * (i as f64 + 0.5) / self.count as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Axis, Quantity};
+
+    #[test]
+    fn states_lie_in_the_middle_of_equal_cells() {
+        let axis = Axis {
+            quantity: Quantity::Stretch(1),
+            range: (1.0, 3.0),
+            count: 4,
+        };
+        let states: Vec<f64> = (0..4).map(|i| axis.coordinate(i)).collect();
+        assert_eq!(states, [1.25, 1.75, 2.25, 2.75]);
+    }
+
+    #[test]
+    fn every_quantity_is_found_by_its_name_and_has_a_label_with_its_unit() {
+        let mut names = Vec::new();
+        for quantity in Quantity::all() {
+            assert_eq!(Quantity::of_name(quantity.name()), Some(quantity));
+            let axis = Axis {
+                quantity,
+                range: (1.0, 2.0),
+                count: 2,
+            };
+            let unit = axis.unit().replace('1', "−");
+            assert!(
+                axis.label().ends_with(&format!("({unit})")),
+                "{}",
+                axis.label()
+            );
+            names.push(axis.name());
+        }
+        let every = "stretch-1 stretch-2 stretch-3 shear rotation material.c1 material.c2 material.lambda \
+                     material.mu discretization.spacing discretization.density discretization.support";
+        assert_eq!(names.join(" "), every);
+        assert_eq!(Quantity::of_name("discretization.frame"), None);
+    }
+}

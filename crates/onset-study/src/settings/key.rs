@@ -1,0 +1,313 @@
+//! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
+
+use super::{MapSettings, Model, StateSettings, Value};
+use onset::method::Discretization;
+
+/// What a key expects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One of some words.
+    Words(&'static [&'static str]),
+    /// A finite number, in a unit.
+    Number(&'static str),
+    /// A positive finite number, in a unit.
+    Positive(&'static str),
+    /// A whole number between two limits.
+    Whole(u32, u32),
+    /// A power of two between two limits.
+    PowerOfTwo(u32, u32),
+    /// `true` or `false`.
+    Switch,
+}
+
+impl Kind {
+    /// What is expected, in words.
+    pub fn expects(self) -> String {
+        let with_unit = |what: &str, unit: &str| match unit {
+            "1" => what.to_owned(),
+            unit => format!("{what} ({unit})"),
+        };
+        match self {
+            Self::Words(words) => words.join(" | "),
+            Self::Number(unit) => with_unit("a number", unit),
+            Self::Positive(unit) => with_unit("a positive number", unit),
+            Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
+            Self::PowerOfTwo(least, most) => format!("a power of two from {least} to {most}"),
+            Self::Switch => "true | false".to_owned(),
+        }
+    }
+
+    /// Whether a value is what is expected.
+    pub fn accepts(self, value: &Value) -> bool {
+        let whole = |number: f64, least: u32, most: u32| {
+            number.fract() == 0.0 && (f64::from(least)..=f64::from(most)).contains(&number)
+        };
+        match (self, value) {
+            (Self::Words(words), Value::Word(word)) => words.contains(&word.as_str()),
+            (Self::Switch, Value::Switch(_)) => true,
+            (kind, Value::Number(number)) if number.is_finite() => match kind {
+                Self::Number(_) => true,
+                Self::Positive(_) => *number > 0.0,
+                Self::Whole(least, most) => whole(*number, least, most),
+                Self::PowerOfTwo(least, most) => {
+                    whole(*number, least, most) && (*number as u32).is_power_of_two()
+                }
+                Self::Words(_) | Self::Switch => false,
+            },
+            _ => false,
+        }
+    }
+}
+
+/// A key that can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its dotted name.
+    pub name: &'static str,
+    /// What it expects.
+    pub kind: Kind,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The key and the word (or `true`) without which it has no effect.
+    pub only_with: Option<(&'static str, &'static str)>,
+}
+
+const fn key(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
+    Key {
+        name,
+        kind,
+        meaning,
+        only_with: None,
+    }
+}
+
+const MOONEY: (&str, &str) = ("material.model", "modified-mooney-rivlin");
+const BLATZ_KO: (&str, &str) = ("material.model", "blatz-ko");
+const EULERIAN: (&str, &str) = ("discretization.frame", "eulerian");
+
+/// Every key of material and discretization, in the order of the documentation.
+pub const KEYS: &[Key] = &[
+    key(
+        "material.model",
+        Kind::Words(&["modified-mooney-rivlin", "blatz-ko"]),
+        "the law",
+    ),
+    key(
+        "material.c1",
+        Kind::Number("stress"),
+        "first constant of modified-mooney-rivlin",
+    )
+    .only_with(MOONEY),
+    key(
+        "material.c2",
+        Kind::Number("stress"),
+        "second constant of modified-mooney-rivlin",
+    )
+    .only_with(MOONEY),
+    key(
+        "material.lambda",
+        Kind::Number("stress"),
+        "volumetric constant of modified-mooney-rivlin",
+    )
+    .only_with(MOONEY),
+    key(
+        "material.mu",
+        Kind::Positive("stress"),
+        "shear modulus of blatz-ko",
+    )
+    .only_with(BLATZ_KO),
+    key(
+        "discretization.arrangement",
+        Kind::Words(&["square", "hexagonal", "chain"]),
+        "arrangement of the particles",
+    ),
+    key(
+        "discretization.spacing",
+        Kind::Positive("length"),
+        "distance of nearest particles",
+    ),
+    key(
+        "discretization.density",
+        Kind::Positive("mass/volume"),
+        "reference density",
+    ),
+    key(
+        "discretization.kernel",
+        Kind::Words(&["quartic-spline"]),
+        "weight function",
+    ),
+    key(
+        "discretization.support",
+        Kind::Positive("1"),
+        "support radius in spacings, D_mx",
+    ),
+    key(
+        "discretization.approximation",
+        Kind::Words(&["raw", "shepard", "mls"]),
+        "correction of the weights",
+    ),
+    key(
+        "discretization.quadrature",
+        Kind::Words(&["nodal", "stress-points", "stress-points-only"]),
+        "quadrature points",
+    ),
+    key(
+        "discretization.frame",
+        Kind::Words(&["lagrangian", "eulerian"]),
+        "coordinates of the kernel",
+    ),
+    key(
+        "discretization.background",
+        Kind::Words(&["imposed", "interpolated"]),
+        "deformation that the quadrature points carry",
+    ),
+    key(
+        "discretization.lattice",
+        Kind::Words(&["convected", "regular"]),
+        "Eulerian kernels: positions of the particles",
+    )
+    .only_with(EULERIAN),
+    key(
+        "discretization.support-size",
+        Kind::Words(&["fixed", "scaled", "convected"]),
+        "Eulerian kernels: size of the support",
+    )
+    .only_with(EULERIAN),
+    key(
+        "discretization.linearization",
+        Kind::Words(&[
+            "exact",
+            "paper",
+            "exact-plane-wave",
+            "paper-interpolated",
+            "frozen-normalization",
+        ]),
+        "Eulerian kernels: what the perturbation moves",
+    )
+    .only_with(EULERIAN),
+];
+
+/// The keys of a study for what no axis varies.
+pub const STATE_KEYS: &[Key] = &[
+    key(
+        "state.stretch-1",
+        Kind::Positive("1"),
+        "first stretch, where no axis varies it",
+    ),
+    key(
+        "state.stretch-2",
+        Kind::Positive("1"),
+        "second stretch, where no axis varies it",
+    ),
+    key(
+        "state.stretch-3",
+        Kind::Positive("1"),
+        "stretch out of the plane, where no axis varies it",
+    ),
+    key(
+        "state.shear",
+        Kind::Number("1"),
+        "amount of shear, where no axis varies it",
+    ),
+    key(
+        "state.rotation",
+        Kind::Number("rad"),
+        "angle of the lattice against the load, where no axis varies it",
+    ),
+];
+
+/// The keys of a study for how its map is made.
+pub const MAP_KEYS: &[Key] = &[
+    key(
+        "map.adaptive",
+        Kind::Switch,
+        "refine only where the verdict changes",
+    ),
+    key(
+        "map.refine-from",
+        Kind::PowerOfTwo(2, 1024),
+        "coarsest stride of the refinement, in states; at most the edge of a tile",
+    )
+    .only_with(("map.adaptive", "true")),
+    key(
+        "map.certify",
+        Kind::Switch,
+        "prove what is stable and what is not",
+    ),
+    key(
+        "map.tolerance",
+        Kind::Positive("1"),
+        "how far from the boundary a certified state may stay undecided",
+    )
+    .only_with(("map.certify", "true")),
+    key(
+        "map.tile",
+        Kind::Whole(8, 1024),
+        "states along an edge of a tile, the unit of work and of storage",
+    ),
+];
+
+/// Every key that a study can set, in the order of the documentation; axes and title apart.
+pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
+    KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)
+}
+
+impl Key {
+    const fn only_with(mut self, needed: (&'static str, &'static str)) -> Self {
+        self.only_with = Some(needed);
+        self
+    }
+
+    /// What it expects, in words.
+    pub fn expects(&self) -> String {
+        self.kind.expects()
+    }
+
+    /// The words that it takes; none when it takes a number.
+    pub fn words(&self) -> &'static [&'static str] {
+        match self.kind {
+            Kind::Words(words) => words,
+            _ => &[],
+        }
+    }
+
+    /// Section and name within the section.
+    pub fn parts(&self) -> (&'static str, &'static str) {
+        self.name.split_once('.').unwrap_or(("", self.name))
+    }
+
+    /// Its unit, when it takes a number with one; `1` without dimension.
+    pub fn unit(&self) -> Option<&'static str> {
+        match self.kind {
+            Kind::Number(unit) | Kind::Positive(unit) => Some(unit),
+            _ => None,
+        }
+    }
+
+    /// Its default; for a material constant that of its law.
+    pub fn default_json(&self) -> serde_json::Value {
+        let field = |value: Result<serde_json::Value, serde_json::Error>, name: &str| {
+            value.map_or(serde_json::Value::Null, |defaults| defaults[name].clone())
+        };
+        match self.parts() {
+            ("material", "model") => Model::default().name().into(),
+            ("material", parameter) => Model::ALL
+                .iter()
+                .flat_map(|model| model.parameters())
+                .find(|(name, _)| *name == parameter)
+                .map_or(serde_json::Value::Null, |(_, value)| (*value).into()),
+            ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
+            ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
+            (_, name) => field(serde_json::to_value(Discretization::default()), name),
+        }
+    }
+
+    /// Its default value as one would write it on the command line.
+    pub fn default_value(&self) -> String {
+        match self.default_json() {
+            serde_json::Value::String(word) => word,
+            serde_json::Value::Null => String::new(),
+            other => other.to_string(),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! A study: material, discretization, what is held fixed, what is varied, and how the map is made.
+
+mod check;
+mod file;
+mod overriding;
+
+use super::{
+    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+};
+use onset::kinematics::{DeformationGradient, KinematicsError};
+use std::collections::BTreeMap;
+
+/// A study as read, valid as far as can be told without computing.
+///
+/// ```
+/// use onset_study::settings::Study;
+/// let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.5, 1.5]\nstates = 10\n\
+///             [[axes]]\nquantity = 'discretization.support'\nrange = [1.4, 3.0]\nstates = 8\n";
+/// let study = Study::parse("study.toml", text)?;
+/// assert_eq!((study.states(), study.shape()), (80, vec![8, 10]));
+/// assert_eq!(study.coordinates(1)[0], 0.65);
+/// # Ok::<(), onset_study::settings::SettingError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// What it shows.
+    pub title: String,
+    /// Material and discretization, where no axis varies them.
+    pub settings: Settings,
+    /// The deformation, where no axis varies it.
+    pub state: StateSettings,
+    /// What is varied: two or three axes, the first running fastest.
+    pub axes: Vec<Axis>,
+    /// How the map is made.
+    pub map: MapSettings,
+    /// The file as read; after an override the study written out in full.
+    pub text: String,
+    origins: Origins,
+}
+
+/// Where the parts of a study were made.
+#[derive(Clone, Debug, PartialEq)]
+struct Origins {
+    /// The beginning of the file.
+    file: Origin,
+    /// Of every key that was set.
+    keys: BTreeMap<&'static str, Origin>,
+    /// Of the axes, in their order.
+    axes: Vec<AxisOrigin>,
+}
+
+/// Where an axis was made.
+#[derive(Clone, Debug, PartialEq)]
+struct AxisOrigin {
+    quantity: Origin,
+    range: Origin,
+}
+
+impl Study {
+    /// Reads a study; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// [`SettingError`] with line and column of what cannot be accepted, what is expected, and a hint.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SettingError> {
+        let study = file::read(name, text)?;
+        study.check()?;
+        Ok(study)
+    }
+
+    /// Numbers of states along the axes, slowest first: the counts in reverse.
+    pub fn shape(&self) -> Vec<usize> {
+        self.axes.iter().rev().map(|axis| axis.count).collect()
+    }
+
+    /// The number of states.
+    pub fn states(&self) -> usize {
+        self.axes.iter().map(|axis| axis.count).product()
+    }
+
+    /// The coordinates of a state, in the order of the axes; the first axis runs fastest.
+    pub fn coordinates(&self, index: usize) -> Vec<f64> {
+        let mut rest = index;
+        let coordinate = |axis: &Axis| {
+            let i = rest % axis.count;
+            rest /= axis.count;
+            axis.coordinate(i)
+        };
+        self.axes.iter().map(coordinate).collect()
+    }
+
+    /// Material and discretization at coordinates in the order of the axes.
+    ///
+    /// # Errors
+    /// [`SettingError`] when a key does not take its coordinate.
+    pub fn settings_at(&self, coordinates: &[f64]) -> Result<Settings, SettingError> {
+        let mut settings = self.settings.clone();
+        for (axis, value) in self.axes.iter().zip(coordinates) {
+            if let Quantity::Setting(key) = axis.quantity {
+                settings.set(key.name, &Value::Number(*value), Origin::Combination)?;
+            }
+        }
+        Ok(settings)
+    }
+
+    /// The deformation at coordinates in the order of the axes, see [`StateSettings::deformation`].
+    ///
+    /// # Errors
+    /// [`KinematicsError`] when it is not admissible.
+    pub fn deformation_at(
+        &self,
+        coordinates: &[f64],
+    ) -> Result<DeformationGradient, KinematicsError> {
+        let mut state = self.state;
+        for (axis, value) in self.axes.iter().zip(coordinates) {
+            match axis.quantity {
+                Quantity::Stretch(number) => state.stretches[number - 1] = *value,
+                Quantity::Shear => state.shear = *value,
+                Quantity::Rotation => state.rotation = *value,
+                Quantity::Setting(_) => {}
+            }
+        }
+        state.deformation()
+    }
+
+    /// Whether material or discretization differ from state to state.
+    pub fn varies_settings(&self) -> bool {
+        let is_setting = |axis: &Axis| matches!(axis.quantity, Quantity::Setting(_));
+        self.axes.iter().any(is_setting)
+    }
+
+    /// The axes of a section through the map: the first two.
+    pub fn plane(&self) -> [Axis; 2] {
+        [self.axes[0], self.axes[1]]
+    }
+
+    /// The axis that varies a quantity, if there is one.
+    pub fn axis_of(&self, quantity: Quantity) -> Option<&Axis> {
+        self.axes.iter().find(|axis| axis.quantity == quantity)
+    }
+
+    /// The same study with other ranges of its axes, in their order.
+    pub fn with_ranges(mut self, ranges: &[(f64, f64)]) -> Self {
+        for (axis, range) in self.axes.iter_mut().zip(ranges) {
+            axis.range = *range;
+        }
+        self
+    }
+
+    /// The keys that were set without effect, with what they need and where they were set.
+    pub fn keys_without_effect(&self) -> Vec<(&'static Key, &Origin)> {
+        let set = |key: &'static Key| Some((key, self.origins.keys.get(key.name)?));
+        super::study_keys()
+            .filter(|key| !self.has_effect(key))
+            .filter_map(set)
+            .collect()
+    }
+
+    /// Whether what a key needs is given.
+    fn has_effect(&self, key: &Key) -> bool {
+        key.only_with.is_none_or(|(needed, word)| {
+            self.value(needed).is_some_and(|value| {
+                value == Value::Word(word.to_owned()) || value.to_string() == word
+            })
+        })
+    }
+
+    /// The value of a key, where no axis varies it; `None` for a constant of another material.
+    pub fn value(&self, name: &str) -> Option<Value> {
+        let of_json = |value: &serde_json::Value| match value {
+            serde_json::Value::String(word) => Some(Value::Word(word.clone())),
+            serde_json::Value::Bool(on) => Some(Value::Switch(*on)),
+            other => other.as_f64().map(Value::Number),
+        };
+        match name.split_once('.')? {
+            ("state", name) => self.state.value(name).map(Value::Number),
+            ("map", name) => of_json(&serde_json::to_value(self.map).ok()?[name]),
+            _ => self.settings.value(name),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

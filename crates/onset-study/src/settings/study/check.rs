@@ -1,0 +1,232 @@
+//! Whether the parts of a study fit together: what one key alone cannot tell.
+
+use super::super::{Origin, Quantity, SettingError, Settings};
+use super::Study;
+use onset::kinematics::KinematicsError;
+use onset::lattice::LatticeError;
+use onset::material::MaterialError;
+use onset::method::{Method, MethodError};
+
+impl Study {
+    /// Checks the study as a whole.
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        self.settings.material.check()?;
+        for number in 0..self.axes.len() {
+            self.check_axis_is_alone(number)?;
+            self.check_axis_has_effect(number)?;
+        }
+        self.check_dimension()?;
+        self.check_map()?;
+        self.corners()
+            .iter()
+            .try_for_each(|corner| self.check_corner(corner))
+    }
+
+    /// That nothing else sets what an axis varies.
+    fn check_axis_is_alone(&self, number: usize) -> Result<(), SettingError> {
+        let quantity = self.axes[number].quantity;
+        let refused = |message: String| {
+            let origin = self.origins.axes[number].quantity.clone();
+            Err(SettingError::new(origin, message).hint("remove one of the two"))
+        };
+        let earlier = self.axes[..number]
+            .iter()
+            .position(|axis| axis.quantity == quantity);
+        if let Some(earlier) = earlier {
+            let first = &self.origins.axes[earlier].quantity;
+            return refused(format!(
+                "{} is the quantity of two axes, here and at {}",
+                quantity.name(),
+                first.place()
+            ));
+        }
+        match self.origins.keys.get(quantity.key_name().as_str()) {
+            Some(set) => refused(format!(
+                "{} is set twice, as an axis and at {}",
+                quantity.name(),
+                set.place()
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// That an axis changes something.
+    fn check_axis_has_effect(&self, number: usize) -> Result<(), SettingError> {
+        let quantity = self.axes[number].quantity;
+        let refused = |message: String, hint: String| {
+            let origin = self.origins.axes[number].quantity.clone();
+            Err(SettingError::new(origin, message).hint(hint))
+        };
+        match quantity {
+            Quantity::Setting(key) if !self.has_effect(key) => {
+                let (needed, word) = key.only_with.unwrap_or_default();
+                refused(
+                    format!("the axis {} changes nothing: {needed} is not {word}", key.name),
+                    format!("set {needed} = \"{word}\", or vary something else"),
+                )
+            }
+            Quantity::Rotation if self.is_isotropic() => refused(
+                "the axis rotation changes nothing: both stretches in the plane are equal everywhere, without shear"
+                    .to_owned(),
+                "vary stretch-1, or set state.stretch-1, state.stretch-2 or state.shear".to_owned(),
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether all states are the same in all directions of the plane.
+    fn is_isotropic(&self) -> bool {
+        let is_varied = [Quantity::Stretch(1), Quantity::Stretch(2), Quantity::Shear]
+            .into_iter()
+            .any(|quantity| self.axis_of(quantity).is_some());
+        let [first, second, _] = self.state.stretches;
+        !is_varied && first == second && self.state.shear == 0.0
+    }
+
+    /// That a study of a chain asks for what exists in one dimension.
+    fn check_dimension(&self) -> Result<(), SettingError> {
+        let arrangement = self.settings.discretization.arrangement;
+        if arrangement.dimension() > 1 {
+            return Ok(());
+        }
+        let refused = |origin: &Origin, what: &str| {
+            let message = format!(
+                "{what} needs two dimensions; a {} has one",
+                arrangement.name()
+            );
+            Err(SettingError::new(origin.clone(), message).hint(
+                "a chain can be varied in stretch-1 and in numbers of material and discretization; or set \
+                 discretization.arrangement = \"hexagonal\"",
+            ))
+        };
+        for (axis, origin) in self.axes.iter().zip(&self.origins.axes) {
+            if matches!(
+                axis.quantity,
+                Quantity::Stretch(2 | 3) | Quantity::Shear | Quantity::Rotation
+            ) {
+                return refused(&origin.quantity, &format!("the axis {}", axis.name()));
+            }
+        }
+        for (name, value) in [
+            ("state.shear", self.state.shear),
+            ("state.rotation", self.state.rotation),
+        ] {
+            if value != 0.0 {
+                return refused(&self.origin_of(name), name);
+            }
+        }
+        Ok(())
+    }
+
+    fn check_map(&self) -> Result<(), SettingError> {
+        if self.map.refine_from > self.map.tile {
+            let message = format!(
+                "`map.refine-from` is {}, more than the {} states along an edge of a tile",
+                self.map.refine_from, self.map.tile
+            );
+            return Err(
+                SettingError::new(self.origin_of("map.refine-from"), message)
+                    .hint("reduce map.refine-from, or enlarge map.tile"),
+            );
+        }
+        Ok(())
+    }
+
+    /// The corners of the window, at the ends of the ranges.
+    fn corners(&self) -> Vec<Vec<f64>> {
+        let corner = |bits: usize| {
+            let end = |(number, (low, high)): (usize, (f64, f64))| {
+                if bits >> number & 1 == 0 { low } else { high }
+            };
+            self.axes
+                .iter()
+                .map(|axis| axis.range)
+                .enumerate()
+                .map(end)
+                .collect()
+        };
+        (0..1 << self.axes.len()).map(corner).collect()
+    }
+
+    /// That material, method and deformation exist at a corner of the window.
+    fn check_corner(&self, corner: &[f64]) -> Result<(), SettingError> {
+        let settings = self.settings_at(corner)?;
+        built(&settings).map_err(|error| {
+            SettingError::new(self.origin_of_method_error(&error), error.to_string())
+        })?;
+        self.deformation_at(corner)
+            .map(drop)
+            .map_err(|error| self.kinematics_error(corner, &error))
+    }
+
+    fn kinematics_error(&self, corner: &[f64], error: &KinematicsError) -> SettingError {
+        let of_axis = self
+            .axes
+            .iter()
+            .zip(&self.origins.axes)
+            .find(|(axis, _)| Quantity::OF_STATE.contains(&axis.quantity))
+            .map(|(_, origin)| origin.range.clone());
+        let of_state = || {
+            let mut keys = self.origins.keys.iter();
+            let origin = keys.find(|(name, _)| name.starts_with("state."));
+            origin.map_or_else(|| self.origins.file.clone(), |(_, origin)| origin.clone())
+        };
+        let at: Vec<String> = self
+            .axes
+            .iter()
+            .zip(corner)
+            .map(|(axis, value)| format!("{} = {value}", axis.name()))
+            .collect();
+        SettingError::new(
+            of_axis.unwrap_or_else(of_state),
+            format!("at {}: {error}", at.join(", ")),
+        )
+        .hint("narrow the ranges, or change [state]")
+    }
+
+    /// Where the setting that an error is about was made.
+    fn origin_of_method_error(&self, error: &MethodError) -> Origin {
+        match error {
+            MethodError::NotPositive { name, .. } => {
+                self.origin_of(&format!("discretization.{name}"))
+            }
+            MethodError::Lattice(LatticeError::Spacing { .. }) => {
+                self.origin_of("discretization.spacing")
+            }
+            MethodError::Material(MaterialError::Parameter { name, .. }) => {
+                // A condition on several parameters is named by their sum.
+                let origins = name
+                    .split(" + ")
+                    .map(|name| self.origin_of(&format!("material.{name}")));
+                let mut set = origins.filter(|origin| *origin != self.origins.file);
+                set.next().unwrap_or_else(|| self.origins.file.clone())
+            }
+            _ => self.origins.file.clone(),
+        }
+    }
+
+    /// Where a key was set or varied; the beginning of the file when nowhere.
+    fn origin_of(&self, name: &str) -> Origin {
+        let axis = self
+            .axes
+            .iter()
+            .zip(&self.origins.axes)
+            .find(|(axis, _)| axis.quantity.key_name() == name)
+            .map(|(_, origin)| &origin.range);
+        self.origins
+            .keys
+            .get(name)
+            .or(axis)
+            .unwrap_or(&self.origins.file)
+            .clone()
+    }
+}
+
+/// Builds material and method.
+fn built(settings: &Settings) -> Result<(), MethodError> {
+    settings.material.build()?;
+    match settings.discretization.arrangement.dimension() {
+        1 => Method::<1>::new(settings.discretization).map(drop),
+        _ => Method::<2>::new(settings.discretization).map(drop),
+    }
+}

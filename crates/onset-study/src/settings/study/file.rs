@@ -1,0 +1,300 @@
+//! Reading a study from TOML.
+
+use super::super::{
+    Axis, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    error::nearest, study_keys, unknown_key,
+};
+use super::{AxisOrigin, Origins, Study};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The sections of a study.
+const SECTIONS: [&str; 5] = ["material", "discretization", "state", "axes", "map"];
+
+/// The keys of an axis.
+const AXIS_KEYS: [&str; 3] = ["axes.quantity", "axes.range", "axes.states"];
+
+/// States that an axis may have.
+pub const STATES: (f64, f64) = (2.0, 65536.0);
+
+/// Axes as one would write them, to copy.
+const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"\n    range = [0.5, 2.0]\n    states = 64\n\n    \
+                       [[axes]]\n    quantity = \"stretch-2\"\n    range = [0.5, 2.0]\n    states = 64\n";
+
+type Entry<'a, 'i> = (&'a Spanned<Cow<'i, str>>, &'a Spanned<DeValue<'i>>);
+
+/// A file with its name: places in it are origins.
+struct File<'t> {
+    name: &'t str,
+    text: &'t str,
+}
+
+impl File<'_> {
+    fn at(&self, offset: usize) -> Origin {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        Origin::File {
+            name: self.name.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
+        }
+    }
+
+    fn of<T>(&self, spanned: &Spanned<T>) -> Origin {
+        self.at(spanned.span().start)
+    }
+}
+
+/// Reads a study; that its parts fit together is not checked yet.
+pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
+    let file = File { name, text };
+    let table = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        SettingError::new(file.at(offset), error.message().to_owned())
+    })?;
+    let mut study = Study {
+        title: String::new(),
+        settings: Settings::default(),
+        state: StateSettings::default(),
+        axes: Vec::new(),
+        map: MapSettings::default(),
+        text: text.to_owned(),
+        origins: Origins {
+            file: file.at(0),
+            keys: BTreeMap::new(),
+            axes: Vec::new(),
+        },
+    };
+    for (key, value) in in_order(table.get_ref()) {
+        match (key.get_ref().as_ref(), value.get_ref()) {
+            ("title", DeValue::String(title)) => study.title = title.to_string(),
+            ("title", other) => {
+                let message = format!("`title` cannot be {}", described(other));
+                return Err(
+                    SettingError::new(file.of(value), message).hint("expected a text in quotes")
+                );
+            }
+            ("axes", value) => read_axes(&mut study, &file, key, value)?,
+            (section, DeValue::Table(inner)) if SECTIONS.contains(&section) => {
+                read_section(&mut study, &file, section, inner)?;
+            }
+            (section, other) if SECTIONS.contains(&section) => {
+                let message = format!("`{section}` cannot be {}", described(other));
+                return Err(SettingError::new(file.of(key), message)
+                    .hint(format!("expected a table: [{section}] with its keys below")));
+            }
+            (other, _) => {
+                let known = SECTIONS.into_iter().chain(["title"]);
+                return Err(unknown_key(other, known, file.of(key)));
+            }
+        }
+    }
+    if study.axes.is_empty() && study.origins.axes.is_empty() {
+        return Err(
+            SettingError::new(file.at(0), "the study has no axes; expected two or three")
+                .hint(EXAMPLE),
+        );
+    }
+    Ok(study)
+}
+
+/// The entries of a table in the order of the file, so that the first mistake is told first.
+fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> Vec<Entry<'a, 'i>> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
+fn read_section(
+    study: &mut Study,
+    file: &File<'_>,
+    section: &str,
+    table: &DeTable<'_>,
+) -> Result<(), SettingError> {
+    for (key, value) in in_order(table) {
+        let name = format!("{section}.{}", key.get_ref());
+        let Some(known) = study_keys().find(|known| known.name == name) else {
+            let names = study_keys().map(|key| key.name);
+            return Err(unknown_key(&name, names, file.of(key)));
+        };
+        let Some(typed) = scalar(value.get_ref()) else {
+            let message = format!("`{name}` cannot be {}", described(value.get_ref()));
+            let hint = format!("expected {} ({})", known.expects(), known.meaning);
+            return Err(SettingError::new(file.of(value), message).hint(hint));
+        };
+        study.put(known, &typed, file.of(value))?;
+    }
+    Ok(())
+}
+
+fn read_axes(
+    study: &mut Study,
+    file: &File<'_>,
+    key: &Spanned<Cow<'_, str>>,
+    value: &DeValue<'_>,
+) -> Result<(), SettingError> {
+    let not_axes = |other: &DeValue<'_>, origin: Origin| {
+        let message = format!("`axes` cannot be {}", described(other));
+        SettingError::new(origin, message).hint(format!("expected [[axes]], {EXAMPLE}"))
+    };
+    let DeValue::Array(items) = value else {
+        return Err(not_axes(value, file.of(key)));
+    };
+    for item in items.iter() {
+        let DeValue::Table(table) = item.get_ref() else {
+            return Err(not_axes(item.get_ref(), file.of(item)));
+        };
+        let (axis, origin) = read_axis(file, file.of(item), table)?;
+        study.axes.push(axis);
+        study.origins.axes.push(origin);
+    }
+    if !(2..=3).contains(&study.axes.len()) {
+        let message = format!(
+            "the study has {} axis or axes; expected two or three",
+            study.axes.len()
+        );
+        return Err(SettingError::new(file.of(key), message).hint(EXAMPLE));
+    }
+    Ok(())
+}
+
+fn read_axis(
+    file: &File<'_>,
+    whole: Origin,
+    table: &DeTable<'_>,
+) -> Result<(Axis, AxisOrigin), SettingError> {
+    for (key, _) in in_order(table) {
+        let name = format!("axes.{}", key.get_ref());
+        if !AXIS_KEYS.contains(&name.as_str()) {
+            return Err(unknown_key(&name, AXIS_KEYS.into_iter(), file.of(key)));
+        }
+    }
+    let field = |name: &str, expected: &str| {
+        table.get(name).ok_or_else(|| {
+            SettingError::new(whole.clone(), format!("the axis has no `{name}`"))
+                .hint(format!("expected {name} = {expected}"))
+        })
+    };
+    let place = field("quantity", "\"stretch-1\" or another quantity")?;
+    let quantity = quantity(place.get_ref(), file.of(place))?;
+    let of_quantity = AxisOrigin {
+        quantity: file.of(place),
+        range: file.of(field("range", "[lowest, highest]")?),
+    };
+    let range = range(
+        quantity,
+        field("range", "[lowest, highest]")?,
+        &of_quantity.range,
+    )?;
+    let place = field("states", "64")?;
+    let count = scalar(place.get_ref())
+        .and_then(|value| value.number())
+        .filter(|count| count.fract() == 0.0 && (STATES.0..=STATES.1).contains(count))
+        .ok_or_else(|| {
+            let message = format!("`axes.states` cannot be {}", described(place.get_ref()));
+            let hint = format!("expected a whole number from {} to {}", STATES.0, STATES.1);
+            SettingError::new(file.of(place), message).hint(hint)
+        })?;
+    let axis = Axis {
+        quantity,
+        range,
+        count: count as usize,
+    };
+    Ok((axis, of_quantity))
+}
+
+fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingError> {
+    let names = Quantity::all().map(Quantity::name);
+    let known = || {
+        format!(
+            "expected one of {}",
+            names.clone().collect::<Vec<_>>().join(", ")
+        )
+    };
+    let DeValue::String(name) = value else {
+        let message = format!("`axes.quantity` cannot be {}", described(value));
+        return Err(SettingError::new(origin, message).hint(known()));
+    };
+    Quantity::of_name(name).ok_or_else(|| {
+        let message = match study_keys().find(|key| key.name == name) {
+            Some(_) => {
+                format!("`{name}` cannot be an axis, for it does not take numbers along a range")
+            }
+            None => format!("there is no quantity `{name}`"),
+        };
+        let completed = names
+            .clone()
+            .find(|known| known.rsplit('.').next() == Some(name));
+        let error = SettingError::new(origin, message);
+        match completed.or_else(|| nearest(name, names.clone())) {
+            Some(nearest) => error.hint(format!("did you mean `{nearest}`? {}", known())),
+            None => error.hint(known()),
+        }
+    })
+}
+
+fn range(
+    quantity: Quantity,
+    value: &Spanned<DeValue<'_>>,
+    origin: &Origin,
+) -> Result<(f64, f64), SettingError> {
+    let wrong = |message: String| {
+        SettingError::new(origin.clone(), message).hint(format!(
+            "expected [lowest, highest] of {}: {}",
+            quantity.name(),
+            quantity.expects()
+        ))
+    };
+    let numbers = match value.get_ref() {
+        DeValue::Array(items) => items
+            .iter()
+            .map(|item| scalar(item.get_ref())?.number())
+            .collect::<Option<Vec<f64>>>(),
+        _ => None,
+    };
+    let described = described(value.get_ref());
+    match numbers.as_deref() {
+        Some([low, high]) => match [low, high].into_iter().find(|end| !quantity.admits(**end)) {
+            Some(end) => Err(wrong(format!("{} cannot be {end}", quantity.name()))),
+            None if low >= high => Err(wrong(format!(
+                "the range of {} leads from {low} to {high}; the first number must be smaller",
+                quantity.name()
+            ))),
+            None => Ok((*low, *high)),
+        },
+        Some(numbers) => Err(wrong(format!(
+            "the range of {} has {} number(s); expected 2",
+            quantity.name(),
+            numbers.len()
+        ))),
+        None => Err(wrong(format!(
+            "the range of {} cannot be {described}",
+            quantity.name()
+        ))),
+    }
+}
+
+/// A value that a key can take; `None` for dates, lists and tables.
+fn scalar(value: &DeValue<'_>) -> Option<Value> {
+    match value {
+        DeValue::String(word) => Some(Value::Word(word.to_string())),
+        DeValue::Boolean(on) => Some(Value::Switch(*on)),
+        DeValue::Float(float) => float.as_str().parse().ok().map(Value::Number),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .ok()
+            .map(|integer| Value::Number(integer as f64)),
+        _ => None,
+    }
+}
+
+/// A value as told in a message.
+fn described(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::Datetime(date) => format!("the date {date}"),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+        DeValue::Integer(integer) => integer.to_string(),
+        other => scalar(other).map_or_else(String::new, |value| value.to_string()),
+    }
+}

@@ -1,0 +1,140 @@
+//! Changing a study from the command line, and writing it out in full.
+
+use super::super::{
+    KEYS, Key, MAP_KEYS, Origin, STATE_KEYS, SettingError, Value, study_keys, unknown_key,
+};
+use super::Study;
+
+impl Study {
+    /// The study with some keys set otherwise, by assignments such as `discretization.support=1.6` or
+    /// `map.tile=128`, in order. Its text is the new study written out in full.
+    ///
+    /// # Errors
+    /// [`SettingError`] as for [`Study::parse`], and when an assignment sets what an axis varies.
+    pub fn override_with<S: AsRef<str>>(&self, assignments: &[S]) -> Result<Self, SettingError> {
+        let mut study = self.clone();
+        if assignments.is_empty() {
+            return Ok(study);
+        }
+        for assignment in assignments {
+            study.assign(assignment.as_ref())?;
+        }
+        study.check()?;
+        study.text = study.document();
+        Ok(study)
+    }
+
+    fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
+        let origin = Origin::CommandLine(format!("--set {assignment}"));
+        let Some((name, text)) = assignment.split_once('=') else {
+            let message = format!("`{assignment}` is not an assignment");
+            return Err(SettingError::new(origin, message)
+                .hint("write --set key=value, for example --set discretization.support=1.6"));
+        };
+        let name = name.trim();
+        let axis = self
+            .axes
+            .iter()
+            .find(|axis| axis.name() == name || axis.quantity.key_name() == name);
+        if let Some(axis) = axis {
+            let (low, high) = axis.range;
+            let message = format!(
+                "{} is an axis of this study, from {low} to {high}",
+                axis.name()
+            );
+            return Err(SettingError::new(origin, message)
+                .hint("set something else, or change the axis in the study file"));
+        }
+        let Some(key) = study_keys().find(|key| key.name == name) else {
+            let error = unknown_key(name, study_keys().map(|key| key.name), origin);
+            return Err(match name.starts_with("axes") || name == "title" {
+                true => error.hint("axes and title can be changed in the study file only"),
+                false => error,
+            });
+        };
+        self.put(key, &Value::of_text(text.trim()), origin)
+    }
+
+    /// Sets a key to what it expects.
+    ///
+    /// # Errors
+    /// [`SettingError`] when the value is something else.
+    pub(super) fn put(
+        &mut self,
+        key: &'static Key,
+        value: &Value,
+        origin: Origin,
+    ) -> Result<(), SettingError> {
+        let wrong = |origin: Origin| {
+            SettingError::new(origin, format!("`{}` cannot be {value}", key.name))
+                .hint(format!("expected {} ({})", key.expects(), key.meaning))
+                .nearest_word(value, key.words())
+        };
+        if !key.kind.accepts(value) {
+            return Err(wrong(origin));
+        }
+        let done = match key.parts() {
+            ("state", name) => self.state.set(name, value),
+            ("map", name) => self.map.set(name, value),
+            _ => {
+                self.settings.set(key.name, value, origin.clone())?;
+                true
+            }
+        };
+        if !done {
+            return Err(wrong(origin));
+        }
+        self.origins.keys.insert(key.name, origin);
+        // The default stride must not forbid a small tile.
+        if key.name == "map.tile" && !self.origins.keys.contains_key("map.refine-from") {
+            let largest = 1 << self.map.tile.max(1).ilog2();
+            self.map.refine_from = largest.min(super::MapSettings::default().refine_from);
+        }
+        Ok(())
+    }
+
+    /// The study as a file in which every key that has an effect is written out. Studies that ask for the same are
+    /// written the same, whatever was left to defaults, and whatever was commented.
+    pub fn document(&self) -> String {
+        let mut text = format!("title = {}\n", toml::Value::from(self.title.as_str()));
+        let varied: Vec<String> = self
+            .axes
+            .iter()
+            .map(|axis| axis.quantity.key_name())
+            .collect();
+        for (table, keys) in [
+            ("", KEYS),
+            ("state", STATE_KEYS),
+            ("axes", &[]),
+            ("map", MAP_KEYS),
+        ] {
+            if table == "axes" {
+                self.axes.iter().for_each(|axis| {
+                    let (low, high) = axis.range;
+                    text.push_str(&format!(
+                        "\n[[axes]]\nquantity = \"{}\"\nrange = [{low:?}, {high:?}]\nstates = {}\n",
+                        axis.name(),
+                        axis.count
+                    ));
+                });
+            }
+            let mut section = "";
+            for key in keys {
+                let written = !varied.iter().any(|name| name == key.name) && self.has_effect(key);
+                let Some(value) = self.value(key.name).filter(|_| written) else {
+                    continue;
+                };
+                if key.parts().0 != section {
+                    section = key.parts().0;
+                    text.push_str(&format!("\n[{section}]\n"));
+                }
+                let value = match value {
+                    Value::Number(number) => format!("{number:?}"),
+                    other => other.to_string(),
+                };
+                text.push_str(&format!("{} = {value}\n", key.parts().1));
+            }
+        }
+        text
+    }
+}

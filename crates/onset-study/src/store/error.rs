@@ -1,0 +1,167 @@
+//! What can be wrong with a store, and what to do about it.
+
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why results cannot be written or read.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// Something else is at the place.
+    #[error(
+        "{} exists and is not a store of results\n  hint: choose another folder with --out; only stores of onset are ever replaced",
+        path.display()
+    )]
+    NotAStore {
+        /// The place.
+        path: PathBuf,
+    },
+    /// Nothing is at the place.
+    #[error("there is no store at {}\n  hint: `onset map FILE --out {}` makes one", path.display(), path.display())]
+    Missing {
+        /// The place.
+        path: PathBuf,
+    },
+    /// A Zarr store that others have written.
+    #[error(
+        "{} is a Zarr store that onset did not write\n  hint: choose another folder with --out; only stores of onset are ever replaced",
+        path.display()
+    )]
+    Foreign {
+        /// The place.
+        path: PathBuf,
+    },
+    /// A store is there, and nothing was said about what to do with it.
+    #[error(
+        "{} exists, with {done} of {tiles} tiles done\n  hint: {}",
+        path.display(),
+        if done == tiles { "it is complete; --overwrite computes it anew" }
+        else { "--resume goes on with it, --overwrite begins anew" }
+    )]
+    Exists {
+        /// The place.
+        path: PathBuf,
+        /// Tiles that are done.
+        done: usize,
+        /// All tiles.
+        tiles: usize,
+    },
+    /// The store holds something else.
+    #[error(
+        "{} holds another study: {difference}\n  hint: choose another folder with --out, or replace the store with --overwrite",
+        path.display()
+    )]
+    OtherStudy {
+        /// The place.
+        path: PathBuf,
+        /// The first thing that differs.
+        difference: String,
+    },
+    /// Another process writes to the store that is to be replaced.
+    #[error("{} is being written by another process\n  hint: let it end, or interrupt it; then --overwrite", path.display())]
+    Occupied {
+        /// The place.
+        path: PathBuf,
+    },
+    /// A file does not hold what it should.
+    #[error("{} is damaged: {reason}\n  hint: {}", path.display(), damage_hint(path))]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A field that the store does not have.
+    #[error("{} has no field `{field}`\n  hint: its fields are {}", path.display(), known.join(", "))]
+    NoField {
+        /// The place.
+        path: PathBuf,
+        /// The field.
+        field: String,
+        /// The fields that it has.
+        known: Vec<String>,
+    },
+    /// A file cannot be read or written.
+    #[error("cannot {action} {}: {source}{}", path.display(), hint(source))]
+    Machine {
+        /// To read or to write.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+impl StoreError {
+    pub(super) fn reading(path: &Path) -> impl Fn(io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Machine {
+            action: "read",
+            path: path.clone(),
+            source,
+        }
+    }
+
+    pub(super) fn writing(path: &Path) -> impl Fn(io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Machine {
+            action: "write",
+            path: path.clone(),
+            source,
+        }
+    }
+
+    /// Whether what was asked for is wrong, and not the machine.
+    pub fn is_input(&self) -> bool {
+        !matches!(self, Self::Machine { .. } | Self::Damaged { .. })
+    }
+}
+
+fn hint(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "\n  hint: make room, then go on with --resume; the tiles that are done are safe"
+        }
+        ErrorKind::PermissionDenied
+        | ErrorKind::ReadOnlyFilesystem
+        | ErrorKind::NotADirectory
+        | ErrorKind::NotFound => "\n  hint: choose a folder that can be written with --out",
+        _ => "",
+    }
+}
+
+/// A chunk can be computed again; the metadata cannot.
+fn damage_hint(path: &Path) -> &'static str {
+    if path.ends_with("zarr.json") {
+        "restore it from a copy, or begin anew in another folder with --out"
+    } else {
+        "to have the tile computed again, remove the file of the same number in `verdict`, then --resume"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_told_with_what_to_do() {
+        for kind in [
+            ErrorKind::StorageFull,
+            ErrorKind::QuotaExceeded,
+            ErrorKind::FileTooLarge,
+        ] {
+            let error = StoreError::writing(Path::new("map.zarr/verdict/c/0/0"))(kind.into());
+            let message = error.to_string();
+            assert!(
+                message.starts_with("cannot write map.zarr/verdict/c/0/0: "),
+                "{message}"
+            );
+            assert!(
+                message.contains("make room") && message.contains("--resume"),
+                "{message}"
+            );
+            assert!(!error.is_input());
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Who writes to a store: several who share it, or one who has it for itself.
+//!
+//! A lock on the store's `zarr.json`, which ends with the process however that ends.
+
+use std::fs::{File, TryLockError};
+use std::io;
+use std::path::Path;
+
+/// A lock on a store, until dropped.
+#[derive(Debug)]
+pub(super) struct Occupancy {
+    _file: File,
+}
+
+/// What comes of the wish to have a store for oneself.
+#[derive(Debug)]
+pub(super) enum Claim {
+    /// Nobody else writes to it, until the lock is dropped.
+    Alone(#[allow(dead_code, reason = "held, not read")] Occupancy),
+    /// Others write to it.
+    Shared,
+    /// The file system knows no locks.
+    Unknown,
+}
+
+impl Occupancy {
+    /// Shares the store with others; waits while someone has it for itself. Where the file system knows no locks, the store
+    /// is shared all the same.
+    pub(super) fn shared(metadata: &Path) -> io::Result<Self> {
+        let file = File::open(metadata)?;
+        // An error says that there are no locks.
+        let _ = file.lock_shared();
+        Ok(Self { _file: file })
+    }
+
+    /// Tries to have the store for itself.
+    pub(super) fn alone(metadata: &Path) -> io::Result<Claim> {
+        let file = File::open(metadata)?;
+        Ok(match file.try_lock() {
+            Ok(()) => Claim::Alone(Self { _file: file }),
+            Err(TryLockError::WouldBlock) => Claim::Shared,
+            Err(TryLockError::Error(_)) => Claim::Unknown,
+        })
+    }
+}
