@@ -4,6 +4,7 @@
 //! given without its evidence, the [`Assessment`].
 
 pub mod boundary;
+pub mod fidelity;
 
 mod path;
 mod probe;

@@ -243,6 +243,32 @@ pub fn trace_boundary_from<E>(
     Ok(boundary)
 }
 
+/// The first change of phase found between two points, bracketed to `1e-13` of the window; `None` when both are of one
+/// phase, or one is outside.
+///
+/// # Errors
+/// What the probe reports.
+pub fn located_between<E>(
+    window: Window,
+    probe: &(dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
+    from: [f64; 2],
+    to: [f64; 2],
+) -> Result<Option<[f64; 2]>, E> {
+    let field = Field::new(window, probe);
+    let size = window.size();
+    let unit = |point: [f64; 2]| [0, 1].map(|i| (point[i] - window.low[i]) / size[i]);
+    let ends = [unit(from), unit(to)];
+    let (Some(a), Some(b)) = (field.at(ends[0])?, field.at(ends[1])?) else {
+        return Ok(None);
+    };
+    let seed = ((ends[0], a), (ends[1], b));
+    let found = seeds::crossings(&field, &Fineness::default(), seed)?;
+    let nearest = found
+        .iter()
+        .min_by(|a, b| distance(a.at, ends[0]).total_cmp(&distance(b.at, ends[0])));
+    Ok(nearest.map(|crossing| window.point(crossing.at)))
+}
+
 /// A change of phase on a piece of a line, in units of the window.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
