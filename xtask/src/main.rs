@@ -1,8 +1,8 @@
-//! Tasks of the workspace: `cargo xtask test`, and `cargo xtask figures`.
+//! Tasks of the workspace: `cargo xtask test`, `cargo xtask figures`, and `cargo xtask schema`.
 
 mod python;
 
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, Stdio};
 
 /// A step of a task: what it is for, and its arguments to cargo.
 type Step = (&'static str, &'static [&'static str]);
@@ -57,10 +57,11 @@ fn main() -> ExitCode {
     let task = std::env::args().nth(1);
     let done = match task.as_deref() {
         Some("test") => run(TEST),
+        Some("schema") => write_schema(),
         Some("figures") => run(FIGURES) && copy_figures(),
         _ => {
             eprintln!(
-                "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction"
+                "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction\n       cargo xtask schema    the JSON Schema of study files, studies/study.schema.json"
             );
             return ExitCode::from(2);
         }
@@ -85,6 +86,19 @@ fn run(steps: &[Step]) -> bool {
             eprintln!("== {purpose}: failed");
         }
         done
+    })
+}
+
+/// Writes the schema that the command prints.
+fn write_schema() -> bool {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let output = Command::new(cargo)
+        .args(["run", "--quiet", "--", "schema"])
+        .stderr(Stdio::inherit())
+        .output();
+    output.is_ok_and(|output| {
+        output.status.success()
+            && std::fs::write("studies/study.schema.json", &output.stdout).is_ok()
     })
 }
 

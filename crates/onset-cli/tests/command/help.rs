@@ -4,7 +4,15 @@ use crate::onset;
 
 #[test]
 fn every_command_explains_itself() {
-    for command in ["state", "dispersion", "path", "list", "reproduce"] {
+    for command in [
+        "state",
+        "dispersion",
+        "path",
+        "list",
+        "check",
+        "schema",
+        "reproduce",
+    ] {
         let help = onset(&[command, "--help"]);
         assert_eq!(help.code, Some(0));
         assert!(help.stdout.contains(&format!("Usage: onset {command}")));

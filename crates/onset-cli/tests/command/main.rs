@@ -1,5 +1,6 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod check;
 mod documents;
 mod files;
 mod grid;

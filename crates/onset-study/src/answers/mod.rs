@@ -6,11 +6,13 @@ mod path;
 mod problem;
 mod sentence;
 mod state;
+mod summary;
 
 pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
+pub use summary::{AxisSummary, StudySummary};
 
 /// Calls a function that is generic in the dimension with the dimension of an arrangement.
 macro_rules! in_dimension_of {

@@ -8,6 +8,7 @@ mod error;
 mod key;
 mod map;
 mod material;
+mod schema;
 mod state;
 mod study;
 
@@ -16,6 +17,7 @@ pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::MapSettings;
 pub use material::{MaterialSettings, Model};
+pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
 

@@ -4,6 +4,8 @@ mod check;
 mod file;
 mod overriding;
 
+pub(super) use file::STATES;
+
 use super::{
     Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
 };

@@ -1,7 +1,7 @@
 //! Reading a study from TOML.
 
 use super::super::{
-    Axis, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    Axis, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
     error::nearest, study_keys, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
@@ -17,7 +17,7 @@ const SECTIONS: [&str; 5] = ["material", "discretization", "state", "axes", "map
 const AXIS_KEYS: [&str; 3] = ["axes.quantity", "axes.range", "axes.states"];
 
 /// States that an axis may have.
-pub const STATES: (f64, f64) = (2.0, 65536.0);
+pub(in crate::settings) const STATES: (u32, u32) = (2, 65536);
 
 /// Axes as one would write them, to copy.
 const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"\n    range = [0.5, 2.0]\n    states = 64\n\n    \
@@ -190,10 +190,10 @@ fn read_axis(
     let place = field("states", "64")?;
     let count = scalar(place.get_ref())
         .and_then(|value| value.number())
-        .filter(|count| count.fract() == 0.0 && (STATES.0..=STATES.1).contains(count))
+        .filter(|count| Kind::Whole(STATES.0, STATES.1).accepts(&Value::Number(*count)))
         .ok_or_else(|| {
             let message = format!("`axes.states` cannot be {}", described(place.get_ref()));
-            let hint = format!("expected a whole number from {} to {}", STATES.0, STATES.1);
+            let hint = format!("expected {}", Kind::Whole(STATES.0, STATES.1).expects());
             SettingError::new(file.of(place), message).hint(hint)
         })?;
     let axis = Axis {

@@ -1,1 +1,510 @@
+use super::Study;
+use crate::settings::{KEYS, MAP_KEYS, Quantity, STATE_KEYS, Value, study_keys};
 
+const PLANE: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 10\n\
+                     [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 6\n";
+
+fn study(text: &str) -> Study {
+    Study::parse("s.toml", text).unwrap_or_else(|error| panic!("{text}\n{error}"))
+}
+
+fn error(text: &str) -> String {
+    match Study::parse("s.toml", text) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The study with two axes, of which the second varies another quantity.
+fn with_axis(before: &str, quantity: &str, range: &str) -> String {
+    format!(
+        "{before}[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 4\n\
+         [[axes]]\nquantity = \"{quantity}\"\nrange = {range}\nstates = 4\n"
+    )
+}
+
+#[track_caller]
+fn assert_refused(text: &str, facts: &[&str]) {
+    let told = error(text);
+    assert!(told.starts_with("s.toml:"), "{told}");
+    for fact in facts {
+        assert!(told.contains(fact), "no `{fact}` in: {told}");
+    }
+}
+
+#[test]
+fn a_study_is_read_with_all_its_parts() {
+    let study = study(&format!(
+        "title = \"t\"\n[material]\nmodel = \"blatz-ko\"\nmu = 1\n[discretization]\nsupport = 1.9\n\
+         [state]\nstretch-3 = 0.9\nshear = 0.1\n{PLANE}[map]\nadaptive = true\ntile = 32\n"
+    ));
+    assert_eq!(study.title, "t");
+    assert_eq!(study.settings.discretization.support, 1.9);
+    assert_eq!(study.settings.material.values(), [("mu", 1.0)]);
+    assert_eq!((study.state.stretches[2], study.state.shear), (0.9, 0.1));
+    assert_eq!((study.shape(), study.states()), (vec![6, 10], 60));
+    assert_eq!((study.map.adaptive, study.map.tile), (true, 32));
+    assert_eq!(study.axes[0].range, (0.5, 2.0));
+}
+
+#[test]
+fn the_first_axis_runs_fastest() {
+    let study = study(PLANE);
+    let second = study.coordinates(1);
+    assert_eq!(
+        second,
+        [study.axes[0].coordinate(1), study.axes[1].coordinate(0)]
+    );
+    let last = study.coordinates(59);
+    assert_eq!(
+        last,
+        [study.axes[0].coordinate(9), study.axes[1].coordinate(5)]
+    );
+}
+
+#[test]
+fn axes_vary_deformation_and_settings() {
+    let study = study(&with_axis("", "discretization.support", "[1.4, 3]"));
+    let settings = study.settings_at(&[1.2, 1.7]).expect("settings");
+    assert_eq!(settings.discretization.support, 1.7);
+    let f = study.deformation_at(&[1.2, 1.7]).expect("a deformation");
+    assert_eq!(f.principal_stretches(), [1.2, 1.0, 1.0]);
+    assert!(study.varies_settings());
+}
+
+#[test]
+fn errors_name_file_line_column_and_a_hint() {
+    let told = error(&format!("[discretization]\nsuport = 2\n{PLANE}"));
+    assert!(
+        told.starts_with("s.toml:2:1: unknown key `discretization.suport`"),
+        "{told}"
+    );
+    assert!(
+        told.contains("did you mean `discretization.support`?"),
+        "{told}"
+    );
+    assert!(error("[material\n").starts_with("s.toml:1:"));
+    assert!(error(&format!("[stat]\nx=1\n{PLANE}")).contains("did you mean `state`?"));
+    // The first mistake of the file is told, not the first of the alphabet.
+    let two = format!("[map]\ntile = 1\n[discretization]\nsupport = 0\n{PLANE}");
+    assert!(
+        error(&two).starts_with("s.toml:2:8: `map.tile` cannot be 1"),
+        "{}",
+        error(&two)
+    );
+}
+
+#[test]
+fn a_study_without_axes_shows_how_to_write_them() {
+    for text in ["", "title = \"t\"\n", "axes = []\n"] {
+        assert_refused(
+            text,
+            &[
+                "s.toml:1:1: ",
+                "axes",
+                "two or three",
+                "    [[axes]]\n    quantity = ",
+            ],
+        );
+    }
+    let one = &PLANE[..PLANE.rfind("[[axes]]").expect("two axes")];
+    assert_refused(one, &["1 axis", "two or three"]);
+    assert_refused(&format!("{PLANE}{PLANE}"), &["4 axis", "two or three"]);
+    // The example is a study.
+    let told = error("");
+    let example = told.split_once("for example").expect("an example").1;
+    study(example);
+}
+
+#[test]
+fn axes_are_complete_and_have_no_other_keys() {
+    for missing in ["quantity", "range", "states"] {
+        let text = PLANE.replacen(missing, "wrong", 1);
+        assert_refused(&text, &["unknown key `axes.wrong`"]);
+        let first = PLANE.lines().position(|line| line.starts_with(missing));
+        let without: Vec<&str> = PLANE
+            .lines()
+            .enumerate()
+            .filter(|(number, _)| Some(*number) != first)
+            .map(|(_, line)| line)
+            .collect();
+        assert_refused(
+            &without.join("\n"),
+            &[&format!("the axis has no `{missing}`"), "s.toml:1:"],
+        );
+    }
+    assert_refused(
+        &PLANE.replacen("states", "sates", 1),
+        &["did you mean `axes.states`?"],
+    );
+    assert_refused("axes = 3\n", &["`axes` cannot be 3", "[[axes]]"]);
+    assert_refused("axes = [1, 2]\n", &["`axes` cannot be 1"]);
+}
+
+#[test]
+fn quantities_are_known_or_the_nearest_is_named() {
+    for (name, fact) in [
+        ("strech-2", "did you mean `stretch-2`?"),
+        ("support", "did you mean `discretization.support`?"),
+        ("c1", "did you mean `material.c1`?"),
+        ("discretization.frame", "cannot be an axis"),
+        ("zzz", "expected one of stretch-1"),
+        ("stretch-4", "there is no quantity `stretch-4`"),
+    ] {
+        let text = with_axis("", name, "[1.0, 2.0]");
+        assert_refused(&text, &["s.toml:6:12: ", fact]);
+    }
+}
+
+#[test]
+fn ranges_are_two_admissible_numbers_in_order() {
+    for (quantity, range, fact) in [
+        ("stretch-2", "[2, 1]", "leads from 2 to 1"),
+        ("stretch-2", "[1, 1]", "leads from 1 to 1"),
+        ("stretch-2", "[0, 1]", "stretch-2 cannot be 0"),
+        ("stretch-2", "[-1, 1]", "stretch-2 cannot be -1"),
+        ("stretch-2", "[1, inf]", "stretch-2 cannot be inf"),
+        ("stretch-2", "[nan, 1]", "stretch-2 cannot be NaN"),
+        ("stretch-2", "[1]", "has 1 number(s); expected 2"),
+        ("stretch-2", "[1, 2, 3]", "has 3 number(s); expected 2"),
+        ("stretch-2", "[1, \"2\"]", "cannot be a list"),
+        ("stretch-2", "2.0", "cannot be 2"),
+        ("stretch-2", "1979-05-27", "cannot be the date"),
+        ("stretch-2", "[1e-9, 1]", "too extreme"),
+        ("stretch-2", "[1, 1e9]", "too extreme"),
+        ("shear", "[0, 1e9]", "too extreme"),
+        ("rotation", "[0, 90]", "an angle from -2 pi to 2 pi (rad)"),
+        ("discretization.support", "[0, 2]", "cannot be 0"),
+        ("discretization.density", "[-1, 2]", "cannot be -1"),
+        (
+            "discretization.spacing",
+            "[1e-200, 2]",
+            "the particle spacing is",
+        ),
+        ("material.c1", "[-1, 2]", "c1 + c2 is"),
+    ] {
+        assert_refused(&with_axis("", quantity, range), &["s.toml:7:9: ", fact]);
+    }
+}
+
+#[test]
+fn an_axis_has_2_to_65536_states() {
+    for states in [
+        "1",
+        "0",
+        "-4",
+        "65537",
+        "2.5",
+        "1e400",
+        "nan",
+        "\"4\"",
+        "true",
+        "[4]",
+        "2000-01-01",
+    ] {
+        let text = PLANE.replace("states = 10", &format!("states = {states}"));
+        assert_refused(
+            &text,
+            &["s.toml:4:10: `axes.states` cannot be", "from 2 to 65536"],
+        );
+    }
+    for (states, count) in [("2", 2), ("65536", 65536), ("0x10", 16), ("1_000", 1000)] {
+        let text = PLANE.replace("states = 10", &format!("states = {states}"));
+        assert_eq!(study(&text).axes[0].count, count);
+    }
+}
+
+#[test]
+fn values_of_another_kind_are_refused_with_what_is_expected() {
+    for (line, fact) in [
+        ("discretization.support = true", "cannot be true"),
+        ("discretization.support = 0", "cannot be 0"),
+        (
+            "discretization.support = -1.5",
+            "expected a positive number",
+        ),
+        ("discretization.support = inf", "cannot be inf"),
+        ("discretization.support = nan", "cannot be NaN"),
+        (
+            "discretization.support = 1979-05-27",
+            "cannot be the date 1979-05-27",
+        ),
+        ("discretization.support = [2]", "cannot be a list"),
+        ("discretization.support = { x = 2 }", "cannot be a table"),
+        (
+            "discretization.frame = \"lagrangan\"",
+            "did you mean `lagrangian`?",
+        ),
+        ("discretization.frame = 2", "lagrangian | eulerian"),
+        ("discretization.frame = false", "cannot be false"),
+        ("discretization = 3", "`discretization` cannot be 3"),
+        ("title = 3", "expected a text in quotes"),
+        ("state.stretch-3 = 0", "cannot be 0"),
+        ("state.shear = \"much\"", "expected a number"),
+        ("map.adaptive = 1", "expected true | false"),
+        ("map.tile = 7", "a whole number from 8 to 1024"),
+        ("map.tile = 64.5", "a whole number from 8 to 1024"),
+        ("map.refine-from = 12", "a power of two from 2 to 1024"),
+        ("map.tolerance = 0", "a positive number"),
+        ("material.c1 = inf", "cannot be inf"),
+    ] {
+        assert_refused(&format!("{line}\n{PLANE}"), &["s.toml:1:", fact]);
+    }
+}
+
+#[test]
+fn nothing_is_set_twice() {
+    for (line, quantity, range) in [
+        (
+            "discretization.support = 2",
+            "discretization.support",
+            "[1.5, 2]",
+        ),
+        ("state.stretch-2 = 1", "stretch-2", "[1, 2]"),
+        ("state.shear = 0", "shear", "[0, 1]"),
+        ("material.c1 = 1", "material.c1", "[1, 2]"),
+    ] {
+        let text = with_axis(&format!("{line}\n"), quantity, range);
+        assert_refused(
+            &text,
+            &["s.toml:7:12: ", "is set twice, as an axis and at line 1"],
+        );
+    }
+    assert_refused(
+        &with_axis("", "stretch-1", "[1, 2]"),
+        &[
+            "s.toml:6:12: stretch-1 is the quantity of two axes",
+            "line 2, column 12",
+        ],
+    );
+    assert_refused(
+        &format!("map.tile = 8\nmap.tile = 16\n{PLANE}"),
+        &["duplicate key"],
+    );
+}
+
+#[test]
+fn an_axis_changes_something() {
+    let text = with_axis("", "material.mu", "[1, 2]");
+    assert_refused(
+        &text,
+        &["changes nothing", "material.model is not blatz-ko"],
+    );
+    let turned = |before: &str| {
+        format!(
+            "{before}[[axes]]\nquantity = \"rotation\"\nrange = [0, 1]\nstates = 4\n\
+             [[axes]]\nquantity = \"discretization.support\"\nrange = [1.5, 2]\nstates = 4\n"
+        )
+    };
+    assert_refused(
+        &turned(""),
+        &["s.toml:2:12: the axis rotation changes nothing"],
+    );
+    study(&turned("state.stretch-1 = 1.2\n"));
+    study(&turned("state.shear = 0.2\n"));
+}
+
+#[test]
+fn a_chain_has_one_dimension() {
+    let chain = "discretization.arrangement = \"chain\"\n";
+    study(&with_axis(chain, "discretization.support", "[1.5, 2]"));
+    for quantity in ["stretch-2", "stretch-3", "shear", "rotation"] {
+        let text = with_axis(chain, quantity, "[0.5, 1]");
+        assert_refused(
+            &text,
+            &["s.toml:7:12: ", "needs two dimensions; a chain has one"],
+        );
+    }
+    let sheared = format!("{chain}state.shear = 0.1\n");
+    let text = with_axis(&sheared, "discretization.support", "[1.5, 2]");
+    assert_refused(&text, &["s.toml:2:15: state.shear needs two dimensions"]);
+}
+
+#[test]
+fn parameters_belong_to_the_model_and_are_admissible() {
+    assert_refused(
+        &format!("material.mu = 3\n{PLANE}"),
+        &["has no parameter `mu`"],
+    );
+    assert_refused(
+        &format!("title = \"\"\nmaterial.c1 = -1\n{PLANE}"),
+        &["s.toml:2:15: ", "c1 + c2 is"],
+    );
+    assert_refused(
+        &format!("discretization.spacing = 1e-200\n{PLANE}"),
+        &["s.toml:1:26: ", "spacing"],
+    );
+}
+
+#[test]
+fn the_stride_of_refinement_fits_into_a_tile() {
+    assert_refused(
+        &format!("map.tile = 16\nmap.refine-from = 32\n{PLANE}"),
+        &["s.toml:2:19: ", "more than the 16 states"],
+    );
+    // Unless given, it is made to fit.
+    assert_eq!(study(&format!("map.tile = 9\n{PLANE}")).map.refine_from, 8);
+    assert_eq!(
+        study(&format!("map.tile = 9\nmap.refine-from = 4\n{PLANE}"))
+            .map
+            .refine_from,
+        4
+    );
+}
+
+#[test]
+fn keys_that_have_no_effect_are_known_with_their_place() {
+    let study = study(&format!(
+        "discretization.lattice = \"regular\"\nmap.tolerance = 1\n{PLANE}"
+    ));
+    let keys: Vec<String> = study
+        .keys_without_effect()
+        .iter()
+        .map(|(key, origin)| format!("{origin}{}", key.name))
+        .collect();
+    assert_eq!(
+        keys,
+        [
+            "s.toml:1:26: discretization.lattice",
+            "s.toml:2:17: map.tolerance"
+        ]
+    );
+}
+
+#[test]
+fn assignments_override_a_study_but_not_its_axes() {
+    let study = study(PLANE);
+    let other = study
+        .override_with(&[
+            "discretization.support=1.6",
+            "map.tile = 128",
+            "state.shear=0.1",
+            "map.certify=true",
+        ])
+        .expect("valid");
+    assert_eq!(other.settings.discretization.support, 1.6);
+    assert_eq!(
+        (other.map.tile, other.map.certify, other.state.shear),
+        (128, true, 0.1)
+    );
+    assert_eq!(study.override_with::<&str>(&[]), Ok(study.clone()));
+    for (assignment, fact) in [
+        (
+            "stretch-1=1",
+            "stretch-1 is an axis of this study, from 0.5 to 2",
+        ),
+        ("state.stretch-1=1", "stretch-1 is an axis of this study"),
+        (
+            "discretization.suport=1",
+            "did you mean `discretization.support`?",
+        ),
+        ("discretization.support=0", "expected a positive number"),
+        ("discretization.arrangement=chain", "needs two dimensions"),
+        ("axes.states=3", "in the study file only"),
+        ("map.tile", "is not an assignment"),
+        ("map.adaptive=yes", "true | false"),
+        ("map.refine-from=128", "more than the 64 states"),
+    ] {
+        let told = study
+            .override_with(&[assignment])
+            .expect_err(assignment)
+            .to_string();
+        assert!(told.contains(fact), "{assignment}: {told}");
+    }
+}
+
+#[test]
+fn a_study_written_out_in_full_is_the_same_study() {
+    let texts = [
+        PLANE.to_owned(),
+        with_axis(
+            "title = 'a \"b\" \\ é'\ndiscretization.frame = 'eulerian'\n",
+            "discretization.support",
+            "[1.5, 2]",
+        ),
+        with_axis("material.model = 'blatz-ko'\n", "material.mu", "[1, 1e16]"),
+        format!("map.adaptive = true\nmap.certify = true\nmap.tolerance = 1e-7\n{PLANE}"),
+    ];
+    for text in &texts {
+        let study = study(text);
+        let again = Study::parse("again.toml", &study.document()).expect("valid");
+        assert_eq!(again.document(), study.document());
+        assert_eq!(again.title, study.title);
+        assert_eq!(again.axes, study.axes);
+        assert_eq!((again.state, again.map), (study.state, study.map));
+        assert_eq!(again.settings.discretization, study.settings.discretization);
+        assert_eq!(
+            again.settings.material.values(),
+            study.settings.material.values()
+        );
+    }
+    let overridden = study(PLANE).override_with(&["map.tile=8"]).expect("valid");
+    assert_eq!(overridden.text, overridden.document());
+    assert!(overridden.text.contains("tile = 8"));
+}
+
+#[test]
+fn every_key_can_be_set_in_a_file_and_is_read_back() {
+    assert_eq!(
+        study_keys().count(),
+        KEYS.len() + STATE_KEYS.len() + MAP_KEYS.len()
+    );
+    for key in study_keys() {
+        let default = key.default_json();
+        let model = match key.only_with {
+            Some(("material.model", model)) => format!("material.model = \"{model}\"\n"),
+            _ => String::new(),
+        };
+        let axes = with_axis("", "discretization.density", "[1, 2]").replace(
+            "stretch-1",
+            if key.name == "state.stretch-1" {
+                "stretch-2"
+            } else {
+                "stretch-1"
+            },
+        );
+        if key.name == "discretization.density" {
+            continue;
+        }
+        let study = study(&format!("{model}{} = {default}\n{axes}", key.name));
+        let written = match study.value(key.name) {
+            Some(Value::Word(word)) => word,
+            Some(value) => value.to_string(),
+            None => String::new(),
+        };
+        let expected = default.as_str().map_or_else(
+            || {
+                default
+                    .as_f64()
+                    .map_or_else(|| default.to_string(), |number| number.to_string())
+            },
+            str::to_owned,
+        );
+        assert_eq!(written, expected, "{}", key.name);
+    }
+}
+
+#[test]
+fn every_quantity_can_be_an_axis() {
+    for quantity in Quantity::all() {
+        let (before, other) = match quantity {
+            Quantity::Stretch(1) => ("", "stretch-2"),
+            Quantity::Setting(key) if key.name == "material.mu" => {
+                ("material.model = 'blatz-ko'\n", "stretch-1")
+            }
+            _ => ("", "stretch-1"),
+        };
+        let text = with_axis(before, quantity.name(), "[1.1, 1.5]").replacen(
+            "quantity = \"stretch-1\"",
+            &format!("quantity = \"{other}\""),
+            1,
+        );
+        let study = study(&text);
+        assert_eq!(study.axes[1].quantity, quantity);
+        let (low, high) = (study.coordinates(0), study.coordinates(15));
+        let differ = study.settings_at(&low).expect("low")
+            != study.settings_at(&high).expect("high")
+            || study.deformation_at(&low) != study.deformation_at(&high);
+        assert!(differ, "{}", quantity.name());
+    }
+}

@@ -1,0 +1,104 @@
+//! `onset check` and `onset schema`: what a study file asks for, and what it may hold.
+
+use super::{Failure, print_json, print_text};
+use onset_study::answers::StudySummary;
+use onset_study::settings::{Origin, SettingError, Study, schema as schema_of_studies};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What there is to say about a file.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Entry {
+    Valid(Box<StudySummary>),
+    Invalid(Mistake),
+}
+
+/// Why a file is not a study.
+#[derive(Serialize)]
+struct Mistake {
+    file: String,
+    valid: bool,
+    /// Counted from 1; `null` where no place in the file is to blame.
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+    hint: Option<String>,
+    /// As told on standard error.
+    #[serde(skip)]
+    told: String,
+}
+
+impl Mistake {
+    fn new(file: &str, told: String) -> Self {
+        Self {
+            file: file.to_owned(),
+            valid: false,
+            line: None,
+            column: None,
+            message: told.clone(),
+            hint: None,
+            told,
+        }
+    }
+
+    fn of_setting(file: &str, error: SettingError) -> Self {
+        let told = error.to_string();
+        let (line, column) = match error.origin {
+            Origin::File { line, column, .. } => (Some(line), Some(column)),
+            Origin::CommandLine(_) | Origin::Combination => (None, None),
+        };
+        Self {
+            line,
+            column,
+            message: error.message,
+            hint: error.hint,
+            ..Self::new(file, told)
+        }
+    }
+}
+
+/// Checks every file; all are told about, also behind one that is wrong.
+pub fn check(files: &[PathBuf], assignments: &[String], json: bool) -> Result<ExitCode, Failure> {
+    let entries: Vec<Entry> = files
+        .iter()
+        .map(|file| match summary(file, assignments) {
+            Ok(summary) => Entry::Valid(Box::new(summary)),
+            Err(mistake) => Entry::Invalid(mistake),
+        })
+        .collect();
+    if json {
+        print_json(&entries)?;
+    }
+    let (mut valid, mut told) = (Vec::new(), Vec::new());
+    for entry in &entries {
+        match entry {
+            Entry::Valid(summary) => valid.push(summary.to_string()),
+            Entry::Invalid(mistake) => told.push(mistake.told.clone()),
+        }
+    }
+    if !json && !valid.is_empty() {
+        print_text(valid.join("\n").trim_end())?;
+    }
+    match told.is_empty() {
+        true => Ok(ExitCode::SUCCESS),
+        false => Err(Failure::input(told.join("\nerror: "))),
+    }
+}
+
+fn summary(file: &Path, assignments: &[String]) -> Result<StudySummary, Mistake> {
+    let name = file.display().to_string();
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| Mistake::new(&name, format!("cannot read {name}: {error}")))?;
+    let study = Study::parse(&name, &text)
+        .and_then(|study| study.override_with(assignments))
+        .map_err(|error| Mistake::of_setting(&name, error))?;
+    StudySummary::new(&name, &study)
+        .map_err(|error| Mistake::new(&name, format!("{name}: {error}")))
+}
+
+/// Prints the schema.
+pub fn schema() -> Result<ExitCode, Failure> {
+    print_text(&format!("{:#}", schema_of_studies()))
+}

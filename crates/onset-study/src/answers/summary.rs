@@ -1,0 +1,337 @@
+//! What a study asks for, told before it is computed.
+
+use super::in_dimension_of;
+use super::problem::{Problem, ProblemError};
+use crate::settings::{Axis, MapSettings, Quantity, Study, Value, word_of};
+use onset::approximation::Order;
+use onset::kinematics::DeformationGradient;
+use onset::method::{Discretization, MethodError};
+use onset::verdict::judge;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What a study asks for, and what about it deserves attention.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudySummary {
+    /// The file.
+    pub file: String,
+    /// That it is valid; the counterpart of an error.
+    pub valid: bool,
+    /// What it shows.
+    pub title: String,
+    /// The law.
+    pub model: &'static str,
+    /// Its parameters, where no axis varies them; units of stress.
+    pub parameters: BTreeMap<&'static str, f64>,
+    /// The discretization, where no axis varies it.
+    pub discretization: Discretization,
+    /// The deformation that no axis varies.
+    pub held_fixed: BTreeMap<&'static str, f64>,
+    /// What is varied.
+    pub axes: Vec<AxisSummary>,
+    /// How the map is made.
+    pub map: MapSettings,
+    /// Number of states.
+    pub states: usize,
+    /// Number of tiles.
+    pub tiles: usize,
+    /// States at which particles and material were looked at.
+    pub sampled: usize,
+    /// How many of these have no verdict.
+    pub undefined: usize,
+    /// Processor time of the verdict on one state, the median over corners and center; seconds. `null` when none of them has
+    /// a verdict.
+    pub seconds_per_state: Option<f64>,
+    /// What deserves attention.
+    pub warnings: Vec<String>,
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisSummary {
+    /// What it varies.
+    pub quantity: &'static str,
+    /// Its ends.
+    pub range: (f64, f64),
+    /// Its unit.
+    pub unit: &'static str,
+    /// Number of states.
+    pub states: usize,
+}
+
+impl StudySummary {
+    /// Summarizes a study; looks at a coarse grid of its states, and takes the verdict on the corners and the center.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when material or method cannot be set up at one of these states.
+    pub fn new(file: &str, study: &Study) -> Result<Self, ProblemError> {
+        let samples = Samples::of(study)?;
+        let varied = |name: &str| {
+            study
+                .axes
+                .iter()
+                .any(|axis| axis.quantity.key_name() == name)
+        };
+        let fixed = Quantity::OF_STATE
+            .into_iter()
+            .filter(|quantity| !varied(&quantity.key_name()))
+            .filter_map(|quantity| Some((quantity.name(), study.state.value(quantity.name())?)));
+        let parameters = study.settings.material.values().into_iter();
+        Ok(Self {
+            file: file.to_owned(),
+            valid: true,
+            title: study.title.clone(),
+            model: study.settings.material.model.name(),
+            parameters: parameters
+                .filter(|(name, _)| !varied(&format!("material.{name}")))
+                .collect(),
+            discretization: study.settings.discretization,
+            held_fixed: fixed.collect(),
+            axes: study.axes.iter().map(AxisSummary::of).collect(),
+            map: study.map,
+            states: study.states(),
+            tiles: study
+                .axes
+                .iter()
+                .map(|axis| axis.count.div_ceil(study.map.tile))
+                .product(),
+            sampled: samples.looked_at,
+            undefined: samples.undefined,
+            seconds_per_state: seconds_per_state(study)?,
+            warnings: warnings(study, &samples),
+        })
+    }
+}
+
+impl AxisSummary {
+    fn of(axis: &Axis) -> Self {
+        Self {
+            quantity: axis.name(),
+            range: axis.range,
+            unit: axis.unit(),
+            states: axis.count,
+        }
+    }
+}
+
+/// A look at some states.
+struct Samples {
+    looked_at: usize,
+    undefined: usize,
+    /// The first reason, with the state.
+    reason: Option<String>,
+}
+
+impl Samples {
+    /// Looks at the states of a coarse grid over the whole window.
+    fn of(study: &Study) -> Result<Self, ProblemError> {
+        let along = if study.axes.len() == 2 { 9 } else { 5 };
+        let mut samples = Self {
+            looked_at: 0,
+            undefined: 0,
+            reason: None,
+        };
+        for coordinates in sampled(study, along) {
+            samples.looked_at += 1;
+            let problem = Problem::new(study.settings_at(&coordinates)?)?;
+            let f = study.deformation_at(&coordinates)?;
+            if let Err(error) = in_dimension_of!(problem, look(&problem, &f)) {
+                samples.undefined += 1;
+                samples
+                    .reason
+                    .get_or_insert_with(|| format!("at {}: {error}", named(study, &coordinates)));
+            }
+        }
+        Ok(samples)
+    }
+}
+
+/// Coordinates of at most `along` states along each axis, the first and the last among them.
+fn sampled(study: &Study, along: usize) -> Vec<Vec<f64>> {
+    let mut grid = vec![Vec::new()];
+    for axis in &study.axes {
+        let some = along.min(axis.count);
+        let states = (0..some).map(|n| axis.coordinate(n * (axis.count - 1) / (some - 1).max(1)));
+        let states: Vec<f64> = states.collect();
+        grid = grid
+            .iter()
+            .flat_map(|start: &Vec<f64>| {
+                states
+                    .iter()
+                    .map(|state| start.iter().chain([state]).copied().collect())
+            })
+            .collect();
+    }
+    grid
+}
+
+/// Whether particles and material exist at a state.
+fn look<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> {
+    problem.material.response(f).map_err(MethodError::from)?;
+    problem.method::<D>()?.configuration(f, Order::First)?;
+    Ok(())
+}
+
+/// The time of the verdict on one state, the median over corners and center.
+fn seconds_per_state(study: &Study) -> Result<Option<f64>, ProblemError> {
+    let center = |axis: &Axis| axis.coordinate(axis.count / 2);
+    let mut states = sampled(study, 2);
+    states.push(study.axes.iter().map(center).collect());
+    let mut times = Vec::new();
+    for coordinates in states {
+        let problem = Problem::new(study.settings_at(&coordinates)?)?;
+        let f = study.deformation_at(&coordinates)?;
+        let start = Instant::now();
+        if in_dimension_of!(problem, has_verdict(&problem, &f))? {
+            times.push(start.elapsed().as_secs_f64());
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times.get(times.len() / 2).copied())
+}
+
+fn has_verdict<const D: usize>(
+    problem: &Problem,
+    f: &DeformationGradient,
+) -> Result<bool, ProblemError> {
+    Ok(judge(&problem.method::<D>()?, &*problem.material, f).is_ok())
+}
+
+fn named(study: &Study, coordinates: &[f64]) -> String {
+    let value = |(axis, value): (&Axis, &f64)| format!("{} = {value:.4}", axis.name());
+    let values: Vec<String> = study.axes.iter().zip(coordinates).map(value).collect();
+    values.join(", ")
+}
+
+fn warnings(study: &Study, samples: &Samples) -> Vec<String> {
+    let mut warnings: Vec<String> = study
+        .keys_without_effect()
+        .into_iter()
+        .map(|(key, origin)| {
+            let (needed, word) = key.only_with.unwrap_or_default();
+            format!(
+                "{origin}`{}` has no effect: {needed} is not {word}",
+                key.name
+            )
+        })
+        .collect();
+    for name in ["discretization.spacing", "discretization.density"] {
+        if study.axes.iter().any(|axis| axis.name() == name) {
+            warnings.push(format!(
+                "the axis {name} moves no boundary of stability; it scales frequencies only"
+            ));
+        }
+    }
+    if let Some(reason) = &samples.reason {
+        warnings.push(format!(
+            "{} of {} sampled states have no verdict; the first {reason}",
+            samples.undefined, samples.looked_at
+        ));
+    }
+    warnings
+}
+
+impl std::fmt::Display for StudySummary {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut line = |name: &str, text: String| writeln!(formatter, "{name:<16}{text}");
+        let list = |values: &BTreeMap<&'static str, f64>| {
+            let value = |(name, value): (&&str, &f64)| format!("{name} = {value}");
+            values.iter().map(value).collect::<Vec<_>>().join(", ")
+        };
+        let axis = |axis: &AxisSummary| {
+            let unit = if axis.unit == "1" { "" } else { axis.unit };
+            let ends = format!(
+                "{} from {} to {} {unit}",
+                axis.quantity, axis.range.0, axis.range.1
+            );
+            format!("{}, {} states", ends.trim_end(), axis.states)
+        };
+        line("valid", self.file.clone())?;
+        if !self.title.is_empty() {
+            line("title", self.title.clone())?;
+        }
+        line(
+            "material",
+            format!("{}: {}", self.model, list(&self.parameters)),
+        )?;
+        line("discretization", self.discretization_words())?;
+        line("held fixed", list(&self.held_fixed))?;
+        for (number, summary) in self.axes.iter().enumerate() {
+            line(if number == 0 { "axes" } else { "" }, axis(summary))?;
+        }
+        line("map", self.map_words())?;
+        if let Some(seconds) = self.seconds_per_state {
+            let work = format!(
+                "{} of processor time, taken state by state at {}",
+                duration(seconds * self.states as f64),
+                duration(seconds)
+            );
+            line("estimated work", work)?;
+        }
+        self.warnings
+            .iter()
+            .try_for_each(|warning| line("warning", warning.clone()))
+    }
+}
+
+impl StudySummary {
+    /// The choices in words; those of Eulerian kernels only where they matter, and nothing that an axis varies.
+    fn discretization_words(&self) -> String {
+        let is_varied = |name: &str| {
+            let name = format!("discretization.{name}");
+            self.axes.iter().any(|axis| axis.quantity == name)
+        };
+        let d = &self.discretization;
+        let mut words = vec![
+            word_of(&d.frame),
+            word_of(&d.arrangement),
+            word_of(&d.quadrature),
+            word_of(&d.approximation),
+            word_of(&d.kernel),
+        ];
+        if d.frame == onset::method::Frame::Eulerian {
+            words.push(format!("lattice {}", word_of(&d.lattice)));
+            words.push(format!("support-size {}", word_of(&d.support_size)));
+            words.push(format!("linearization {}", word_of(&d.linearization)));
+        }
+        words.push(format!("background {}", word_of(&d.background)));
+        for (name, value) in [
+            ("support", d.support),
+            ("spacing", d.spacing),
+            ("density", d.density),
+        ] {
+            if !is_varied(name) {
+                words.push(format!("{name} {}", Value::Number(value)));
+            }
+        }
+        words.join(", ")
+    }
+
+    fn map_words(&self) -> String {
+        let edge = vec![self.map.tile.to_string(); self.axes.len()].join(" x ");
+        let way = match self.map.adaptive {
+            true => format!("adaptive from a stride of {}", self.map.refine_from),
+            false => "every state".to_owned(),
+        };
+        let certified = match self.map.certify {
+            true => format!(", certified to {:e}", self.map.tolerance),
+            false => String::new(),
+        };
+        format!(
+            "{} states in {} tile(s) of {edge}, {way}{certified}",
+            self.states, self.tiles
+        )
+    }
+}
+
+/// A duration to two digits.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.01 => format!("{:.2} ms", 1e3 * s),
+        s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
+        s if s < 120.0 => format!("{s:.1} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
