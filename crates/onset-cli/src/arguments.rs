@@ -142,7 +142,7 @@ pub enum Command {
         #[arg(long)]
         no_trace: bool,
         /// Where to write: NAME.svg or NAME.png (both are written), or a folder for map.svg and map.png.
-        #[arg(long, value_name = "PATH", default_value = "map")]
+        #[arg(long, value_name = "PATH", default_value = ".")]
         out: PathBuf,
     },
     /// Print the JSON Schema of study files, for editors and other programs.

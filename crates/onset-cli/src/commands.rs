@@ -97,7 +97,13 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             flutter,
             out,
             json,
-        } => boundary::boundary(&file, &assignments, Tracing { flutter }, &out, json),
+        } => {
+            let tracing = Tracing {
+                flutter,
+                fidelity: true,
+            };
+            boundary::boundary(&file, &assignments, tracing, &out, json)
+        }
         Command::Plot {
             stores,
             field,

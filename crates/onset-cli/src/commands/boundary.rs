@@ -17,7 +17,23 @@ struct Document {
 }
 
 /// How many states have been asked, on a terminal.
-struct Counter(ProgressBar);
+pub(super) struct Counter(ProgressBar);
+
+impl Counter {
+    pub(super) fn new() -> Self {
+        let bar = ProgressBar::new_spinner();
+        let style = ProgressStyle::with_template(
+            "{spinner} tracing boundaries: {pos} states, {per_sec} ({elapsed})",
+        );
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+
+    pub(super) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
 
 impl Watch for Counter {
     fn asked(&self, states: u64) {
@@ -34,15 +50,9 @@ pub fn boundary(
     json: bool,
 ) -> Result<ExitCode, Failure> {
     let study = study(file, assignments)?;
-    let bar = ProgressBar::new_spinner();
-    let style = ProgressStyle::with_template(
-        "{spinner} tracing boundaries: {pos} states, {per_sec} ({elapsed})",
-    );
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-    bar.enable_steady_tick(Duration::from_millis(200));
-    let counter = Counter(bar);
+    let counter = Counter::new();
     let traced = Boundaries::of(&study, tracing, &counter);
-    counter.0.finish_and_clear();
+    counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
     let files = write(&boundaries, out).map_err(|(path, error)| {
         Failure::machine(format!("cannot write {}: {error}", path.display()))

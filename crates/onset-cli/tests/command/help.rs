@@ -10,6 +10,8 @@ fn every_command_explains_itself() {
         "path",
         "list",
         "check",
+        "boundary",
+        "plot",
         "schema",
         "reproduce",
     ] {

@@ -1,11 +1,13 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod boundary;
 mod check;
 mod documents;
 mod files;
 mod grid;
 mod help;
 mod numbers;
+mod plot;
 mod refusals;
 
 use serde_json::Value;

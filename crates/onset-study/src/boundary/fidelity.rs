@@ -3,9 +3,9 @@
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use nalgebra::Matrix3;
+use onset::verdict::Probe;
 use onset::verdict::boundary::{Boundary, Window};
 use onset::verdict::fidelity::{Areas, RayOnset, areas, directed_distance, onset_along};
-use onset::verdict::Probe;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -13,7 +13,8 @@ use std::f64::consts::TAU;
 /// Rays from the undeformed state.
 const RAYS: usize = 360;
 
-type Ask<'a> = &'a (dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync);
+/// Asks for the phase of a state.
+pub(super) type Ask<'a> = &'a (dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync);
 
 /// How faithful a discretization is over the window of a study.
 #[derive(Clone, Debug, Serialize)]

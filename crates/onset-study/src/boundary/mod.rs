@@ -66,6 +66,8 @@ impl Owner {
 pub struct Tracing {
     /// Tell flutter from divergence.
     pub flutter: bool,
+    /// Measure how faithful the discretization is.
+    pub fidelity: bool,
 }
 
 /// Who is told what is going on.
@@ -90,8 +92,8 @@ pub struct Boundaries {
     pub material: Boundary,
     /// Where the stability of the particles is lost or regained, or they are not defined.
     pub discretization: Boundary,
-    /// How faithful the discretization is.
-    pub fidelity: Fidelity,
+    /// How faithful the discretization is, where that was asked for.
+    pub fidelity: Option<Fidelity>,
 }
 
 impl Boundaries {
@@ -142,15 +144,17 @@ impl Boundaries {
         );
         let (of_material, of_particles) = (of_material?, of_particles?);
         let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
-        let fidelity = Fidelity::of(
-            &fidelity::Traced {
+        let boundaries = [&of_material, &of_particles];
+        let measure = || {
+            let traced = fidelity::Traced {
                 study,
                 window,
-                boundaries: [&of_material, &of_particles],
-            },
-            [&material, &merged_particles],
-            &|at| probes.cauchy(at),
-        )?;
+                boundaries,
+            };
+            let probes_of_both: [fidelity::Ask<'_>; 2] = [&material, &merged_particles];
+            Fidelity::of(&traced, probes_of_both, &|at| probes.cauchy(at))
+        };
+        let fidelity = tracing.fidelity.then(measure).transpose()?;
         Ok(Self {
             study: study.clone(),
             window,
@@ -238,7 +242,7 @@ pub struct Summary {
     /// Places where the phase changes, but no curve could be followed.
     pub unresolved: Vec<[f64; 2]>,
     /// How faithful the discretization is.
-    pub fidelity: Fidelity,
+    pub fidelity: Option<Fidelity>,
 }
 
 /// A curve without its vertices.
@@ -309,6 +313,9 @@ impl std::fmt::Display for Summary {
                 self.unresolved.len()
             )?;
         }
-        write!(formatter, "{}", self.fidelity)
+        match &self.fidelity {
+            Some(fidelity) => write!(formatter, "{fidelity}"),
+            None => Ok(()),
+        }
     }
 }

@@ -145,11 +145,10 @@ pub fn scan_discretization<const D: usize>(
     material: &dyn Hyperelastic,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
-    let probe =
-        DiscretizationProbe::new(method, material).map_err(|source| PathError::Method {
-            parameter: 0.0,
-            source: source.into(),
-        })?;
+    let probe = DiscretizationProbe::new(method, material).map_err(|source| PathError::Method {
+        parameter: 0.0,
+        source: source.into(),
+    })?;
     scan(&|s| {
         let f = path.at(s).map_err(|source| PathError::Kinematics {
             parameter: s,

@@ -119,8 +119,8 @@ impl<'a, const D: usize> DiscretizationProbe<'a, D> {
     }
 
     fn stability(&self, f: &DeformationGradient) -> Result<(Stability, f64), MethodError> {
-        let search = ZoneSearch::new(self.method, f, self.speed_squared)
-            .ok_or(MethodError::NotFinite)?;
+        let search =
+            ZoneSearch::new(self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
         let matrix = dynamical_matrix(self.method, self.material, f)?;
         Ok(search.stability(&matrix))
     }

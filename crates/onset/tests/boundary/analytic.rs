@@ -112,7 +112,10 @@ fn the_corners_of_a_turned_square_are_found_to_1e_9() {
     assert_eq!(corners.len(), 4, "{corners:?}");
     for [x, y] in corners {
         let (a, b) = turned(x - 0.1, y + 0.05);
-        assert!((a.abs() - 1.0).abs() < 1e-9 && (b.abs() - 1.0).abs() < 1e-9, "{a} {b}");
+        assert!(
+            (a.abs() - 1.0).abs() < 1e-9 && (b.abs() - 1.0).abs() < 1e-9,
+            "{a} {b}"
+        );
     }
     // Between corners the edges are straight: the polygon is the square.
     assert!((area(curve) - 4.0).abs() < 1e-9);
@@ -155,7 +158,10 @@ fn a_sharp_tip_is_rounded() {
     assert_eq!(curve.ends, Some([End::Edge; 2]));
     let corners: Vec<[f64; 2]> = curve.corners().collect();
     assert_eq!(corners.len(), 1);
-    assert!((corners[0][0] - 0.5).hypot(corners[0][1]) < 1e-8, "{corners:?}");
+    assert!(
+        (corners[0][0] - 0.5).hypot(corners[0][1]) < 1e-8,
+        "{corners:?}"
+    );
 }
 
 #[test]
@@ -227,7 +233,10 @@ fn a_circle_that_leaves_the_window_is_cut_into_arcs() {
     for curve in &boundary.curves {
         assert_eq!(curve.ends, Some([End::Edge; 2]));
         assert_on(curve, |x, y| x.hypot(y) - 2.2);
-        for [x, y] in [curve.vertices[0].point, curve.vertices[curve.vertices.len() - 1].point] {
+        for [x, y] in [
+            curve.vertices[0].point,
+            curve.vertices[curve.vertices.len() - 1].point,
+        ] {
             assert_eq!(x.abs().max(y.abs()), 2.0);
         }
     }
@@ -251,7 +260,9 @@ fn curves_that_cross_end_or_turn_there_and_are_traced_once() {
         }
     }
     assert!(!boundary.curves.iter().any(|curve| {
-        curve.ends.is_some_and(|ends| ends.contains(&End::Budget) || ends.contains(&End::Lost))
+        curve
+            .ends
+            .is_some_and(|ends| ends.contains(&End::Budget) || ends.contains(&End::Lost))
     }));
 }
 
@@ -306,7 +317,10 @@ fn units_of_the_parameters_do_not_matter() {
 #[test]
 fn a_window_of_one_phase_has_no_boundary() {
     assert_eq!(trace(|_, _| signed(1.0)), Boundary::default());
-    assert_eq!(trace(|_, _| (Phase::Undefined, f64::NAN)), Boundary::default());
+    assert_eq!(
+        trace(|_, _| (Phase::Undefined, f64::NAN)),
+        Boundary::default()
+    );
 }
 
 #[test]

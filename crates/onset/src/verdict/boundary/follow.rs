@@ -346,12 +346,9 @@ impl<E> Walker<'_, '_, E> {
         let circle = |turn: f64| plus(at, step, direction(angle + turn));
         let guess = (0.5 * bend * step).clamp(-1.0, 1.0);
         let reach = (guess, (2.0 * self.excess).clamp(1e-6, 0.1), SWEEP);
-        let found = self.field.locate(
-            &circle,
-            reach,
-            self.sides,
-            self.fineness.bracket / step,
-        )?;
+        let found = self
+            .field
+            .locate(&circle, reach, self.sides, self.fineness.bracket / step)?;
         let (turn, accuracy) = match (found.place(), found) {
             (Some(place), _) => place,
             (None, Found::Other(phase)) => return Ok(Step::Meets(phase)),
@@ -430,8 +427,7 @@ impl<E> Walker<'_, '_, E> {
             return Ok(true);
         }
         let straight = direction(self.heading.angle);
-        let is_onward =
-            self.nodes[0].is_corner || dot(straight, direction(self.start.angle)) > 0.0;
+        let is_onward = self.nodes[0].is_corner || dot(straight, direction(self.start.angle)) > 0.0;
         if dot(straight, ahead) < 0.5 * left || !is_onward {
             return Ok(false);
         }
@@ -472,10 +468,14 @@ impl<E> Walker<'_, '_, E> {
                     point[1 - axis] += sign * x;
                     point
                 };
-                let reach = (0.0, (1e-3 * room).max(self.fineness.bracket), 2.0 * self.step);
-                let found =
-                    self.field
-                        .locate(&line, reach, self.sides, self.fineness.bracket)?;
+                let reach = (
+                    0.0,
+                    (1e-3 * room).max(self.fineness.bracket),
+                    2.0 * self.step,
+                );
+                let found = self
+                    .field
+                    .locate(&line, reach, self.sides, self.fineness.bracket)?;
                 let Some((x, accuracy)) = found.place() else {
                     continue;
                 };

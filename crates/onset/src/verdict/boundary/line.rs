@@ -1,7 +1,7 @@
 //! The phase along a line: where does it change?
 
-use super::plane::Point;
 use super::Window;
+use super::plane::Point;
 use crate::verdict::{Phase, Probe};
 use std::cell::Cell;
 
@@ -123,7 +123,8 @@ impl<'a, E> Field<'a, E> {
             right: right.1.0,
         };
         let start = (left.0 - right.0).abs();
-        let mut budget = 0.5 * tolerance * 2.0_f64.powf((start / tolerance).log2().ceil().max(0.0) + 1.0);
+        let mut budget =
+            0.5 * tolerance * 2.0_f64.powf((start / tolerance).log2().ceil().max(0.0) + 1.0);
         while (left.0 - right.0).abs() > tolerance {
             let x = interpolated(left, right, start, budget);
             if x == left.0 || x == right.0 {

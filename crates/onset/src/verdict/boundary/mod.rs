@@ -168,7 +168,10 @@ impl Boundary {
     /// Whether every change of phase that was seen lies on a curve that was followed to its end.
     pub fn is_complete(&self) -> bool {
         let ends = self.curves.iter().filter_map(|curve| curve.ends).flatten();
-        self.unresolved.is_empty() && !ends.into_iter().any(|end| matches!(end, End::Lost | End::Budget))
+        self.unresolved.is_empty()
+            && !ends
+                .into_iter()
+                .any(|end| matches!(end, End::Lost | End::Budget))
     }
 
     /// The curves between two defined phases: where stability is lost or regained.

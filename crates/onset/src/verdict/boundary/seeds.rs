@@ -15,7 +15,9 @@ pub(super) type Seed = ((Point, Probe), (Point, Probe));
 /// The nodes of the grid of seeds, the first parameter running fastest.
 pub fn grid_points(window: Window, fineness: &Fineness) -> Vec<[f64; 2]> {
     let grid = Grid::new(fineness);
-    (0..grid.len()).map(|n| window.point(grid.node(n))).collect()
+    (0..grid.len())
+        .map(|n| window.point(grid.node(n)))
+        .collect()
 }
 
 /// The grid in units of the window.
@@ -212,7 +214,11 @@ pub(super) fn crossings<E>(
         if a.1.0 == b.1.0 || size <= 1e-12 {
             continue;
         }
-        let (left, right) = if rank(a.1.0) < rank(b.1.0) { (a, b) } else { (b, a) };
+        let (left, right) = if rank(a.1.0) < rank(b.1.0) {
+            (a, b)
+        } else {
+            (b, a)
+        };
         let along = unit(minus(left.0, right.0));
         let origin = right.0;
         // The end itself, not the end to rounding: it may lie on the edge of the window.

@@ -95,7 +95,10 @@ impl Traced {
         self.near(at, reach).any(|chord| {
             let own = chord.curve == self.curves
                 && (chord.place - self.place).abs() < 4.0 * size + 4.0 * self.tolerance;
-            let same_way = cross(minus(chord.ends.1, chord.ends.0), super::plane::left_of(step)) > 0.0;
+            let same_way = cross(
+                minus(chord.ends.1, chord.ends.0),
+                super::plane::left_of(step),
+            ) > 0.0;
             !own && same_way && chord.sides == sides
                 || !own && !same_way && chord.sides == sides.swapped()
         })
@@ -127,7 +130,9 @@ pub(super) fn thinned<T: Copy>(
         if is_end || is_kept(vertex) {
             // The neighbor of a marked vertex gives way to it.
             while kept.len() > 1
-                && kept.last().is_some_and(|last| !is_kept(last) && distance(at(last), at(vertex)) < spacing)
+                && kept
+                    .last()
+                    .is_some_and(|last| !is_kept(last) && distance(at(last), at(vertex)) < spacing)
             {
                 kept.pop();
             }

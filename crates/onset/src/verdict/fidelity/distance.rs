@@ -42,7 +42,11 @@ pub fn directed_distance(
         return None;
     }
     for piece in pieces(from) {
-        let mut open = vec![(piece, nearest(piece.0, &targets), nearest(piece.1, &targets))];
+        let mut open = vec![(
+            piece,
+            nearest(piece.0, &targets),
+            nearest(piece.1, &targets),
+        )];
         while let Some((piece, first, last)) = open.pop() {
             raise(&mut best, first.1, piece.0);
             raise(&mut best, last.1, piece.1);

@@ -37,7 +37,8 @@ pub fn onset_along<E>(
     let mut crossings: Vec<(f64, Phase)> = Vec::new();
     for curve in &boundary.curves {
         for pair in curve.vertices.windows(2) {
-            if let Some((s, is_leftward)) = crossing(origin, direction, pair[0].point, pair[1].point)
+            if let Some((s, is_leftward)) =
+                crossing(origin, direction, pair[0].point, pair[1].point)
                 && s > START * reach
             {
                 // Coming from the right side of the curve one gets to its left.
@@ -68,9 +69,8 @@ pub fn onset_along<E>(
             let near = 2e-4 * reach;
             let found = located_between(window, probe, at(s - near.min(0.5 * s)), at(s + near))?;
             let length = direction[0].hypot(direction[1]);
-            let refined = found.map(|point| {
-                (point[0] - origin[0]).hypot(point[1] - origin[1]) / length
-            });
+            let refined =
+                found.map(|point| (point[0] - origin[0]).hypot(point[1] - origin[1]) / length);
             Ok(RayOnset::At(refined.unwrap_or(s)))
         }
     }
