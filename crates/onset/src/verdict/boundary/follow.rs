@@ -20,6 +20,8 @@ const SMOOTH_STEP: f64 = 1e-7;
 const SHORTEST: f64 = 1e-10;
 /// How far from straight on the curve is sought on the circle of a step.
 pub(super) const SWEEP: f64 = 2.9;
+/// How far beside a corner a curve is begun.
+const BESIDE: f64 = 3e-3;
 /// Directions in which a curve is first looked for around its seed.
 const RAYS: usize = 24;
 
@@ -58,7 +60,7 @@ pub(super) fn follow<E>(
     traced: &mut Traced,
     crossing: &Crossing,
 ) -> Result<Option<Curve>, E> {
-    let Some(start) = Start::around(field, fineness, crossing)? else {
+    let Some((crossing, start)) = beginning(field, fineness, traced, crossing)? else {
         return Ok(None);
     };
     traced.begin();
@@ -103,12 +105,53 @@ pub(super) fn follow<E>(
             traced.turn();
             let (mut nodes, first) = walk(start.backward, true, traced)?;
             nodes.reverse();
-            nodes.extend(forward.into_iter().skip(1));
-            // A curve that is closed backward only has met its own start forward.
-            (nodes, first.map(|first| [first, last]))
+            match first {
+                Some(first) => {
+                    nodes.extend(forward.into_iter().skip(1));
+                    (nodes, Some([first, last]))
+                }
+                // Closed backward, it holds what was followed forward.
+                None => (nodes, None),
+            }
         }
     };
     Ok((nodes.len() > 1).then(|| curve(field, crossing.sides, &nodes, ends)))
+}
+
+/// Where to begin: at the seed, or beside it when it is a corner, which is then found like any other.
+fn beginning<E>(
+    field: &Field<'_, E>,
+    fineness: &Fineness,
+    traced: &Traced,
+    crossing: &Crossing,
+) -> Result<Option<(Crossing, Start)>, E> {
+    let Some(start) = Start::around(field, fineness, crossing)? else {
+        return Ok(None);
+    };
+    let seed = Some((*crossing, start));
+    let Some(heading) = start.forward.filter(|_| start.is_corner) else {
+        return Ok(seed);
+    };
+    let circle = |turn: f64| plus(crossing.at, BESIDE, direction(heading.angle + turn));
+    let reach = (0.0, 1e-3, 1.0);
+    let found = field.locate(&circle, reach, crossing.sides, fineness.bracket / BESIDE)?;
+    let Some((turn, accuracy)) = found.place() else {
+        return Ok(seed);
+    };
+    let beside = Crossing {
+        at: circle(turn),
+        along: left_of(direction(heading.angle)),
+        accuracy: accuracy * BESIDE,
+        ..*crossing
+    };
+    if traced.explains(beside.at, beside.along, beside.sides) {
+        return Ok(seed);
+    }
+    let start = Start::around(field, fineness, &beside)?;
+    Ok(start
+        .filter(|start| !start.is_corner)
+        .map(|start| (beside, start))
+        .or(seed))
 }
 
 fn curve<E>(field: &Field<'_, E>, sides: Sides, nodes: &[Node], ends: Option<[End; 2]>) -> Curve {
@@ -134,6 +177,7 @@ fn curve<E>(field: &Field<'_, E>, sides: Sides, nodes: &[Node], ends: Option<[En
 }
 
 /// The two directions in which a curve leaves its seed.
+#[derive(Clone, Copy)]
 struct Start {
     forward: Option<Heading>,
     backward: Option<Heading>,
