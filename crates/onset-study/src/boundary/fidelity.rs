@@ -3,7 +3,7 @@
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use nalgebra::Matrix3;
-use onset::verdict::Probe;
+use onset::verdict::{Phase, Probe};
 use onset::verdict::boundary::{Boundary, Window};
 use onset::verdict::fidelity::{Areas, RayOnset, areas, directed_distance, onset_along};
 use rayon::prelude::*;
@@ -116,7 +116,9 @@ impl Fidelity {
         probes: [Ask<'_>; 2],
         cauchy: &(dyn Fn([f64; 2]) -> Result<Matrix3<f64>, ProblemError> + Sync),
     ) -> Result<Self, ProblemError> {
-        let phases = |at: [f64; 2]| Ok([probes[0](at)?.0, probes[1](at)?.0]);
+        let phases = |at: [f64; 2]| -> Result<[Phase; 2], ProblemError> {
+            Ok([probes[0](at)?.0, probes[1](at)?.0])
+        };
         let areas: Areas = areas(traced.window, traced.boundaries, &phases)?;
         let share = |share: f64| (areas.elliptic > 0.0).then_some(share);
         Ok(Self {

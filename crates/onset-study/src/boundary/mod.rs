@@ -14,7 +14,6 @@ use onset::verdict::boundary::{
     Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
 };
 use onset::verdict::{Phase, Probe};
-use probes::Probes;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;

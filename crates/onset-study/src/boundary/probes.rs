@@ -82,7 +82,7 @@ impl<const D: usize> Probes<'_, D> {
             return Ok(shared.at(&f)?);
         }
         self.with_problem(at, |problem| {
-            let method = problem.method()?;
+            let method = problem.method::<D>()?;
             Ok(probe(problem, &method)?.at(&f)?)
         })
     }
