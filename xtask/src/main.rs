@@ -2,6 +2,7 @@
 
 mod python;
 
+use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
 /// A step of a task: what it is for, and its arguments to cargo.
@@ -56,9 +57,9 @@ const FIGURES: &[Step] = &[(
 fn main() -> ExitCode {
     let task = std::env::args().nth(1);
     let done = match task.as_deref() {
-        Some("test") => run(TEST),
+        Some("test") => test(),
         Some("schema") => write_schema(),
-        Some("figures") => run(FIGURES) && copy_figures(),
+        Some("figures") => run(FIGURES, None) && copy_figures(),
         _ => {
             eprintln!(
                 "usage: cargo xtask test      formatting, lints, all tests, documentation, the paper\n       cargo xtask figures   the figures of README and book, from a reproduction\n       cargo xtask schema    the JSON Schema of study files, studies/study.schema.json"
@@ -73,14 +74,30 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(steps: &[Step]) -> bool {
+/// All that must hold, with an interpreter for the tests that open results in Python.
+fn test() -> bool {
+    let requirements = Path::new("crates/onset-cli/tests/python/requirements.txt");
+    match python::environment("test", requirements) {
+        Ok(interpreter) => run(TEST, Some(&interpreter)),
+        Err(error) => {
+            eprintln!("== Python environment: {error}");
+            false
+        }
+    }
+}
+
+fn run(steps: &[Step], interpreter: Option<&Path>) -> bool {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     steps.iter().all(|(purpose, arguments)| {
         eprintln!("== {purpose}: cargo {}", arguments.join(" "));
-        let status = Command::new(&cargo)
+        let mut command = Command::new(&cargo);
+        command
             .args(*arguments)
-            .env("RUSTDOCFLAGS", "--deny warnings")
-            .status();
+            .env("RUSTDOCFLAGS", "--deny warnings");
+        if let Some(interpreter) = interpreter {
+            command.env("ONSET_PYTHON", interpreter);
+        }
+        let status = command.status();
         let done = status.as_ref().is_ok_and(std::process::ExitStatus::success);
         if !done {
             eprintln!("== {purpose}: failed");

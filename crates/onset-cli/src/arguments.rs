@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use onset_study::settings::KEYS;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// The keys that `--set` takes, from the one table that defines them.
@@ -91,6 +92,8 @@ pub enum Command {
         #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
         to: String,
     },
+    /// The verdict on every state of a study, with numbers, into a Zarr store that can be interrupted and gone on with.
+    Map(MapArguments),
     /// What there is to choose from, with formulas, parameters and sources.
     List {
         /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes or
@@ -156,6 +159,49 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+}
+
+/// A map.
+#[derive(Debug, Args)]
+pub struct MapArguments {
+    /// The study.
+    pub file: PathBuf,
+    /// Folder of the store [default: the name of the study file, with .zarr, in the current folder].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compute these tiles only, A to B - 1; several processes may do parts of one store at the same time. Tiles that are done
+    /// are kept.
+    #[arg(long, value_name = "A..B", value_parser = tiles)]
+    pub tiles: Option<Range<usize>>,
+    /// Go on with a store of the same study; make it where there is none.
+    #[arg(long)]
+    pub resume: bool,
+    /// Replace a store of onset, whatever it holds.
+    #[arg(long, conflicts_with_all = ["resume", "tiles"])]
+    pub overwrite: bool,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+    /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+}
+
+/// A range of tiles as typed.
+fn tiles(text: &str) -> Result<Range<usize>, String> {
+    let range = text.split_once("..").and_then(|(start, end)| {
+        let number = |text: &str| text.trim().parse::<usize>().ok();
+        Some(number(start)?..number(end)?)
+    });
+    match range {
+        Some(range) if range.start < range.end => Ok(range),
+        _ => {
+            Err("expected the first tile and the one after the last, for example 0..64".to_owned())
+        }
+    }
 }
 
 /// Material and discretization.

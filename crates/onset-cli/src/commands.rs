@@ -5,6 +5,7 @@ mod check;
 mod plot;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
+use crate::map;
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
     Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
@@ -29,14 +30,14 @@ pub struct Failure {
 }
 
 impl Failure {
-    fn input(error: impl Display) -> Self {
+    pub fn input(error: impl Display) -> Self {
         Self {
             message: error.to_string(),
             code: 2,
         }
     }
 
-    fn machine(error: impl Display) -> Self {
+    pub fn machine(error: impl Display) -> Self {
         Self {
             message: error.to_string(),
             code: 1,
@@ -84,6 +85,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
+        Command::Map(arguments) => map::run(&arguments),
         Command::List { topic, json } => list(topic.as_deref(), json),
         Command::Check {
             files,
@@ -225,12 +227,12 @@ fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Fai
     }
 }
 
-fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
+pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
     print_text(&json::document(answer).map_err(Failure::machine)?)
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.
-fn print_text(text: &str) -> Result<ExitCode, Failure> {
+pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(error)),
         _ => Ok(ExitCode::SUCCESS),

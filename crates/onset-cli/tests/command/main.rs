@@ -6,6 +6,11 @@ mod documents;
 mod files;
 mod grid;
 mod help;
+mod map;
+mod map_python;
+mod map_refusals;
+#[cfg(unix)]
+mod map_survival;
 mod numbers;
 mod plot;
 mod refusals;

@@ -1,15 +1,19 @@
 //! Refinement: states are computed where the finding changes or may change, and filled in elsewhere.
 //!
-//! States on a coarse stride are the corners of cells. A cell is halved where the findings at its corners differ, or where a
-//! signed measure is so small at one of them, compared with its change from corner to corner, that its zero may pass through; also
-//! where a state that a neighboring cell has computed says otherwise. In the end cells have no states between their corners, or all
-//! their states have one finding. A pocket smaller than a cell of the coarse stride, of which no measure tells, can be missed.
+//! States on a coarse stride are the corners of cells. A cell is halved where the findings at its corners differ; where a
+//! boundary may pass between corners of one finding, as the signed measures there tell; and where a state that a neighboring
+//! cell has computed says otherwise. In the end the states of a cell are all corners, or all have one finding. A pocket smaller
+//! than a cell of the coarse stride, of which no measure tells, can be missed.
 
 use super::record::{Finding, Outcome, Record};
 use crate::store::{ravel, unravel};
+use onset::bloch::Stability;
 
 /// Measures of smaller change are constant: a mode without energy has a measure of zero, to rounding.
 const NOISE: f64 = 1e-9;
+
+/// States over which measures are smooth: shorter cells must be nearer to a boundary to be halved.
+const SMOOTH: usize = 8;
 
 /// A box of states, both ends included.
 #[derive(Clone, Debug)]
@@ -28,18 +32,41 @@ impl Cell {
                 vec![*low, *high]
             }
         };
-        product(&self.low.iter().zip(&self.high).map(ends).collect::<Vec<_>>())
+        product(
+            &self
+                .low
+                .iter()
+                .zip(&self.high)
+                .map(ends)
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// All its states.
     fn states(&self) -> Vec<Vec<usize>> {
         let along = |(low, high): (&usize, &usize)| (*low..=*high).collect();
-        product(&self.low.iter().zip(&self.high).map(along).collect::<Vec<_>>())
+        product(
+            &self
+                .low
+                .iter()
+                .zip(&self.high)
+                .map(along)
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// Whether there are states that are no corners.
     fn is_divisible(&self) -> bool {
-        self.low.iter().zip(&self.high).any(|(low, high)| high - low > 1)
+        self.low
+            .iter()
+            .zip(&self.high)
+            .any(|(low, high)| high - low > 1)
+    }
+
+    /// Its longest edge.
+    fn span(&self) -> usize {
+        let edges = self.low.iter().zip(&self.high);
+        edges.map(|(low, high)| high - low).max().unwrap_or(0)
     }
 
     /// Its halves along every axis that can be halved.
@@ -52,7 +79,14 @@ impl Cell {
                 vec![(*low, *high)]
             }
         };
-        cells(&self.low.iter().zip(&self.high).map(parts).collect::<Vec<_>>())
+        cells(
+            &self
+                .low
+                .iter()
+                .zip(&self.high)
+                .map(parts)
+                .collect::<Vec<_>>(),
+        )
     }
 }
 
@@ -115,7 +149,7 @@ impl Tile<'_> {
     }
 
     /// The one finding at all corners, where no boundary can pass between them.
-    fn agreed(&self, cell: &Cell) -> Option<Finding> {
+    fn agreed(&self, cell: &Cell, longest: usize) -> Option<Finding> {
         let corners = cell.corners();
         let records: Vec<&Record> = corners
             .iter()
@@ -123,7 +157,9 @@ impl Tile<'_> {
             .collect();
         let finding = records.first()?.finding;
         let agree = records.iter().all(|record| record.finding == finding);
-        (agree && !(0..3).any(|measure| may_vanish(&records, measure))).then_some(finding)
+        let span = cell.span();
+        let nearness = span as f64 / longest.min(SMOOTH) as f64;
+        (agree && !may_change(&records, finding, nearness.min(1.0))).then_some(finding)
     }
 
     /// Whether a state that was computed contradicts the corners.
@@ -135,14 +171,48 @@ impl Tile<'_> {
     }
 }
 
-/// Whether a measure changes as much from corner to corner as it is away from zero at the nearest.
-fn may_vanish(records: &[&Record], measure: usize) -> bool {
-    let values = || records.iter().map(|record| record.measures[measure]);
-    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    let smallest = values().map(f64::abs).fold(f64::INFINITY, f64::min);
-    high - low > NOISE && smallest < high - low
+/// Whether a boundary may pass between states of one finding. Each measure is a boundary of something, but only of what matters
+/// there: particles that are stable lose it with the scaled minimum, and their verdict changes with ellipticity; where they are
+/// unstable, the verdict is the material's if it is not elliptic and its long waves grow in the particles too.
+fn may_change(records: &[&Record], finding: Finding, nearness: f64) -> bool {
+    let [acoustic, scaled, long_wave] =
+        [0, 1, 2].map(|measure| Signs::of(records, measure, nearness));
+    let is_stable = finding.stability == Some(Stability::Stable);
+    scaled.may_differ()
+        || if is_stable {
+            acoustic.may_differ()
+        } else {
+            let may_be_material = acoustic.negative && long_wave.negative;
+            may_be_material && (acoustic.positive || long_wave.positive)
+        }
+}
+
+/// The signs that a measure may have in a cell.
+#[derive(Clone, Copy)]
+struct Signs {
+    negative: bool,
+    positive: bool,
+}
+
+impl Signs {
+    /// The signs at the corners; both where the measure is as near to zero as `nearness` of its change from corner to corner. What a
+    /// smooth measure can do between corners shrinks with the square of the cell, its change with the cell, so that `nearness` may
+    /// shrink with the cell.
+    fn of(records: &[&Record], measure: usize, nearness: f64) -> Self {
+        let values = || records.iter().map(|record| record.measures[measure]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        let smallest = values().map(f64::abs).fold(f64::INFINITY, f64::min);
+        let may_vanish = high - low > NOISE && smallest < nearness * (high - low);
+        Self {
+            negative: low < -NOISE || may_vanish,
+            positive: high > NOISE || may_vanish,
+        }
+    }
+
+    fn may_differ(self) -> bool {
+        self.negative && self.positive
+    }
 }
 
 /// What is known about every state of a tile. `evaluate` computes states by their numbers in the tile.
@@ -159,6 +229,8 @@ pub(super) fn refine<E>(
         records: vec![None; extent.iter().product()],
     };
     let mut open = coarse(extent, stride.max(1));
+    // A small tile has no cells of the whole stride.
+    let longest = open.iter().map(Cell::span).max().unwrap_or(1).max(1);
     let mut agreed: Vec<(Cell, Finding)> = Vec::new();
     while !open.is_empty() {
         let missing = tile.missing(&open);
@@ -167,7 +239,7 @@ pub(super) fn refine<E>(
         }
         let mut next = Vec::new();
         for cell in open.into_iter().filter(Cell::is_divisible) {
-            match tile.agreed(&cell) {
+            match tile.agreed(&cell, longest) {
                 Some(finding) => agreed.push((cell, finding)),
                 None => next.extend(cell.halves()),
             }
@@ -205,4 +277,128 @@ fn filled(tile: &Tile<'_>, agreed: &[(Cell, Finding)]) -> Vec<Outcome> {
         .into_iter()
         .map(|outcome| outcome.unwrap_or(undefined))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use onset::verdict::Verdict;
+    use std::cell::Cell as Count;
+    use std::convert::Infallible;
+
+    /// A state of a material that is elliptic where a measure is positive, and of particles that say the same.
+    fn faithful(measure: f64) -> Record {
+        let (verdict, stability) = if measure >= 0.0 {
+            (Verdict::Stable, Stability::Stable)
+        } else {
+            (Verdict::Material, Stability::Divergence)
+        };
+        Record {
+            finding: Finding {
+                verdict: Some(verdict),
+                stability: Some(stability),
+            },
+            measures: [measure; 3],
+            ..Record::UNDEFINED
+        }
+    }
+
+    /// Refines a tile of states of which a function of the place tells all, compares with all states, and returns the fraction of
+    /// states that were computed.
+    fn refined(extent: &[usize], stride: usize, record: impl Fn(&[usize]) -> Record) -> f64 {
+        let count = Count::new(0);
+        let evaluate = |states: &[usize]| {
+            count.set(count.get() + states.len());
+            let at = |state: &usize| record(&unravel(*state, extent));
+            Ok::<_, Infallible>(states.iter().map(at).collect())
+        };
+        let Ok(outcomes) = refine(extent, stride, evaluate);
+        for (state, outcome) in outcomes.iter().enumerate() {
+            let place = unravel(state, extent);
+            assert_eq!(outcome.finding, record(&place).finding, "{place:?}");
+        }
+        count.get() as f64 / outcomes.len() as f64
+    }
+
+    /// Signed distance from a ball, in states.
+    fn ball(place: &[usize], center: f64, radius: f64) -> f64 {
+        let squares = place.iter().map(|i| (*i as f64 - center).powi(2));
+        squares.sum::<f64>().sqrt() - radius
+    }
+
+    #[test]
+    fn a_closed_boundary_is_found_with_a_fraction_of_the_states() {
+        for radius in [0.0, 3.0, 9.5, 20.0, 60.0] {
+            let circle = |place: &[usize]| faithful(ball(place, 31.3, radius));
+            let fraction = refined(&[64, 61], 16, circle);
+            assert!(fraction < 0.35, "{fraction}");
+            let sphere = |place: &[usize]| faithful(ball(place, 15.7, radius / 2.0));
+            refined(&[32, 33, 29], 16, sphere);
+        }
+    }
+
+    #[test]
+    fn cost_grows_with_the_length_of_the_boundary() {
+        let fraction = |states: usize| {
+            let center = states as f64 / 2.0;
+            let record = |place: &[usize]| faithful(ball(place, center, center / 2.0));
+            refined(&[states, states], states / 4, record)
+        };
+        let (coarse, fine) = (fraction(64), fraction(256));
+        assert!(
+            fine < coarse / 3.0,
+            "{coarse} of 64^2 states, {fine} of 256^2"
+        );
+    }
+
+    #[test]
+    fn tiles_of_any_shape_are_filled() {
+        let circle = |place: &[usize]| faithful(ball(place, 5.0, 4.0));
+        for extent in [[1, 1], [1, 17], [2, 16], [17, 33], [16, 16], [3, 40]] {
+            for stride in [1, 2, 4, 16, 64] {
+                refined(&extent, stride, circle);
+            }
+        }
+    }
+
+    #[test]
+    fn a_boundary_without_measures_is_followed_from_cell_to_cell() {
+        // A wedge that is wider than a coarse cell at one side only, of undefined states.
+        let wedge = |place: &[usize]| {
+            let (row, column) = (place[0] as f64, place[1] as f64);
+            if (row - 20.0).abs() < 0.45 * column {
+                Record::UNDEFINED
+            } else {
+                faithful(1.0)
+            }
+        };
+        assert!(refined(&[64, 64], 16, wedge) < 0.5);
+    }
+
+    #[test]
+    fn a_measure_that_is_zero_to_rounding_is_no_boundary() {
+        let record = |place: &[usize]| {
+            let rounding = if place[0] % 2 == 0 { 1e-17 } else { -1e-17 };
+            let measures = [1.0, rounding, rounding];
+            Record {
+                measures,
+                ..faithful(1.0)
+            }
+        };
+        assert!(refined(&[64, 64], 16, record) < 0.01);
+    }
+
+    #[test]
+    fn a_measure_that_decides_nothing_is_not_followed() {
+        // The kernel's own instability everywhere, in a material that is elliptic on one side.
+        let record = |place: &[usize]| Record {
+            finding: Finding {
+                verdict: Some(Verdict::Kernel),
+                stability: Some(Stability::Divergence),
+            },
+            measures: [ball(place, 31.3, 20.0), -1.0, 1.0],
+            ..Record::UNDEFINED
+        };
+        assert!(refined(&[64, 64], 16, record) < 0.01);
+    }
 }

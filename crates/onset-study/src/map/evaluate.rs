@@ -93,11 +93,7 @@ impl Evaluator {
             is_long_wave: Some(spectrum.softest.is_long_wave),
             growth_rate: spectrum.growth_rate(),
             critical_time_step: finite(spectrum.critical_time_step()),
-            measures: [
-                f64::NAN,
-                spectrum.softest.scaled,
-                spectrum.long_wave.scaled,
-            ],
+            measures: [f64::NAN, spectrum.softest.scaled, spectrum.long_wave.scaled],
             certainty: if self.certify {
                 Certainty::Undecided
             } else {
@@ -128,9 +124,8 @@ fn prepared<const D: usize>(problem: &Problem) -> Result<(Option<Method<D>>, f64
     let density = problem.settings.discretization.density;
     match Method::<D>::new(problem.settings.discretization) {
         Ok(method) => {
-            let stiffness = speed_squared(&method, &*problem.material)
-                .map_err(MethodError::from)?
-                * density;
+            let stiffness =
+                speed_squared(&method, &*problem.material).map_err(MethodError::from)? * density;
             Ok((Some(method), stiffness))
         }
         Err(error) if error.is_about_support() => Ok((None, f64::NAN)),

@@ -53,9 +53,12 @@ impl Table {
         };
         let column = |(_, taken): &(Field, Taken)| match *taken {
             Taken::Flag(take) => Column::Flags(outcomes.iter().map(take).collect()),
-            Taken::Number(take) => {
-                Column::Numbers(outcomes.iter().map(|outcome| number(outcome, take)).collect())
-            }
+            Taken::Number(take) => Column::Numbers(
+                outcomes
+                    .iter()
+                    .map(|outcome| number(outcome, take))
+                    .collect(),
+            ),
             Taken::Vector(take) => Column::Numbers(
                 outcomes
                     .iter()

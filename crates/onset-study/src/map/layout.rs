@@ -28,9 +28,14 @@ pub(super) fn layout(study: &Study) -> Layout {
 }
 
 fn dimension(axis: &Axis) -> Dimension {
+    let label = axis.label();
+    // The unit has an attribute of its own.
+    let name = label
+        .rsplit_once(" (")
+        .map_or(label.as_str(), |(name, _)| name);
     Dimension {
         name: axis.name().to_owned(),
-        long_name: axis.label(),
+        long_name: name.to_owned(),
         unit: axis.unit().to_owned(),
         coordinates: (0..axis.count).map(|i| axis.coordinate(i)).collect(),
     }
@@ -40,7 +45,10 @@ fn attributes(study: &Study) -> Map<String, Value> {
     let pairs = [
         ("Conventions", json!("CF-1.11")),
         ("title", json!(study.title)),
-        ("source", json!(concat!("onset ", env!("CARGO_PKG_VERSION")))),
+        (
+            "source",
+            json!(concat!("onset ", env!("CARGO_PKG_VERSION"))),
+        ),
         ("onset_version", json!(env!("CARGO_PKG_VERSION"))),
         ("study", json!(study.document())),
         ("tolerance", json!(study.map.tolerance)),

@@ -1,7 +1,6 @@
 //! The computation of a map: tile by tile, on all cores, into a store.
 
 use super::fields::VERDICT;
-use super::record::Outcome;
 use super::summary::{Summary, Tally};
 use super::tile::{Plan, Work};
 use crate::answers::ProblemError;
@@ -26,7 +25,9 @@ pub enum MapError {
         source: Box<ProblemError>,
     },
     /// Tiles that the map does not have.
-    #[error("the map has {tiles} tile(s), numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all")]
+    #[error(
+        "the map has {tiles} tile(s), numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all"
+    )]
     Tiles {
         /// What was asked for.
         asked: Range<usize>,
@@ -158,18 +159,5 @@ impl Plan {
         tally.found = 1;
         watch.advance(self.tiling.at(tile).states() as u64);
         Ok(tally)
-    }
-}
-
-impl Tally {
-    fn computed(outcomes: &[Outcome]) -> Self {
-        let mut tally = Self {
-            computed: 1,
-            ..Self::default()
-        };
-        for outcome in outcomes {
-            tally.count(outcome);
-        }
-        tally
     }
 }

@@ -24,7 +24,19 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn count(&mut self, outcome: &Outcome) {
+    /// Of a tile that this run has computed.
+    pub(super) fn computed(outcomes: &[Outcome]) -> Self {
+        let mut tally = Self {
+            computed: 1,
+            ..Self::default()
+        };
+        for outcome in outcomes {
+            tally.count(outcome);
+        }
+        tally
+    }
+
+    fn count(&mut self, outcome: &Outcome) {
         let verdict = outcome.finding.verdict;
         let index = Verdict::ALL
             .iter()
@@ -146,7 +158,11 @@ impl fmt::Display for Summary {
             if let Some(Share { states, share }) = self.verdicts.get(name)
                 && *states > 0
             {
-                writeln!(formatter, "  {name:<14} {states:>10}  {:5.1} %", 100.0 * share)?;
+                writeln!(
+                    formatter,
+                    "  {name:<14} {states:>10}  {:5.1} %",
+                    100.0 * share
+                )?;
             }
         }
         writeln!(
@@ -171,7 +187,11 @@ impl fmt::Display for Summary {
         }
         if !self.is_complete() {
             let left = self.tiles - self.tiles_done;
-            write!(formatter, "\n{left} of {} tiles are still to do", self.tiles)?;
+            write!(
+                formatter,
+                "\n{left} of {} tiles are still to do",
+                self.tiles
+            )?;
         }
         Ok(())
     }

@@ -73,6 +73,11 @@ impl Folder {
         // What cannot be removed does no harm.
         let _ = fs::remove_dir_all(self.path(PARTIAL));
     }
+
+    /// Removes the folder of files that are being written where there are none. Whoever needs it makes it again.
+    pub(super) fn clear_if_empty(&self) {
+        let _ = fs::remove_dir(self.path(PARTIAL));
+    }
 }
 
 /// Does something with a path, making its folder where that is missing.

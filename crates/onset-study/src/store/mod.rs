@@ -13,8 +13,8 @@ mod zarr;
 
 pub use error::StoreError;
 pub use layout::{Dimension, Field, Kind, Layout};
-pub(crate) use tiling::{ravel, unravel};
 pub use tiling::{Tile, Tiling};
+pub(crate) use tiling::{ravel, unravel};
 pub use zarr::ZarrStore;
 
 /// The values of a field, component running fastest, then the first axis.

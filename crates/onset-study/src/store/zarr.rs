@@ -220,9 +220,11 @@ impl ZarrStore {
             .ok_or_else(|| damaged("it does not tell of the arrays".to_owned()))?;
         let mut fields = Vec::new();
         for (name, metadata) in arrays {
-            let is_coordinate = metadata["dimension_names"] == Value::from([name.as_str()].as_slice());
+            let is_coordinate =
+                metadata["dimension_names"] == Value::from([name.as_str()].as_slice());
             if !is_coordinate {
-                let array = array_of(&folder, name, metadata).map_err(|error| damaged(error.to_string()))?;
+                let array = array_of(&folder, name, metadata)
+                    .map_err(|error| damaged(error.to_string()))?;
                 fields.push(Named {
                     name: name.clone(),
                     array,
@@ -306,8 +308,10 @@ impl Drop for ZarrStore {
             return;
         };
         drop(occupancy);
-        if let Ok(Claim::Alone(_)) = Occupancy::alone(&self.path.join(METADATA)) {
-            self.folder.clear();
+        match Occupancy::alone(&self.path.join(METADATA)) {
+            Ok(Claim::Alone(_)) => self.folder.clear(),
+            Ok(Claim::Unknown) => self.folder.clear_if_empty(),
+            Ok(Claim::Shared) | Err(_) => {}
         }
     }
 }
@@ -363,7 +367,10 @@ impl ResultStore for ZarrStore {
         let chunk = self.chunk(array, tile);
         let Some(column) = self.column(array, &chunk)? else {
             let key = array.chunk_key(&chunk);
-            return Err(self.damaged(key.as_str(), "it is missing, though its tile is done".to_owned()));
+            return Err(self.damaged(
+                key.as_str(),
+                "it is missing, though its tile is done".to_owned(),
+            ));
         };
         let place = self.tiling.at(tile);
         Ok(Some(match column {
@@ -378,7 +385,7 @@ impl ZarrStore {
     fn runs(&self, tile: &Tile, components: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let (extent, chunk) = (tile.extent.clone(), self.tiling.tile.clone());
         let length = extent.last().copied().unwrap_or(0);
-        let rows = if length == 0 { 0 } else { tile.states() / length };
+        let rows = tile.states().checked_div(length).unwrap_or(0);
         (0..rows).map(move |row| {
             let place = super::tiling::unravel(row * length, &extent);
             let in_chunk = super::tiling::ravel(&place, &chunk);
@@ -410,9 +417,8 @@ impl ZarrStore {
 /// The metadata of the store at a place; `None` where there is nothing, or an empty folder.
 fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
     let reading = StoreError::reading(path);
-    let nothing = |error: &io::Error| {
-        matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
-    };
+    let nothing =
+        |error: &io::Error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
     match fs::symlink_metadata(path) {
         Err(error) if nothing(&error) => return Ok(None),
         Err(error) => return Err(reading(error)),
@@ -484,10 +490,18 @@ fn build(path: &Path, layout: &Layout) -> io::Result<()> {
 /// The array of a name in a layout.
 fn array(folder: &Arc<Folder>, name: &str, layout: &Layout) -> Result<Array<Folder>, ArrayError> {
     let metadata = layout.arrays().into_iter().find(|(other, _)| other == name);
-    array_of(folder, name, &metadata.map(|(_, metadata)| metadata).unwrap_or_default())
+    array_of(
+        folder,
+        name,
+        &metadata.map(|(_, metadata)| metadata).unwrap_or_default(),
+    )
 }
 
-fn array_of(folder: &Arc<Folder>, name: &str, metadata: &Value) -> Result<Array<Folder>, ArrayError> {
+fn array_of(
+    folder: &Arc<Folder>,
+    name: &str,
+    metadata: &Value,
+) -> Result<Array<Folder>, ArrayError> {
     let metadata: ArrayMetadata = serde_json::from_value(metadata.clone())
         .map_err(|error| ArrayError::Other(format!("array {name}: {error}")))?;
     Array::new_with_metadata(folder.clone(), &format!("/{name}"), metadata)
@@ -502,7 +516,11 @@ fn is_flags(array: &Array<Folder>) -> bool {
 fn tiling(array: &Array<Folder>) -> Option<Tiling> {
     let first = vec![0; array.dimensionality()];
     let tile = array.chunk_shape_usize(&first).ok()?;
-    let shape = array.shape().iter().map(|states| *states as usize).collect();
+    let shape = array
+        .shape()
+        .iter()
+        .map(|states| *states as usize)
+        .collect();
     Some(Tiling { shape, tile })
 }
 
@@ -523,7 +541,9 @@ fn siblings(path: &Path, what: &str) -> OsString {
 /// Removes what processes that were killed while they made or replaced a store have left beside it. Whoever is still making
 /// one finds that the store is there already.
 fn clear_siblings(path: &Path) {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
     let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
         return;
     };

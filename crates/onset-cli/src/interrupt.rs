@@ -1,0 +1,28 @@
+//! Interrupts (Ctrl-C): the first asks for an end, the second ends at once.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The exit code of an interrupted command: 128 and the number of the signal.
+pub const CODE: u8 = 130;
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Listens for interrupts; `told` is printed at the first.
+///
+/// # Errors
+/// What the operating system says against it.
+pub fn listen(told: Option<&'static str>) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || {
+        if ASKED.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(CODE));
+        }
+        if let Some(told) = told {
+            eprintln!("{told}");
+        }
+    })
+}
+
+/// Whether an end has been asked for.
+pub fn is_asked() -> bool {
+    ASKED.load(Ordering::Relaxed)
+}

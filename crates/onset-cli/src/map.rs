@@ -1,0 +1,144 @@
+//! `onset map`: the verdict on every state of a study, into a store.
+
+use crate::arguments::MapArguments;
+use crate::commands::{Failure, print_json, print_text};
+use crate::interrupt;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use onset_study::map::{MapError, Plan, Summary, Watch};
+use onset_study::settings::Study;
+use onset_study::store::{StoreError, ZarrStore};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        if error.is_input() {
+            Self::input(error)
+        } else {
+            Self::machine(error)
+        }
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        MapError::from(error).into()
+    }
+}
+
+/// The summary, with where the store is.
+#[derive(Serialize)]
+struct Answer<'a> {
+    store: String,
+    #[serde(flatten)]
+    summary: &'a Summary,
+    interrupted: bool,
+}
+
+/// Computes a map, or the tiles of it that were asked for.
+pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
+    let study = study(&arguments.file)?
+        .override_with(&arguments.assignments)
+        .map_err(Failure::input)?;
+    let plan = Plan::new(&study)?;
+    let tiles = plan.tiles(arguments.tiles.clone())?;
+    let path = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| default_place(&arguments.file));
+    let told = "finishing the tiles that have begun; interrupt again to end at once";
+    interrupt::listen((!arguments.quiet).then_some(told)).map_err(Failure::machine)?;
+    let store = if arguments.overwrite {
+        ZarrStore::replace(&path, plan.layout())
+    } else if arguments.resume || arguments.tiles.is_some() {
+        ZarrStore::resume(&path, plan.layout())
+    } else {
+        ZarrStore::create(&path, plan.layout())
+    }?;
+    let states = tiles
+        .clone()
+        .map(|tile| plan.tiling().at(tile).states() as u64)
+        .sum();
+    let progress = Progress::new(states, arguments.quiet);
+    let asked = tiles.len();
+    let summary = plan.run(&store, tiles, &progress)?;
+    progress.0.finish_and_clear();
+    let is_interrupted = summary.tiles_computed + summary.tiles_found < asked;
+    if arguments.json {
+        print_json(&Answer {
+            store: path.display().to_string(),
+            summary: &summary,
+            interrupted: is_interrupted,
+        })?;
+    } else if !arguments.quiet {
+        print_text(&format!("{summary}\nstore: {}", path.display()))?;
+    }
+    if is_interrupted {
+        let again = resuming(arguments, &path);
+        eprintln!("interrupted; go on with\n  {again}");
+        return Ok(ExitCode::from(interrupt::CODE));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads a study.
+fn study(file: &Path) -> Result<Study, Failure> {
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| Failure::input(format!("cannot read {}: {error}", file.display())))?;
+    Study::parse(&file.display().to_string(), &text).map_err(Failure::input)
+}
+
+/// The name of a study file, with `.zarr`, in the current folder.
+fn default_place(file: &Path) -> PathBuf {
+    let mut name = file.file_stem().unwrap_or_default().to_owned();
+    name.push(".zarr");
+    PathBuf::from(name)
+}
+
+/// The command that goes on.
+fn resuming(arguments: &MapArguments, path: &Path) -> String {
+    let mut command = format!(
+        "onset map {} --out {} --resume",
+        arguments.file.display(),
+        path.display()
+    );
+    if let Some(tiles) = &arguments.tiles {
+        command.push_str(&format!(" --tiles {}..{}", tiles.start, tiles.end));
+    }
+    for assignment in &arguments.assignments {
+        command.push_str(&format!(" --set {assignment}"));
+    }
+    command
+}
+
+/// A progress bar on a terminal; nothing elsewhere.
+struct Progress(ProgressBar);
+
+impl Progress {
+    fn new(states: u64, quiet: bool) -> Self {
+        let target = if quiet {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        // Cleared also when an error ends the map.
+        let bar = ProgressBar::with_draw_target(Some(states), target)
+            .with_finish(ProgressFinish::AndClear);
+        let style = ProgressStyle::with_template(
+            "{bar:32} {percent:>3} % of {human_len} states, {per_sec}, {eta} left",
+        );
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self(bar)
+    }
+}
+
+impl Watch for Progress {
+    fn advance(&self, states: u64) {
+        self.0.inc(states);
+    }
+
+    fn is_interrupted(&self) -> bool {
+        interrupt::is_asked()
+    }
+}

@@ -1,0 +1,297 @@
+//! `onset map`: what it says and what it stores.
+
+use crate::{Answer, command, fresh_place, onset};
+use onset_study::store::{Column, ResultStore, ZarrStore};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A study of 25 tiles, two thirds of a second of computing.
+pub const STUDY: &str = "\
+title = \"a study\"
+[discretization]
+frame = \"eulerian\"
+lattice = \"regular\"
+linearization = \"exact\"
+support = 1.9
+[[axes]]
+quantity = \"stretch-1\"
+range = [0.2, 2.0]
+states = 36
+[[axes]]
+quantity = \"stretch-2\"
+range = [0.2, 2.0]
+states = 34
+[map]
+tile = 8
+";
+
+/// The number of its tiles.
+pub const TILES: usize = 25;
+
+/// A folder with a study file.
+pub struct Place {
+    pub folder: PathBuf,
+    pub file: PathBuf,
+}
+
+impl Place {
+    pub fn new(study: &str) -> Self {
+        let folder = fresh_place("map");
+        fs::create_dir_all(&folder).expect("a folder");
+        let file = folder.join("study.toml");
+        fs::write(&file, study).expect("a file");
+        Self { folder, file }
+    }
+
+    pub fn store(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The arguments of a map into a store of a name, with more of them separated by spaces.
+    pub fn arguments(&self, store: &str, more: &str) -> Vec<String> {
+        let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+        let first = ["map".to_owned(), text(&self.file)];
+        let out = ["--out".to_owned(), text(&self.store(store))];
+        let more = more.split_whitespace().map(str::to_owned);
+        first.into_iter().chain(out).chain(more).collect()
+    }
+
+    pub fn map(&self, store: &str, more: &str) -> Answer {
+        let arguments = self.arguments(store, more);
+        onset(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
+    /// A map that must succeed.
+    #[track_caller]
+    pub fn computed(&self, store: &str, more: &str) -> Answer {
+        let answer = self.map(store, more);
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        assert_eq!(answer.stderr, "", "nothing but the answer off a terminal");
+        answer
+    }
+
+    #[track_caller]
+    pub fn document(&self, store: &str, more: &str) -> Value {
+        let answer = self.computed(store, &format!("{more} --json"));
+        serde_json::from_str(&answer.stdout).expect("one JSON document")
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// Every file of a folder with what it holds, and every folder in it.
+pub fn tree(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+    let mut tree = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(current) = open.pop() {
+        for entry in fs::read_dir(&current).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(folder).expect("inside").to_owned();
+            if path.is_dir() {
+                tree.insert(name, None);
+                open.push(path);
+            } else {
+                tree.insert(name, Some(fs::read(&path).expect("a file")));
+            }
+        }
+    }
+    tree
+}
+
+/// All values of a field, tile after tile.
+fn values(store: &ZarrStore, field: &str) -> Vec<Column> {
+    (0..store.tiling().tiles())
+        .map(|tile| {
+            let column = store.read(field, tile).expect("readable");
+            column.expect("done")
+        })
+        .collect()
+}
+
+fn flags(store: &ZarrStore, field: &str) -> Vec<i8> {
+    let columns = values(store, field);
+    columns.iter().flat_map(Column::flags).copied().collect()
+}
+
+fn numbers(store: &ZarrStore, field: &str) -> Vec<f64> {
+    let columns = values(store, field);
+    columns.iter().flat_map(Column::numbers).copied().collect()
+}
+
+fn opened(place: &Place, store: &str) -> ZarrStore {
+    ZarrStore::open(&place.store(store)).expect("a store")
+}
+
+#[test]
+fn a_map_says_in_words_and_in_json_how_many_states_are_what() {
+    let place = Place::new(STUDY);
+    let document = place.document("a.zarr", "");
+    let count = |name: &str| document["verdicts"][name]["states"].as_u64();
+    assert_eq!(document["states"], 36 * 34);
+    assert_eq!(document["evaluated"], 36 * 34);
+    assert_eq!(document["tiles_computed"], TILES);
+    let stored = flags(&opened(&place, "a.zarr"), "verdict");
+    for (flag, name) in ["stable", "material", "rank-deficient", "kernel"]
+        .into_iter()
+        .enumerate()
+    {
+        let states = stored.iter().filter(|other| **other == flag as i8).count();
+        assert_eq!(count(name), Some(states as u64), "{name}");
+    }
+    let total: f64 = document["verdicts"]
+        .as_object()
+        .expect("verdicts")
+        .values()
+        .map(|share| share["share"].as_f64().expect("a number"))
+        .sum();
+    assert!((total - 1.0).abs() < 1e-12);
+
+    let text = place.computed("b.zarr", "").stdout;
+    let stable = count("stable").expect("a number").to_string();
+    assert!(text.starts_with("a study\n"), "{text}");
+    assert!(text.contains("stable") && text.contains(&stable), "{text}");
+    assert!(
+        text.contains("states/s") && text.contains("b.zarr"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_map_says_of_a_state_what_the_state_command_says() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "");
+    let store = opened(&place, "a.zarr");
+    // The last state of the first tile.
+    let center = |n: f64| 0.2 + 1.8 * 7.5 / n;
+    let stretch = format!("{:?},{:?}", center(36.0), center(34.0));
+    let state = crate::document(&format!(
+        "state --stretch {stretch} set frame=eulerian set lattice=regular set linearization=exact set support=1.9"
+    ));
+    let number = |field: &str| numbers(&store, field)[63];
+    let answer = |pointer: &str| crate::number(&state, pointer);
+    let words = ["stable", "material", "rank-deficient", "kernel", "missed"];
+    let verdict = words[flags(&store, "verdict")[63] as usize];
+    assert_eq!(state["verdict"], verdict);
+    for (field, pointer) in [
+        ("acoustic_minimum", "/material/minimum_acoustic_eigenvalue"),
+        ("scaled_minimum", "/discretization/minimum_scaled"),
+        ("growth_rate", "/discretization/growth_rate"),
+        ("critical_time_step", "/discretization/critical_time_step"),
+    ] {
+        crate::assert_close(number(field), answer(pointer), 1e-12);
+    }
+    let vector = &numbers(&store, "acoustic_direction")[2 * 63..2 * 64];
+    assert_eq!(vector, crate::numbers(&state, "/material/direction"));
+}
+
+#[test]
+fn a_quiet_map_prints_nothing_and_its_document_when_asked() {
+    let place = Place::new(STUDY);
+    assert_eq!(place.computed("a.zarr", "--quiet --tiles 0..1").stdout, "");
+    let document = place.document("a.zarr", "--quiet --tiles 1..2");
+    assert_eq!(document["tiles_done"], 2);
+}
+
+#[test]
+fn an_adaptive_map_has_the_verdicts_of_a_regular_one_and_computes_fewer_states() {
+    let place = Place::new(&STUDY.replace("tile = 8", "tile = 64"));
+    place.computed("regular.zarr", "");
+    let document = place.document("adaptive.zarr", "--set map.adaptive=true");
+    let (regular, adaptive) = (
+        opened(&place, "regular.zarr"),
+        opened(&place, "adaptive.zarr"),
+    );
+    for field in ["verdict", "stability"] {
+        assert_eq!(flags(&adaptive, field), flags(&regular, field), "{field}");
+    }
+    let evaluated = flags(&adaptive, "evaluated");
+    let computed = evaluated.iter().filter(|flag| **flag == 1).count();
+    assert_eq!(document["evaluated"], computed);
+    assert!(computed < evaluated.len(), "{computed} states computed");
+    // Where a state was computed its numbers are the same; elsewhere there are none.
+    let (left, right) = (
+        numbers(&adaptive, "scaled_minimum"),
+        numbers(&regular, "scaled_minimum"),
+    );
+    for (flag, (left, right)) in evaluated.iter().zip(left.iter().zip(&right)) {
+        assert!(if *flag == 1 {
+            left == right
+        } else {
+            left.is_nan()
+        });
+    }
+}
+
+#[test]
+fn a_section_through_a_map_of_three_axes_is_the_map_of_two() {
+    let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.3, 1.9]\nstates = 9\n\
+                [[axes]]\nquantity = \"stretch-2\"\nrange = [0.3, 1.9]\nstates = 6\n";
+    let settings = "[discretization]\nframe = \"eulerian\"\nlattice = \"regular\"\n";
+    let third = "[[axes]]\nquantity = \"discretization.support\"\nrange = [1.0, 2.0]\nstates = 4\n";
+    let map = "[map]\ntile = 64\n";
+    let space = Place::new(&format!("{settings}{axes}{third}{map}"));
+    space.computed("a.zarr", "");
+    let store = opened(&space, "a.zarr");
+    assert_eq!(store.tiling().shape, [4, 6, 9]);
+    for (section, support) in [1.125, 1.375, 1.625, 1.875].into_iter().enumerate() {
+        let plane = Place::new(&format!("{settings}support = {support}\n{axes}{map}"));
+        plane.computed("b.zarr", "");
+        let states = 54 * section..54 * (section + 1);
+        let expected = flags(&opened(&plane, "b.zarr"), "verdict");
+        assert_eq!(flags(&store, "verdict")[states], expected, "{support}");
+    }
+}
+
+#[test]
+fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_one() {
+    let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.5]\nstates = 16\n\
+                 [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.5]\nstates = 15\n\
+                 [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 9\n\
+                 [map]\ntile = 64\nrefine-from = 4\n";
+    let place = Place::new(study);
+    place.computed("regular.zarr", "");
+    let document = place.document("adaptive.zarr", "--set map.adaptive=true");
+    let verdicts = |name: &str| flags(&opened(&place, name), "verdict");
+    assert_eq!(verdicts("adaptive.zarr"), verdicts("regular.zarr"));
+    assert!(document["evaluated"].as_u64() < document["states"].as_u64());
+}
+
+#[test]
+fn a_store_is_named_after_its_study_unless_told_otherwise() {
+    let place = Place::new(STUDY);
+    let status = command(&["map", "study.toml", "--tiles", "0..1"])
+        .current_dir(&place.folder)
+        .output()
+        .expect("the command starts");
+    assert!(status.status.success());
+    assert_eq!(opened(&place, "study.zarr").done().expect("readable"), 1);
+}
+
+#[test]
+fn a_method_without_neighbors_is_undefined_and_its_continuum_is_not() {
+    let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 2\n\
+                 [[axes]]\nquantity = \"discretization.support\"\nrange = [0.1, 3.1]\nstates = 3\n";
+    let place = Place::new(study);
+    let document = place.document("a.zarr", "");
+    assert_eq!(document["verdicts"]["undefined"]["states"], 2);
+    let store = opened(&place, "a.zarr");
+    let undefined: Vec<bool> = flags(&store, "verdict")
+        .iter()
+        .map(|flag| *flag == 5)
+        .collect();
+    assert_eq!(undefined, [true, true, false, false, false, false]);
+    for (value, undefined) in numbers(&store, "scaled_minimum").iter().zip(&undefined) {
+        assert_eq!(value.is_nan(), *undefined);
+    }
+    assert!(
+        numbers(&store, "acoustic_minimum")
+            .iter()
+            .all(|value| *value > 0.0)
+    );
+}

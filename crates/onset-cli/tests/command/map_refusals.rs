@@ -1,0 +1,325 @@
+//! Stores that are in the way, foreign, damaged, or cannot be written: told with a hint, and nothing is overwritten.
+
+use crate::Answer;
+use crate::map::{Place, STUDY, TILES, tree};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+#[track_caller]
+fn assert_refused(answer: &Answer, code: i32, facts: &[&str]) {
+    assert_eq!(
+        answer.code,
+        Some(code),
+        "{}{}",
+        answer.stdout,
+        answer.stderr
+    );
+    assert_eq!(answer.stdout, "");
+    assert!(answer.stderr.starts_with("error: "), "{}", answer.stderr);
+    assert!(answer.stderr.contains("hint: "), "{}", answer.stderr);
+    for fact in facts {
+        assert!(
+            answer.stderr.contains(fact),
+            "no `{fact}` in: {}",
+            answer.stderr
+        );
+    }
+}
+
+/// Runs maps that must be refused and leave everything as it is.
+#[track_caller]
+fn assert_kept(place: &Place, store: &str, runs: &[&str], facts: &[&str]) {
+    let before = tree(&place.folder);
+    for more in runs {
+        assert_refused(&place.map(store, more), 2, facts);
+    }
+    assert!(tree(&place.folder) == before, "something was changed");
+}
+
+#[test]
+fn a_store_that_is_there_is_kept_unless_told_what_to_do_with_it() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..3");
+    let begun = format!("3 of {TILES} tiles done");
+    assert_kept(
+        &place,
+        "a.zarr",
+        &[""],
+        &["exists", &begun, "--resume", "--overwrite"],
+    );
+    place.computed("a.zarr", "--resume");
+    assert_kept(&place, "a.zarr", &[""], &["it is complete", "--overwrite"]);
+}
+
+#[test]
+fn a_complete_store_has_nothing_to_resume() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "");
+    let before = tree(&place.folder);
+    let document = place.document("a.zarr", "--resume");
+    assert_eq!(document["tiles_computed"], 0);
+    assert_eq!(document["tiles_found"], TILES);
+    assert!(
+        place
+            .computed("a.zarr", "--resume")
+            .stdout
+            .contains("nothing to compute")
+    );
+    assert!(tree(&place.folder) == before);
+}
+
+#[test]
+fn what_is_not_a_store_is_never_replaced() {
+    let place = Place::new(STUDY);
+    fs::create_dir(place.store("folder")).expect("a folder");
+    fs::write(place.store("folder").join("notes.txt"), "precious").expect("a file");
+    fs::write(place.store("file"), "precious").expect("a file");
+    let runs = ["", "--resume", "--overwrite", "--tiles 0..1"];
+    for name in ["folder", "file"] {
+        assert_kept(
+            &place,
+            name,
+            &runs,
+            &[name, "is not a store of results", "--out"],
+        );
+    }
+}
+
+#[test]
+fn a_store_that_others_have_written_is_never_replaced() {
+    let place = Place::new(STUDY);
+    let of_others = [
+        (
+            "group",
+            "zarr.json",
+            r#"{"zarr_format": 3, "node_type": "group", "attributes": {"title": "x"}}"#,
+        ),
+        (
+            "array",
+            "zarr.json",
+            r#"{"zarr_format": 3, "node_type": "array"}"#,
+        ),
+        ("old", ".zgroup", r#"{"zarr_format": 2}"#),
+    ];
+    for (name, file, text) in of_others {
+        fs::create_dir(place.store(name)).expect("a folder");
+        fs::write(place.store(name).join(file), text).expect("a file");
+        let runs = ["", "--resume", "--overwrite", "--tiles 0..1"];
+        assert_kept(&place, name, &runs, &["that onset did not write", "--out"]);
+    }
+}
+
+#[test]
+fn an_empty_folder_becomes_the_store() {
+    let place = Place::new(STUDY);
+    fs::create_dir(place.store("a.zarr")).expect("a folder");
+    place.computed("a.zarr", "--tiles 0..1");
+}
+
+#[test]
+fn a_store_of_another_study_is_not_gone_on_with() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    for (assignment, facts) in [
+        (
+            "discretization.support=1.7",
+            ["`support = 1.9` there", "`support = 1.7` here"],
+        ),
+        ("map.tile=16", ["tile = ", "16"]),
+    ] {
+        let more = format!("--resume --set {assignment}");
+        let facts = [&["holds another study", "--overwrite", "--out"], &facts[..]].concat();
+        assert_kept(&place, "a.zarr", &[&more], &facts);
+    }
+}
+
+#[test]
+fn a_store_can_be_replaced_by_that_of_another_study() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--set discretization.support=1.7");
+    place.computed("a.zarr", "--overwrite");
+    place.computed("b.zarr", "");
+    assert_eq!(tree(&place.store("a.zarr")), tree(&place.store("b.zarr")));
+    assert_eq!(fs::read_dir(&place.folder).expect("a folder").count(), 3);
+    for more in ["--overwrite --resume", "--overwrite --tiles 0..1"] {
+        let answer = place.map("a.zarr", more);
+        assert_eq!(answer.code, Some(2));
+        assert!(
+            answer.stderr.contains("cannot be used with"),
+            "{}",
+            answer.stderr
+        );
+    }
+}
+
+#[test]
+fn a_store_that_another_process_writes_is_not_replaced() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    let metadata = fs::File::open(place.store("a.zarr").join("zarr.json")).expect("a file");
+    metadata.lock_shared().expect("a lock");
+    assert_kept(
+        &place,
+        "a.zarr",
+        &["--overwrite"],
+        &["written by another process"],
+    );
+    drop(metadata);
+    place.computed("a.zarr", "--overwrite");
+}
+
+/// Damages a file in some way, checks that the run is refused and the file named, and puts the file back.
+#[track_caller]
+fn assert_damage_found(place: &Place, file: &str, damage: impl FnOnce(&Path), facts: &[&str]) {
+    let path = place.store("a.zarr").join(file);
+    let whole = fs::read(&path).expect("a file");
+    damage(&path);
+    let before = tree(&place.folder);
+    let answer = place.map("a.zarr", "--resume");
+    assert_refused(
+        &answer,
+        1,
+        &[&[path.to_str().expect("UTF-8"), "is damaged"], facts].concat(),
+    );
+    assert!(tree(&place.folder) == before, "something was changed");
+    fs::write(path, whole).expect("a file");
+}
+
+fn flip(position: usize) -> impl FnOnce(&Path) {
+    move |path| {
+        let mut bytes = fs::read(path).expect("a file");
+        let position = position % bytes.len();
+        bytes[position] ^= 0x10;
+        fs::write(path, bytes).expect("a file");
+    }
+}
+
+fn cut(path: &Path) {
+    let bytes = fs::read(path).expect("a file");
+    fs::write(path, &bytes[..bytes.len() / 2]).expect("a file");
+}
+
+#[test]
+fn a_damaged_chunk_is_named_and_its_tile_can_be_computed_again() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "");
+    let whole = tree(&place.store("a.zarr"));
+    for position in [0, 40, 41, 1_000_003] {
+        assert_damage_found(
+            &place,
+            "acoustic_minimum/c/1/2",
+            flip(position),
+            &["checksum"],
+        );
+        assert_damage_found(&place, "wave_vector/c/0/0/0", flip(position), &["checksum"]);
+        assert_damage_found(&place, "verdict/c/4/4", flip(position), &["checksum"]);
+    }
+    assert_damage_found(
+        &place,
+        "stability/c/0/3",
+        cut,
+        &["remove the file", "verdict"],
+    );
+    let empty = |path: &Path| fs::write(path, "").expect("a file");
+    assert_damage_found(&place, "growth_rate/c/0/3", empty, &[]);
+    let remove = |path: &Path| fs::remove_file(path).expect("a file");
+    assert_damage_found(&place, "growth_rate/c/0/3", remove, &["missing"]);
+    assert_damage_found(&place, "stretch-1/c/0", flip(5), &[]);
+
+    // As the hint says.
+    flip(7)(&place.store("a.zarr").join("growth_rate/c/0/3"));
+    remove(&place.store("a.zarr").join("verdict/c/0/3"));
+    assert_eq!(place.document("a.zarr", "--resume")["tiles_computed"], 1);
+    assert_eq!(tree(&place.store("a.zarr")), whole);
+}
+
+#[test]
+fn damaged_metadata_are_named() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..2");
+    assert_damage_found(&place, "zarr.json", cut, &["copy"]);
+    assert_damage_found(&place, "growth_rate/zarr.json", cut, &["copy"]);
+    let other = |path: &Path| {
+        let text = fs::read_to_string(path).expect("a file");
+        fs::write(path, text.replace("1/time", "1/hour")).expect("a file");
+    };
+    assert_damage_found(&place, "growth_rate/zarr.json", other, &[]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let place = Place::new(STUDY);
+    fs::write(place.store("file"), "in the way").expect("a file");
+    let before = tree(&place.folder);
+    let answer = place.map("file/a.zarr", "");
+    assert_refused(&answer, 1, &["cannot write", "file/a.zarr", "--out"]);
+    assert!(tree(&place.folder) == before);
+    // Nobody can write there, whatever their rights.
+    let place = Place::new(STUDY);
+    let answer = place.map("/proc/onset.zarr", "");
+    assert_refused(&answer, 1, &["cannot write", "/proc/onset.zarr", "--out"]);
+}
+
+#[test]
+fn a_full_disk_is_told_and_what_is_done_is_kept() {
+    let study = STUDY.replace("tile = 8", "tile = 16");
+    let place = Place::new(&study);
+    place.computed("whole.zarr", "");
+    place.computed("a.zarr", "--tiles 0..1");
+    // Without the right to fill a disk: no file may grow beyond one block, which the chunks of a full tile do.
+    let arguments = place.arguments("a.zarr", "--resume");
+    let limited = "ulimit -f 1; trap '' XFSZ; exec \"$@\"";
+    let output = Command::new("sh")
+        .args(["-c", limited, "sh", env!("CARGO_BIN_EXE_onset")])
+        .args(&arguments)
+        .output()
+        .expect("a shell");
+    let answer = Answer {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    };
+    assert_refused(
+        &answer,
+        1,
+        &["cannot write", "a.zarr", "make room", "--resume"],
+    );
+    let document = place.document("a.zarr", "--resume");
+    assert!(document["tiles_found"].as_u64() >= Some(1));
+    assert_eq!(
+        tree(&place.store("a.zarr")),
+        tree(&place.store("whole.zarr"))
+    );
+}
+
+#[test]
+fn tiles_that_the_map_does_not_have_are_refused() {
+    let place = Place::new(STUDY);
+    let beyond = format!("--tiles {TILES}..99");
+    assert_refused(&place.map("a.zarr", &beyond), 2, &["25 tile(s)", "0..25"]);
+    for text in ["1..1", "3..1", "a..b", "5", "-1..2"] {
+        let answer = place.map("a.zarr", &format!("--tiles={text}"));
+        assert_eq!(answer.code, Some(2));
+        assert!(
+            answer.stderr.contains("for example 0..64"),
+            "{}",
+            answer.stderr
+        );
+    }
+    assert!(!place.store("a.zarr").exists());
+}
+
+#[test]
+fn a_study_that_cannot_be_read_or_computed_makes_no_store() {
+    let place = Place::new(STUDY);
+    fs::remove_file(&place.file).expect("a file");
+    let answer = place.map("a.zarr", "");
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("cannot read"), "{}", answer.stderr);
+    let place = Place::new(&STUDY.replace("1.9", "nan"));
+    assert_eq!(place.map("a.zarr", "").code, Some(2));
+    let place = Place::new(STUDY);
+    assert_eq!(place.map("a.zarr", "--set material.c1=-1").code, Some(2));
+    assert!(!place.store("a.zarr").exists());
+}

@@ -1,0 +1,177 @@
+//! Maps that are killed, interrupted, or made by several processes: the store is the same as that of an uninterrupted run.
+
+use crate::command;
+use crate::map::{Place, STUDY, TILES, tree};
+use onset_study::store::ZarrStore;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn started(place: &Place, store: &str, more: &str) -> Child {
+    let arguments = place.arguments(store, more);
+    command(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command starts")
+}
+
+/// Numbers between 0 and 1, the same ones at every run.
+fn random() -> impl FnMut() -> f64 {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The tiles of a store that are done, if there is one.
+fn done(place: &Place, store: &str) -> usize {
+    ZarrStore::open(&place.store(store)).map_or(0, |store| store.done().expect("readable"))
+}
+
+#[test]
+fn a_map_resumed_after_a_kill_has_the_same_bytes() {
+    let place = Place::new(STUDY);
+    let begin = Instant::now();
+    place.computed("whole.zarr", "");
+    let duration = begin.elapsed();
+    let whole = tree(&place.store("whole.zarr"));
+    let mut random = random();
+    let mut halves = 0;
+    for run in 0..20 {
+        let store = format!("killed-{run}.zarr");
+        let mut child = started(&place, &store, "");
+        std::thread::sleep(duration.mul_f64(random()));
+        child.kill().expect("a process");
+        child.wait().expect("an end");
+        halves += usize::from((1..TILES).contains(&done(&place, &store)));
+        place.computed(&store, "--resume");
+        assert_eq!(tree(&place.store(&store)), whole, "run {run}");
+        std::fs::remove_dir_all(place.store(&store)).expect("removable");
+    }
+    assert!(halves > 0, "no kill has struck a store in the making");
+    let left: Vec<_> = std::fs::read_dir(&place.folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name())
+        .filter(|name| name != "study.toml" && name != "whole.zarr")
+        .collect();
+    assert!(left.is_empty(), "{left:?} are left");
+}
+
+#[test]
+fn an_interrupt_finishes_the_tiles_that_have_begun_and_a_resumed_map_has_the_same_bytes() {
+    let place = Place::new(STUDY);
+    place.computed("whole.zarr", "");
+    let child = started(&place, "interrupted.zarr", "");
+    // Interrupted as soon as the first tile is done.
+    while done(&place, "interrupted.zarr") == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let status = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(status.expect("kill").success());
+    let output = child.wait_with_output().expect("an end");
+    let told = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(
+        told.contains("finishing the tiles that have begun"),
+        "{told}"
+    );
+    let again = format!(
+        "--out {} --resume",
+        place.store("interrupted.zarr").display()
+    );
+    assert!(told.contains(&again), "{told}");
+    let tiles = done(&place, "interrupted.zarr");
+    assert!((1..TILES).contains(&tiles), "{tiles} tiles are done");
+    let said = String::from_utf8(output.stdout).expect("UTF-8");
+    let left = format!("{} of {TILES} tiles are still to do", TILES - tiles);
+    assert!(said.contains(&left), "{said}");
+
+    let document = place.document("interrupted.zarr", "--resume");
+    assert_eq!(document["tiles_found"], tiles);
+    assert_eq!(document["tiles_computed"], TILES - tiles);
+    assert_eq!(
+        tree(&place.store("interrupted.zarr")),
+        tree(&place.store("whole.zarr"))
+    );
+}
+
+/// Runs maps into one store at the same time; all must succeed.
+fn together(place: &Place, store: &str, parts: &[&str]) {
+    let children: Vec<Child> = parts
+        .iter()
+        .map(|part| started(place, store, part))
+        .collect();
+    for child in children {
+        let output = child.wait_with_output().expect("an end");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{told}");
+    }
+}
+
+#[test]
+fn four_processes_at_once_make_the_store_of_one() {
+    let place = Place::new(STUDY);
+    place.computed("whole.zarr", "");
+    let whole = tree(&place.store("whole.zarr"));
+    let parts = ["0..7", "7..13", "13..19", "19..99"].map(|part| format!("--tiles {part}"));
+    let parts = parts.each_ref().map(String::as_str);
+    together(&place, "disjoint.zarr", &parts);
+    assert_eq!(tree(&place.store("disjoint.zarr")), whole, "disjoint tiles");
+    let parts = [
+        "--tiles 0..15",
+        "--tiles 5..20",
+        "--tiles 10..25",
+        "--resume",
+    ];
+    together(&place, "shared.zarr", &parts);
+    assert_eq!(tree(&place.store("shared.zarr")), whole, "the same tiles");
+}
+
+#[test]
+fn of_processes_that_make_a_store_for_two_studies_one_study_wins_it() {
+    let place = Place::new(STUDY);
+    let others = "--tiles 0..2 --set discretization.support=1.7";
+    for race in 0..5 {
+        let store = format!("race-{race}.zarr");
+        let children = ["--tiles 0..2", others, "--tiles 0..2", others]
+            .map(|part| started(&place, &store, part));
+        let outputs = children.map(|child| child.wait_with_output().expect("an end"));
+        let codes = outputs.each_ref().map(|output| output.status.code());
+        let (first, second) = ((codes[0], codes[2]), (codes[1], codes[3]));
+        let ends = [(Some(0), Some(0)), (Some(2), Some(2))];
+        assert!(
+            first != second && ends.contains(&first) && ends.contains(&second),
+            "{codes:?}"
+        );
+        for output in outputs
+            .iter()
+            .filter(|output| output.status.code() == Some(2))
+        {
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert!(told.contains("holds another study"), "{told}");
+        }
+        assert_eq!(done(&place, &store), 2);
+    }
+}
+
+#[test]
+fn a_map_does_not_depend_on_the_number_of_threads() {
+    let place = Place::new(STUDY);
+    for (threads, adaptive) in [("1", "false"), ("3", "false"), ("1", "true"), ("3", "true")] {
+        let more = format!("--quiet --set map.adaptive={adaptive}");
+        let arguments = place.arguments(&format!("{adaptive}-{threads}.zarr"), &more);
+        let status = command(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+            .env("RAYON_NUM_THREADS", threads)
+            .status();
+        assert!(status.expect("the command starts").success());
+    }
+    for adaptive in ["false", "true"] {
+        let of = |threads| tree(&place.store(&format!("{adaptive}-{threads}.zarr")));
+        assert_eq!(of(1), of(3), "adaptive = {adaptive}");
+    }
+}
