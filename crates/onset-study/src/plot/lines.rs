@@ -23,16 +23,16 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
     points
 }
 
-/// The line of the material.
+/// The line of the material; so wide that it shows beside that of particles that agree with it.
 pub(super) fn of_material(points: Vec<(f64, f64)>) -> Option<Line> {
-    (!points.is_empty()).then(|| Line::new(points).named(MATERIAL))
+    (!points.is_empty()).then(|| Line::new(points).width(5.0).named(MATERIAL))
 }
 
 fn of_particles(points: Vec<(f64, f64)>) -> Option<Line> {
     (!points.is_empty()).then(|| {
         Line::new(points)
             .color(palette::VERMILION)
-            .dashed()
+            .width(2.0)
             .named(PARTICLES)
     })
 }

@@ -81,7 +81,7 @@ pub(super) fn overlay(
         panel = panel.with(line);
     }
     Ok(
-        Figure::new("Where particles lose stability, over the domain of their material")
+        Figure::new("Where particles lose stability")
             .columns(1)
             .with(panel),
     )

@@ -24,6 +24,9 @@ use line::{Field, Sides};
 use plane::{Point, distance};
 use traced::Traced;
 
+/// How many curves may use up their budgets.
+const BUDGETS: usize = 6;
+
 /// A rectangle of two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
@@ -66,7 +69,8 @@ pub struct Fineness {
     pub chord: f64,
     /// How narrow the bracket of a vertex is.
     pub bracket: f64,
-    /// How many states may be asked for one curve; a curve that needs more ends with [`End::Budget`].
+    /// How many states may be asked for one curve; a curve that needs more ends with [`End::Budget`]. For all curves
+    /// together six times as many; what is found later stays unresolved.
     pub budget: usize,
 }
 
@@ -76,7 +80,7 @@ impl Default for Fineness {
             cells: [48, 48],
             chord: 1e-5,
             bracket: 1e-13,
-            budget: 200_000,
+            budget: 40_000,
         }
     }
 }
@@ -233,6 +237,10 @@ pub fn trace_boundary_from<E>(
     let mut traced = Traced::new(fineness.chord);
     let mut boundary = Boundary::default();
     for seed in seeds::seeds(&field, fineness, grid)? {
+        if field.asked() > BUDGETS * fineness.budget {
+            boundary.unresolved.push(window.point(seed.0.0));
+            continue;
+        }
         for crossing in seeds::crossings(&field, fineness, seed)? {
             if traced.explains(crossing.at, crossing.along, crossing.sides) {
                 continue;
