@@ -356,7 +356,7 @@ impl<E> Walker<'_, '_, E> {
                     let factor = (3.0 * self.fineness.chord / deviation)
                         .min(0.7 * TURN / excess)
                         .sqrt()
-                        .clamp(0.5, 4.0);
+                        .clamp(0.5, 2.0);
                     self.step = (self.step * factor).min(longest);
                     (self.heading, self.excess) = (heading, excess);
                     if is_met {
