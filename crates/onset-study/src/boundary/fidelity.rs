@@ -3,9 +3,9 @@
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use nalgebra::Matrix3;
-use onset::verdict::{Phase, Probe};
 use onset::verdict::boundary::{Boundary, Window};
 use onset::verdict::fidelity::{Areas, RayOnset, areas, directed_distance, onset_along};
+use onset::verdict::{Phase, Probe};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;

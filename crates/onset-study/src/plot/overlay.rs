@@ -80,11 +80,9 @@ pub(super) fn overlay(
         line.dash = DASHES[n % DASHES.len()];
         panel = panel.with(line);
     }
-    Ok(
-        Figure::new("Where particles lose stability")
-            .columns(1)
-            .with(panel),
-    )
+    Ok(Figure::new("Where particles lose stability")
+        .columns(1)
+        .with(panel))
 }
 
 /// Where the material is strongly elliptic, for perturbations in the plane.
