@@ -99,8 +99,8 @@ impl Traced {
                 minus(chord.ends.1, chord.ends.0),
                 super::plane::left_of(step),
             ) > 0.0;
-            !own && same_way && chord.sides == sides
-                || !own && !same_way && chord.sides == sides.swapped()
+            let expected = if same_way { sides } else { sides.swapped() };
+            !own && chord.sides == expected
         })
     }
 
