@@ -115,6 +115,39 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Where in the plane of a study do material and particles lose stability, and how far are the two apart?
+    Boundary {
+        /// A study file with two axes.
+        file: PathBuf,
+        /// Set a key of the study otherwise, for example discretization.support=1.6 (may be given several times).
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        assignments: Vec<String>,
+        /// Tell flutter from divergence: trace the boundary between them too.
+        #[arg(long)]
+        flutter: bool,
+        /// Folder for boundary.geojson and boundary.csv.
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        out: PathBuf,
+        /// Print one JSON document, numbers with 17 significant digits.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Draw stored maps: verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
+    Plot {
+        /// Stores that `onset map` has written.
+        #[arg(value_name = "STORE", required = true)]
+        stores: Vec<PathBuf>,
+        /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
+        /// critical_time_step or lowest_omega_squared where the store has it.
+        #[arg(long, value_name = "FIELD", default_value = "verdict")]
+        field: String,
+        /// Do not trace the boundaries; take them from the cells of the map.
+        #[arg(long)]
+        no_trace: bool,
+        /// Where to write: NAME.svg or NAME.png (both are written), or a folder for map.svg and map.png.
+        #[arg(long, value_name = "PATH", default_value = ".")]
+        out: PathBuf,
+    },
     /// Print the JSON Schema of study files, for editors and other programs.
     Schema,
     /// Reproduce the paper: every figure, and a table with a verdict on every claim.

@@ -1,6 +1,8 @@
 //! What each command does: ask, and print the answer.
 
+mod boundary;
 mod check;
+mod plot;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
 use crate::map;
@@ -8,10 +10,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
     Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
 };
+use onset_study::boundary::Tracing;
 use onset_study::catalog;
 use onset_study::json;
 use onset_study::reproduce;
-use onset_study::settings::Settings;
+use onset_study::settings::{Settings, Study};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -90,8 +93,37 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             json,
         } => check::check(&files, &assignments, json),
         Command::Schema => check::schema(),
+        Command::Boundary {
+            file,
+            assignments,
+            flutter,
+            out,
+            json,
+        } => {
+            let tracing = Tracing {
+                flutter,
+                fidelity: true,
+            };
+            boundary::boundary(&file, &assignments, tracing, &out, json)
+        }
+        Command::Plot {
+            stores,
+            field,
+            no_trace,
+            out,
+        } => plot::plot(&stores, &field, !no_trace, &out),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
+}
+
+/// Reads a study, changed by assignments.
+fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
+    let name = file.display().to_string();
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+    Study::parse(&name, &text)
+        .and_then(|study| study.override_with(assignments))
+        .map_err(Failure::input)
 }
 
 impl ProblemArguments {

@@ -41,7 +41,8 @@ impl Class {
         }
     }
 
-    fn color(self) -> Color {
+    /// Its color in maps.
+    pub fn color(self) -> Color {
         match self {
             Self::Flutter => palette::YELLOW,
             other => palette::verdict(other.name()).unwrap_or(palette::GREY),

@@ -4,11 +4,13 @@
 //! serializable structures; [`reproduce`] runs the paper from end to end; [`figure`] draws.
 
 pub mod answers;
+pub mod boundary;
 pub mod catalog;
 pub mod domain;
 pub mod figure;
 pub mod json;
 pub mod map;
+pub mod plot;
 pub mod reproduce;
 pub mod settings;
 pub mod store;

@@ -11,6 +11,8 @@ fn every_command_explains_itself() {
         "map",
         "list",
         "check",
+        "boundary",
+        "plot",
         "schema",
         "reproduce",
     ] {

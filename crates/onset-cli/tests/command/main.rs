@@ -1,5 +1,6 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod boundary;
 mod check;
 mod documents;
 mod files;
@@ -11,6 +12,7 @@ mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
 mod numbers;
+mod plot;
 mod refusals;
 
 use serde_json::Value;

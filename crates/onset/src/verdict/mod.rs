@@ -3,9 +3,14 @@
 //! A [`Verdict`] compares one state of the continuum with one of the discretization and is never
 //! given without its evidence, the [`Assessment`].
 
-mod path;
+pub mod boundary;
+pub mod fidelity;
 
-pub use path::{Crossing, Onset, PathError, PathScan, Phase, scan_discretization, scan_material};
+mod path;
+mod probe;
+
+pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
+pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
 
 use crate::bloch::{SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
 use crate::continuum::{AcousticMinimum, Stiffness};

@@ -1,8 +1,6 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
-use super::speed_squared;
-use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
-use crate::continuum::Stiffness;
+use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
 use crate::kinematics::{KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
@@ -15,31 +13,6 @@ const INTERVALS: usize = 256;
 const HALVINGS: i32 = 24;
 /// Evaluations spent on the bottom of a dip.
 const DIP_STEPS: usize = 30;
-
-/// Stable, unstable, or not defined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Phase {
-    /// No perturbation grows.
-    Stable,
-    /// Some perturbations oscillate with growing amplitude; `Re omega^2` is nowhere negative.
-    Flutter,
-    /// Some perturbation grows without bound in one direction, `Re omega^2 < 0`.
-    Unstable,
-    /// The method cannot be evaluated: too few (or too many) neighbors in the support.
-    Undefined,
-}
-
-impl Phase {
-    /// Whether some perturbation grows.
-    pub fn is_unstable(self) -> bool {
-        matches!(self, Self::Flutter | Self::Unstable)
-    }
-}
 
 /// A change of phase between two parameters of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,9 +105,6 @@ pub enum PathError {
     },
 }
 
-/// A phase with a continuous measure whose sign it is, where there is one.
-type Probe = (Phase, f64);
-
 /// All losses and returns of strong ellipticity along a path, for perturbations in `D` dimensions.
 ///
 /// ```
@@ -159,19 +129,10 @@ pub fn scan_material<const D: usize>(
             parameter: s,
             source,
         })?;
-        let response = material.response(&f).map_err(|source| PathError::Method {
+        probe_material::<D>(material, &f).map_err(|source| PathError::Method {
             parameter: s,
             source: source.into(),
-        })?;
-        let minimum = Stiffness::<D>::of(&response).minimum().eigenvalue.re;
-        Ok((
-            if minimum > 0.0 {
-                Phase::Stable
-            } else {
-                Phase::Unstable
-            },
-            minimum,
-        ))
+        })
     })
 }
 
@@ -184,8 +145,7 @@ pub fn scan_discretization<const D: usize>(
     material: &dyn Hyperelastic,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
-    // The same at all states of the path.
-    let speed_squared = speed_squared(method, material).map_err(|source| PathError::Method {
+    let probe = DiscretizationProbe::new(method, material).map_err(|source| PathError::Method {
         parameter: 0.0,
         source: source.into(),
     })?;
@@ -194,22 +154,10 @@ pub fn scan_discretization<const D: usize>(
             parameter: s,
             source,
         })?;
-        let stability = || {
-            let search =
-                ZoneSearch::new(method, &f, speed_squared).ok_or(MethodError::NotFinite)?;
-            let matrix = dynamical_matrix(method, material, &f)?;
-            Ok::<_, MethodError>(search.stability(&matrix))
-        };
-        match stability() {
-            Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
-            Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
-            Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(error) if error.is_about_support() => Ok((Phase::Undefined, f64::NAN)),
-            Err(source) => Err(PathError::Method {
-                parameter: s,
-                source,
-            }),
-        }
+        probe.at(&f).map_err(|source| PathError::Method {
+            parameter: s,
+            source,
+        })
     })
 }
 

@@ -1,0 +1,122 @@
+//! `onset boundary`.
+
+use super::{Answer, fresh_place, number, onset};
+use serde_json::Value;
+use std::path::Path;
+
+const LAGRANGIAN: &str = "title = 'test'\n[[axes]]\nquantity = 'stretch-1'\nrange = [0.6, 2.4]\nstates = 8\n\
+                          [[axes]]\nquantity = 'stretch-2'\nrange = [0.6, 2.4]\nstates = 8\n";
+
+fn traced(text: &str, more: &[&str]) -> (Answer, std::path::PathBuf) {
+    let folder = fresh_place("boundary");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let study = folder.join("study.toml");
+    std::fs::write(&study, text).expect("a file");
+    let (study, out) = (study.display().to_string(), folder.display().to_string());
+    let mut arguments = vec!["boundary", study.as_str(), "--out", out.as_str()];
+    arguments.extend(more);
+    (onset(&arguments), folder)
+}
+
+fn document(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).expect("a file");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
+    let (answer, folder) = traced(LAGRANGIAN, &["--json"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert_eq!(answer.stderr, "");
+    let summary: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    assert_eq!(summary["is_complete"], true);
+    assert!(number(&summary, "/fidelity/false_instability_share") < 1e-4);
+    assert!(number(&summary, "/fidelity/missed_instability_share") < 1e-4);
+    assert!(number(&summary, "/fidelity/rays/worst/relative") < 1e-9);
+    assert!(number(&summary, "/fidelity/rays/worst_stress/relative") < 1e-8);
+    assert_eq!(summary["fidelity"]["rays"]["only_material"], 0);
+    assert_eq!(summary["fidelity"]["rays"]["only_discretization"], 0);
+
+    let collection = document(&folder.join("boundary.geojson"));
+    assert_eq!(collection["type"], "FeatureCollection");
+    let features = collection["features"].as_array().expect("features");
+    let of: Vec<&str> = features
+        .iter()
+        .filter_map(|feature| feature["properties"]["of"].as_str())
+        .collect();
+    assert_eq!(of, ["material", "discretization"]);
+    for feature in features {
+        assert_eq!(feature["geometry"]["type"], "LineString");
+        assert_eq!(feature["properties"]["left"], "stable");
+        let line = feature["geometry"]["coordinates"]
+            .as_array()
+            .expect("points");
+        // From the right edge of the window to its upper edge, or back.
+        let ends = [&line[0], &line[line.len() - 1]];
+        assert!(ends.iter().all(|end| end[0] == 2.4 || end[1] == 2.4));
+    }
+    // The study that was traced can be read back.
+    let study = collection["study"].as_str().expect("the study");
+    assert!(study.contains("quantity = \"stretch-1\""));
+
+    let table = std::fs::read_to_string(folder.join("boundary.csv")).expect("a table");
+    assert!(table.starts_with(
+        "curve,of,left,right,stretch_1,stretch_2,accuracy,corner\n0,material,stable,unstable,"
+    ));
+    let vertices: usize = features
+        .iter()
+        .map(|feature| {
+            feature["geometry"]["coordinates"]
+                .as_array()
+                .expect("points")
+                .len()
+        })
+        .sum();
+    assert_eq!(table.lines().count(), vertices + 1);
+}
+
+#[test]
+fn any_two_axes_will_do() {
+    let text = "[discretization]\nframe = 'eulerian'\nlattice = 'regular'\n[state]\nstretch-2 = 0.9\n\
+                [[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 1.2]\nstates = 8\n\
+                [[axes]]\nquantity = 'discretization.support'\nrange = [1.7, 2.1]\nstates = 8\n";
+    let (answer, folder) = traced(text, &[]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(
+        answer.stdout.contains("False instability"),
+        "{}",
+        answer.stdout
+    );
+    let collection = document(&folder.join("boundary.geojson"));
+    assert_eq!(collection["axes"][1]["name"], "discretization.support");
+    // Stretches are no axes both: there are no rays.
+    assert_eq!(collection["fidelity"]["rays"], Value::Null);
+}
+
+#[test]
+fn what_cannot_be_traced_is_refused_with_a_hint() {
+    let three =
+        format!("{LAGRANGIAN}[[axes]]\nquantity = 'shear'\nrange = [0.0, 1.0]\nstates = 4\n");
+    let (answer, _) = traced(&three, &[]);
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("the study has 3 axes") && answer.stderr.contains("hint:"));
+    let answer = onset(&["boundary", "nowhere.toml"]);
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("cannot read nowhere.toml"));
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
+    let folder = fresh_place("boundary-file");
+    std::fs::write(&folder, "a file").expect("a file");
+    let study = fresh_place("boundary-study");
+    std::fs::write(&study, LAGRANGIAN).expect("a file");
+    let answer = onset(&[
+        "boundary",
+        &study.display().to_string(),
+        "--out",
+        &folder.join("under").display().to_string(),
+    ]);
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    assert!(answer.stderr.contains("cannot write"));
+}

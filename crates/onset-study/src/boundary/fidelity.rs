@@ -1,0 +1,336 @@
+//! How faithful the discretization of a study is to its material.
+
+use crate::answers::ProblemError;
+use crate::settings::{Quantity, Study};
+use nalgebra::Matrix3;
+use onset::verdict::boundary::{Boundary, Window};
+use onset::verdict::fidelity::{Areas, RayOnset, areas, directed_distance, onset_along};
+use onset::verdict::{Phase, Probe};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Rays from the undeformed state.
+const RAYS: usize = 360;
+
+/// Asks for the phase of a state.
+pub(super) type Ask<'a> = &'a (dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync);
+
+/// How faithful a discretization is over the window of a study.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fidelity {
+    /// Area of the window, in the product of the units of its axes, as all areas.
+    pub window_area: f64,
+    /// Where the material is strongly elliptic.
+    pub elliptic_area: f64,
+    /// Elliptic, but the particles are unstable.
+    pub false_instability_area: f64,
+    /// The same as a share of the elliptic area; `null` without one.
+    pub false_instability_share: Option<f64>,
+    /// Not elliptic, but the particles are stable.
+    pub missed_instability_area: f64,
+    /// The same as a share of the elliptic area; `null` without one.
+    pub missed_instability_share: Option<f64>,
+    /// Where the discretization is not defined.
+    pub undefined_area: f64,
+    /// How far the boundaries are apart; `null` when there are not both.
+    pub hausdorff: Option<Apart>,
+    /// Onsets along rays from the undeformed state; `null` unless the axes are the two stretches and the window holds it.
+    pub rays: Option<Rays>,
+}
+
+/// The distance of two boundaries.
+#[derive(Clone, Debug, Serialize)]
+pub struct Apart {
+    /// The Hausdorff distance: the larger one of both directions.
+    pub distance: f64,
+    /// The largest distance of a point of the material's boundary from that of the discretization.
+    pub from_material: f64,
+    /// Where that is.
+    pub from_material_at: [f64; 2],
+    /// The largest distance of a point of the discretization's boundary from that of the material.
+    pub from_discretization: f64,
+    /// Where that is.
+    pub from_discretization_at: [f64; 2],
+    /// `axes` when distances are in the coordinates of the axes, `window` when their units differ and distances are in
+    /// fractions of the window.
+    pub unit: &'static str,
+}
+
+/// Onsets along straight rays of stretches from the undeformed state.
+#[derive(Clone, Debug, Serialize)]
+pub struct Rays {
+    /// How many, at equal angles.
+    pub count: usize,
+    /// On how many both lose stability within the window.
+    pub both: usize,
+    /// On how many only the material does.
+    pub only_material: usize,
+    /// On how many only the particles do.
+    pub only_discretization: usize,
+    /// On how many the discretization is undefined before it loses stability.
+    pub undefined: usize,
+    /// The largest distance `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)` of the two onsets relative to the exact
+    /// stretch.
+    pub worst: Option<WorstRay>,
+    /// The largest error of the Cauchy stress at the onset, relative to the exact one.
+    pub worst_stress: Option<WorstStress>,
+}
+
+/// The ray with the largest distance of onsets.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct WorstRay {
+    /// Stretches at the onset of the material.
+    pub material: [f64; 2],
+    /// Stretches at the onset of the particles.
+    pub discretization: [f64; 2],
+    /// The distance.
+    pub error: f64,
+    /// The distance over the norm of the stretches of the material's onset.
+    pub relative: f64,
+}
+
+/// The ray with the largest error of stress.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct WorstStress {
+    /// Stretches at the onset of the material.
+    pub material: [f64; 2],
+    /// Stretches at the onset of the particles.
+    pub discretization: [f64; 2],
+    /// The Frobenius norm of the difference of Cauchy stresses; stress.
+    pub error: f64,
+    /// The same over the norm of the stress at the material's onset.
+    pub relative: f64,
+}
+
+/// What has been traced.
+pub(super) struct Traced<'a> {
+    pub(super) study: &'a Study,
+    pub(super) window: Window,
+    pub(super) boundaries: [&'a Boundary; 2],
+}
+
+impl Fidelity {
+    pub(super) fn of(
+        traced: &Traced<'_>,
+        probes: [Ask<'_>; 2],
+        cauchy: &(dyn Fn([f64; 2]) -> Result<Matrix3<f64>, ProblemError> + Sync),
+    ) -> Result<Self, ProblemError> {
+        let phases = |at: [f64; 2]| -> Result<[Phase; 2], ProblemError> {
+            Ok([probes[0](at)?.0, probes[1](at)?.0])
+        };
+        let areas: Areas = areas(traced.window, traced.boundaries, &phases)?;
+        let share = |share: f64| (areas.elliptic > 0.0).then_some(share);
+        Ok(Self {
+            window_area: areas.window,
+            elliptic_area: areas.elliptic,
+            false_instability_area: areas.false_instability,
+            false_instability_share: share(areas.false_share()),
+            missed_instability_area: areas.missed_instability,
+            missed_instability_share: share(areas.missed_share()),
+            undefined_area: areas.undefined,
+            hausdorff: apart(traced),
+            rays: rays(traced, probes, cauchy)?,
+        })
+    }
+}
+
+fn apart(traced: &Traced<'_>) -> Option<Apart> {
+    let [first, second] = traced.study.plane();
+    let is_common = first.unit() == second.unit();
+    let size = if is_common {
+        [1.0; 2]
+    } else {
+        traced.window.size()
+    };
+    let lines = |boundary: &Boundary| -> Vec<Vec<[f64; 2]>> {
+        let scaled = |point: [f64; 2]| [point[0] / size[0], point[1] / size[1]];
+        let curves = boundary.of_stability();
+        curves
+            .map(|curve| curve.points().map(scaled).collect())
+            .collect()
+    };
+    let [material, particles] = traced.boundaries.map(lines);
+    let extent = if is_common {
+        let [width, height] = traced.window.size();
+        width.max(height)
+    } else {
+        1.0
+    };
+    let there = directed_distance(&material, &particles, 1e-9 * extent)?;
+    let back = directed_distance(&particles, &material, 1e-9 * extent)?;
+    let place = |at: [f64; 2]| [at[0] * size[0], at[1] * size[1]];
+    Some(Apart {
+        distance: there.distance.max(back.distance),
+        from_material: there.distance,
+        from_material_at: place(there.at),
+        from_discretization: back.distance,
+        from_discretization_at: place(back.at),
+        unit: if is_common { "axes" } else { "window" },
+    })
+}
+
+/// Whether rays of stretches can be drawn: the axes are the two stretches, and the window holds the undeformed state.
+fn has_rays(traced: &Traced<'_>) -> bool {
+    let [first, second] = traced.study.plane();
+    let names = [first.quantity, second.quantity];
+    let holds = |range: (f64, f64)| (range.0..=range.1).contains(&1.0);
+    let stretches = [Quantity::Stretch(1), Quantity::Stretch(2)];
+    let is_plane = names == stretches || names == [stretches[1], stretches[0]];
+    is_plane
+        && traced.study.state.stretches[2] == 1.0
+        && traced.study.state.shear == 0.0
+        && holds(first.range)
+        && holds(second.range)
+}
+
+fn rays(
+    traced: &Traced<'_>,
+    probes: [Ask<'_>; 2],
+    cauchy: &(dyn Fn([f64; 2]) -> Result<Matrix3<f64>, ProblemError> + Sync),
+) -> Result<Option<Rays>, ProblemError> {
+    if !has_rays(traced) {
+        return Ok(None);
+    }
+    let along = |n: usize| -> Result<([f64; 2], [RayOnset; 2]), ProblemError> {
+        // Turned a little, so that no ray leads along the edge of the window.
+        let (sine, cosine) = (TAU * (n as f64 + 0.5) / RAYS as f64).sin_cos();
+        let ray = ([1.0, 1.0], [cosine, sine]);
+        let onset = |of: usize| onset_along(traced.window, traced.boundaries[of], probes[of], ray);
+        Ok(([cosine, sine], [onset(0)?, onset(1)?]))
+    };
+    let onsets: Vec<([f64; 2], [RayOnset; 2])> = (0..RAYS)
+        .into_par_iter()
+        .map(along)
+        .collect::<Result<_, _>>()?;
+    let mut rays = Rays {
+        count: RAYS,
+        both: 0,
+        only_material: 0,
+        only_discretization: 0,
+        undefined: 0,
+        worst: None,
+        worst_stress: None,
+    };
+    for (direction, found) in onsets {
+        let at = |s: f64| [1.0 + s * direction[0], 1.0 + s * direction[1]];
+        let lost = found.map(|onset| match onset {
+            RayOnset::AtStart => Some(0.0),
+            RayOnset::At(s) => Some(s),
+            RayOnset::Undefined(_) | RayOnset::None => None,
+        });
+        rays.undefined += usize::from(matches!(found[1], RayOnset::Undefined(_)));
+        match lost {
+            [Some(exact), Some(computed)] => {
+                rays.both += 1;
+                rays.compare(at(exact), at(computed), cauchy)?;
+            }
+            [Some(_), None] => rays.only_material += 1,
+            [None, Some(_)] => rays.only_discretization += 1,
+            [None, None] => {}
+        }
+    }
+    Ok(Some(rays))
+}
+
+impl Rays {
+    fn compare(
+        &mut self,
+        material: [f64; 2],
+        discretization: [f64; 2],
+        cauchy: &(dyn Fn([f64; 2]) -> Result<Matrix3<f64>, ProblemError> + Sync),
+    ) -> Result<(), ProblemError> {
+        let error = (material[0] - discretization[0]).hypot(material[1] - discretization[1]);
+        let relative = error / material[0].hypot(material[1]);
+        if self.worst.is_none_or(|worst| relative > worst.relative) {
+            self.worst = Some(WorstRay {
+                material,
+                discretization,
+                error,
+                relative,
+            });
+        }
+        let (exact, computed) = (cauchy(material)?, cauchy(discretization)?);
+        let error = (computed - exact).norm();
+        let relative = error / exact.norm();
+        if self
+            .worst_stress
+            .is_none_or(|worst| relative > worst.relative)
+        {
+            self.worst_stress = Some(WorstStress {
+                material,
+                discretization,
+                error,
+                relative,
+            });
+        }
+        Ok(())
+    }
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(
+        || "no elliptic area".to_owned(),
+        |share| format!("{:.3} % of the elliptic area", 100.0 * share),
+    )
+}
+
+impl std::fmt::Display for Fidelity {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(
+            formatter,
+            "False instability: area {:.6} ({}). Missed instability: area {:.6} ({}).",
+            self.false_instability_area,
+            percent(self.false_instability_share),
+            self.missed_instability_area,
+            percent(self.missed_instability_share),
+        )?;
+        if self.undefined_area > 0.0 {
+            writeln!(
+                formatter,
+                "The discretization is undefined on {:.3} % of the window.",
+                100.0 * self.undefined_area / self.window_area
+            )?;
+        }
+        if let Some(apart) = &self.hausdorff {
+            writeln!(
+                formatter,
+                "Hausdorff distance of the boundaries: {:.3e}{} (from the material {:.3e}, from the particles {:.3e}).",
+                apart.distance,
+                if apart.unit == "window" {
+                    " of the window"
+                } else {
+                    ""
+                },
+                apart.from_material,
+                apart.from_discretization,
+            )?;
+        }
+        let Some(rays) = &self.rays else {
+            return Ok(());
+        };
+        if let (Some(worst), Some(stress)) = (&rays.worst, &rays.worst_stress) {
+            writeln!(
+                formatter,
+                "Along {} of {} rays from the undeformed state both are lost: stretches differ by at most {:.3e} % \
+                 (({:.6}, {:.6}) instead of ({:.6}, {:.6})), Cauchy stresses by at most {:.3e} %.",
+                rays.both,
+                rays.count,
+                100.0 * worst.relative,
+                worst.discretization[0],
+                worst.discretization[1],
+                worst.material[0],
+                worst.material[1],
+                100.0 * stress.relative,
+            )?;
+        }
+        if rays.only_material + rays.only_discretization > 0 {
+            writeln!(
+                formatter,
+                "Along {} rays only the material is lost within the window, along {} only the particles.",
+                rays.only_material, rays.only_discretization
+            )?;
+        }
+        Ok(())
+    }
+}

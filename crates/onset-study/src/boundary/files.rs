@@ -1,0 +1,102 @@
+//! Boundaries as files: GeoJSON-like curves in the coordinates of the axes, and a table of vertices.
+
+use super::{Boundaries, CurveSummary, Owner};
+use crate::json;
+use onset::verdict::boundary::{Curve, End};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// The word for an end.
+pub(super) fn word(end: End) -> &'static str {
+    match end {
+        End::Edge => "edge",
+        End::Phase(_) => "phase",
+        End::Meets => "meets",
+        End::Lost => "lost",
+        End::Budget => "budget",
+    }
+}
+
+/// The boundaries as a FeatureCollection. Open curves are LineStrings, closed ones Polygons of one ring, in the
+/// coordinates of the two axes. A ring runs with its more stable side to the left.
+pub fn geojson(boundaries: &Boundaries) -> Value {
+    let study = &boundaries.study;
+    let feature = |(of, curve): (Owner, &Curve)| {
+        let points: Vec<[f64; 2]> = curve.points().collect();
+        let geometry = if curve.is_closed() {
+            json!({"type": "Polygon", "coordinates": [points]})
+        } else {
+            json!({"type": "LineString", "coordinates": points})
+        };
+        json!({"type": "Feature", "properties": CurveSummary::new(of, curve), "geometry": geometry})
+    };
+    let features: Vec<Value> = boundaries.curves().map(feature).collect();
+    let axes: Vec<Value> = study
+        .plane()
+        .iter()
+        .map(|axis| {
+            let (low, high) = axis.range;
+            json!({"name": axis.name(), "unit": axis.unit(), "range": [low, high]})
+        })
+        .collect();
+    let summary = boundaries.summary();
+    json!({
+        "type": "FeatureCollection",
+        "title": study.title,
+        "axes": axes,
+        "is_complete": summary.is_complete,
+        "unresolved": summary.unresolved,
+        "fidelity": summary.fidelity,
+        "study": study.document(),
+        "onset_version": env!("CARGO_PKG_VERSION"),
+        "features": features,
+    })
+}
+
+/// The vertices as a table, curve after curve; of a closed one the last row is the first.
+pub fn csv(boundaries: &Boundaries) -> String {
+    let [first, second] = boundaries.study.plane();
+    let column = |name: &str| name.replace(['-', '.'], "_");
+    let mut text = format!(
+        "curve,of,left,right,{},{},accuracy,corner\n",
+        column(first.name()),
+        column(second.name())
+    );
+    for (index, (of, curve)) in boundaries.curves().enumerate() {
+        for vertex in &curve.vertices {
+            text.push_str(&format!(
+                "{index},{},{},{},{:.16e},{:.16e},{:.1e},{}\n",
+                of.name(),
+                curve.left.name(),
+                curve.right.name(),
+                vertex.point[0],
+                vertex.point[1],
+                vertex.accuracy,
+                u8::from(vertex.is_corner)
+            ));
+        }
+    }
+    text
+}
+
+/// Writes `boundary.geojson` and `boundary.csv` into a folder, which is made if it is missing; returns their paths.
+///
+/// # Errors
+/// The file or folder that cannot be written, and why.
+pub fn write(
+    boundaries: &Boundaries,
+    folder: &Path,
+) -> Result<[PathBuf; 2], (PathBuf, std::io::Error)> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        |source| (path, source)
+    };
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    let paths = ["geojson", "csv"].map(|format| folder.join(format!("boundary.{format}")));
+    let document = json::document(&geojson(boundaries)).map_err(std::io::Error::from);
+    document
+        .and_then(|document| std::fs::write(&paths[0], document))
+        .map_err(failed(&paths[0]))?;
+    std::fs::write(&paths[1], csv(boundaries)).map_err(failed(&paths[1]))?;
+    Ok(paths)
+}

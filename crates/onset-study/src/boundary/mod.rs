@@ -1,0 +1,320 @@
+//! The boundaries of a study: where its material and its discretization lose stability, as curves, and how faithful the
+//! one is to the other.
+
+mod fidelity;
+mod files;
+mod probes;
+
+pub use fidelity::{Apart, Fidelity, Rays, WorstRay, WorstStress};
+pub use files::{csv, geojson, write};
+
+use crate::answers::ProblemError;
+use crate::settings::{Axis, Study};
+use onset::verdict::boundary::{
+    Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
+};
+use onset::verdict::{Phase, Probe};
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Cells of the grid of seeds along an axis: as many as the study has states, within these bounds.
+const SEEDS_OF_MATERIAL: (usize, usize) = (96, 192);
+const SEEDS_OF_PARTICLES: (usize, usize) = (32, 96);
+
+/// Why the boundaries of a study cannot be traced.
+#[derive(Debug, Error)]
+pub enum BoundaryError {
+    /// Boundaries are curves.
+    #[error(
+        "the study has {axes} axes; a boundary is traced in a plane of two\n  hint: hold one of {names} fixed under [state], [material] or [discretization] and remove its axis"
+    )]
+    NotAPlane {
+        /// How many there are.
+        axes: usize,
+        /// Their names.
+        names: String,
+    },
+    /// Material or discretization.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}
+
+/// Whose boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Owner {
+    /// Of strong ellipticity.
+    Material,
+    /// Of the stability of the particles.
+    Discretization,
+}
+
+impl Owner {
+    /// The word used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Material => "material",
+            Self::Discretization => "discretization",
+        }
+    }
+}
+
+/// How boundaries are traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tracing {
+    /// Tell flutter from divergence.
+    pub flutter: bool,
+    /// Measure how faithful the discretization is.
+    pub fidelity: bool,
+}
+
+/// Who is told what is going on.
+pub trait Watch: Sync {
+    /// So many states more have been asked.
+    fn asked(&self, states: u64);
+}
+
+/// Watches nothing.
+impl Watch for () {
+    fn asked(&self, _: u64) {}
+}
+
+/// The boundaries of a study.
+#[derive(Clone, Debug)]
+pub struct Boundaries {
+    /// The study.
+    pub study: Study,
+    /// The window of its axes.
+    pub window: Window,
+    /// Where strong ellipticity is lost or regained.
+    pub material: Boundary,
+    /// Where the stability of the particles is lost or regained, or they are not defined.
+    pub discretization: Boundary,
+    /// How faithful the discretization is, where that was asked for.
+    pub fidelity: Option<Fidelity>,
+}
+
+impl Boundaries {
+    /// Traces the boundaries of a study of two axes.
+    ///
+    /// # Errors
+    /// [`BoundaryError`] when it has three, or a state cannot be evaluated for another reason than its support.
+    pub fn of(study: &Study, tracing: Tracing, watch: &dyn Watch) -> Result<Self, BoundaryError> {
+        let [first, second] = plane(study)?;
+        let window = Window {
+            low: [first.range.0, second.range.0],
+            high: [first.range.1, second.range.1],
+        };
+        let traced = match study.settings.discretization.arrangement.dimension() {
+            1 => Self::traced::<1>(study, window, tracing, watch),
+            _ => Self::traced::<2>(study, window, tracing, watch),
+        };
+        Ok(traced?)
+    }
+
+    fn traced<const D: usize>(
+        study: &Study,
+        window: Window,
+        tracing: Tracing,
+        watch: &dyn Watch,
+    ) -> Result<Self, ProblemError> {
+        let setup = probes::Setup::<D>::new(study)?;
+        let probes = setup.probes()?;
+        let cells = |(least, most): (usize, usize)| {
+            [0, 1].map(|axis: usize| study.axes[axis].count.clamp(least, most))
+        };
+        let material = |at: [f64; 2]| {
+            watch.asked(1);
+            probes.material(at)
+        };
+        let particles = |at: [f64; 2]| {
+            watch.asked(1);
+            let (phase, measure) = probes.discretization(at)?;
+            Ok(if tracing.flutter {
+                (phase, measure)
+            } else {
+                merged((phase, measure))
+            })
+        };
+        let (of_material, of_particles) = rayon::join(
+            || trace(window, cells(SEEDS_OF_MATERIAL), &material),
+            || trace(window, cells(SEEDS_OF_PARTICLES), &particles),
+        );
+        let (of_material, of_particles) = (of_material?, of_particles?);
+        let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
+        let boundaries = [&of_material, &of_particles];
+        let measure = || {
+            let traced = fidelity::Traced {
+                study,
+                window,
+                boundaries,
+            };
+            let probes_of_both: [fidelity::Ask<'_>; 2] = [&material, &merged_particles];
+            Fidelity::of(&traced, probes_of_both, &|at| probes.cauchy(at))
+        };
+        let fidelity = tracing.fidelity.then(measure).transpose()?;
+        Ok(Self {
+            study: study.clone(),
+            window,
+            material: of_material,
+            discretization: of_particles,
+            fidelity,
+        })
+    }
+
+    /// All curves, with whose they are.
+    pub fn curves(&self) -> impl Iterator<Item = (Owner, &Curve)> {
+        let material = self.material.curves.iter();
+        let discretization = self.discretization.curves.iter();
+        material
+            .map(|curve| (Owner::Material, curve))
+            .chain(discretization.map(|curve| (Owner::Discretization, curve)))
+    }
+
+    /// What was found, without the vertices.
+    pub fn summary(&self) -> Summary {
+        Summary {
+            title: self.study.title.clone(),
+            axes: self.study.plane().map(|axis| axis.name().to_owned()),
+            curves: self
+                .curves()
+                .map(|(of, curve)| CurveSummary::new(of, curve))
+                .collect(),
+            is_complete: self.material.is_complete() && self.discretization.is_complete(),
+            unresolved: [&self.material, &self.discretization]
+                .into_iter()
+                .flat_map(|boundary| boundary.unresolved.clone())
+                .collect(),
+            fidelity: self.fidelity.clone(),
+        }
+    }
+}
+
+fn plane(study: &Study) -> Result<[Axis; 2], BoundaryError> {
+    if study.axes.len() == 2 {
+        return Ok(study.plane());
+    }
+    let names: Vec<&str> = study.axes.iter().map(Axis::name).collect();
+    Err(BoundaryError::NotAPlane {
+        axes: names.len(),
+        names: names.join(", "),
+    })
+}
+
+/// Stable or not, whatever kind of instability it is.
+fn merged((phase, measure): Probe) -> Probe {
+    match phase {
+        // The measure of flutter is not that of its boundary.
+        Phase::Flutter => (Phase::Unstable, f64::NAN),
+        other => (other, measure),
+    }
+}
+
+fn trace(
+    window: Window,
+    cells: [usize; 2],
+    probe: &(dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync),
+) -> Result<Boundary, ProblemError> {
+    let fineness = Fineness {
+        cells,
+        ..Fineness::default()
+    };
+    let grid: Vec<Probe> = grid_points(window, &fineness)
+        .into_par_iter()
+        .map(probe)
+        .collect::<Result<_, _>>()?;
+    trace_boundary_from(window, &fineness, &grid, probe)
+}
+
+/// What was found, in short.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Title of the study.
+    pub title: String,
+    /// Names of its axes.
+    pub axes: [String; 2],
+    /// The curves.
+    pub curves: Vec<CurveSummary>,
+    /// Whether every change of phase that was seen lies on a curve that was followed to its end.
+    pub is_complete: bool,
+    /// Places where the phase changes, but no curve could be followed.
+    pub unresolved: Vec<[f64; 2]>,
+    /// How faithful the discretization is.
+    pub fidelity: Option<Fidelity>,
+}
+
+/// A curve without its vertices.
+#[derive(Clone, Debug, Serialize)]
+pub struct CurveSummary {
+    /// Whose boundary it is.
+    pub of: Owner,
+    /// The phase to the left of its direction.
+    pub left: Phase,
+    /// The phase to the right.
+    pub right: Phase,
+    /// Whether it ends where it starts.
+    pub closed: bool,
+    /// Why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`.
+    pub ends: Option<[&'static str; 2]>,
+    /// Arc length in the coordinates of the axes.
+    pub length: f64,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Where smooth branches meet.
+    pub corners: Vec<[f64; 2]>,
+    /// The largest half bracket of a vertex.
+    pub accuracy: f64,
+}
+
+impl CurveSummary {
+    fn new(of: Owner, curve: &Curve) -> Self {
+        Self {
+            of,
+            left: curve.left,
+            right: curve.right,
+            closed: curve.is_closed(),
+            ends: curve.ends.map(|ends| ends.map(files::word)),
+            length: curve.length(),
+            vertices: curve.vertices.len(),
+            corners: curve.corners().collect(),
+            accuracy: curve.accuracy(),
+        }
+    }
+}
+
+impl std::fmt::Display for Summary {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for curve in &self.curves {
+            let closing = match curve.ends {
+                None => "closed".to_owned(),
+                Some([start, end]) => format!("open ({start} to {end})"),
+            };
+            writeln!(
+                formatter,
+                "{:<14} {} | {}: {closing}, length {:.6}, {} vertices to {:.0e}, {} corner(s)",
+                curve.of.name(),
+                curve.left.name(),
+                curve.right.name(),
+                curve.length,
+                curve.vertices,
+                curve.accuracy,
+                curve.corners.len(),
+            )?;
+        }
+        if self.curves.is_empty() {
+            writeln!(formatter, "No boundary: one phase fills the window.")?;
+        }
+        if !self.is_complete {
+            writeln!(
+                formatter,
+                "Not every curve could be followed to its end; {} place(s) remain unresolved.",
+                self.unresolved.len()
+            )?;
+        }
+        match &self.fidelity {
+            Some(fidelity) => write!(formatter, "{fidelity}"),
+            None => Ok(()),
+        }
+    }
+}

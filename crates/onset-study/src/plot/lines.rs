@@ -1,0 +1,146 @@
+//! Boundaries in a figure: traced, or along the edges of cells.
+
+use super::stored::{Slice, StoredMap};
+use super::{PlotError, is_elliptic};
+use crate::boundary::{Boundaries, Tracing, Watch};
+use crate::domain::Class;
+use crate::figure::{Line, palette};
+use crate::settings::Study;
+use onset::verdict::boundary::Boundary;
+
+const MATERIAL: &str = "boundary of the material";
+const PARTICLES: &str = "boundary of the particles";
+
+/// All curves of a boundary of stability as one line.
+pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
+    for curve in boundary.of_stability() {
+        if !points.is_empty() {
+            points.push((f64::NAN, f64::NAN));
+        }
+        points.extend(curve.points().map(|[x, y]| (x, y)));
+    }
+    points
+}
+
+/// The line of the material; so wide that it shows beside that of particles that agree with it.
+pub(super) fn of_material(points: Vec<(f64, f64)>) -> Option<Line> {
+    (!points.is_empty()).then(|| Line::new(points).width(5.0).named(MATERIAL))
+}
+
+fn of_particles(points: Vec<(f64, f64)>) -> Option<Line> {
+    (!points.is_empty()).then(|| {
+        Line::new(points)
+            .color(palette::VERMILION)
+            .width(2.0)
+            .named(PARTICLES)
+    })
+}
+
+/// Both boundaries of a study.
+pub(super) fn traced(study: &Study, watch: &dyn Watch) -> Result<Vec<Line>, PlotError> {
+    let boundaries = Boundaries::of(study, Tracing::default(), watch)?;
+    let lines = [
+        of_material(joined(&boundaries.material)),
+        of_particles(joined(&boundaries.discretization)),
+    ];
+    Ok(lines.into_iter().flatten().collect())
+}
+
+/// Both boundaries as edges of cells.
+pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, PlotError> {
+    let (cells, classes) = map.classes(slice)?;
+    let (_, acoustic) = map.numbers(slice, "acoustic_minimum")?;
+    let elliptic: Vec<Option<bool>> = classes
+        .iter()
+        .zip(&acoustic)
+        .map(|(class, minimum)| match class {
+            _ if minimum.is_finite() => Some(*minimum > 0.0),
+            Some(Class::Verdict(verdict)) => is_elliptic(*verdict),
+            Some(Class::Flutter | Class::Undefined) | None => None,
+        })
+        .collect();
+    let stable: Vec<Option<bool>> = classes
+        .iter()
+        .map(|class| {
+            let defined = class.filter(|class| *class != Class::Undefined)?;
+            Some(defined.is_stable_for_particles())
+        })
+        .collect();
+    let [first, second] = slice.study.plane();
+    let edges = |flags: &[Option<bool>]| edges(flags, cells, first.range, second.range);
+    let lines = [of_material(edges(&elliptic)), of_particles(edges(&stable))];
+    Ok(lines.into_iter().flatten().collect())
+}
+
+/// The edges between cells of different flags, with breaks between them.
+pub(super) fn edges(
+    flags: &[Option<bool>],
+    (columns, rows): (usize, usize),
+    x: (f64, f64),
+    y: (f64, f64),
+) -> Vec<(f64, f64)> {
+    let at = |(low, high): (f64, f64), n: usize, count: usize| {
+        low + (high - low) * n as f64 / count as f64
+    };
+    let differ = |a: usize, b: usize| matches!((flags[a], flags[b]), (Some(a), Some(b)) if a != b);
+    let mut points = Vec::new();
+    let mut add = |from: (f64, f64), to: (f64, f64)| {
+        // An edge goes on where the last one ended.
+        if points.last() != Some(&from) {
+            if !points.is_empty() {
+                points.push((f64::NAN, f64::NAN));
+            }
+            points.push(from);
+        }
+        points.push(to);
+    };
+    for row in 1..rows {
+        for column in 0..columns {
+            if differ((row - 1) * columns + column, row * columns + column) {
+                let height = at(y, row, rows);
+                add(
+                    (at(x, column, columns), height),
+                    (at(x, column + 1, columns), height),
+                );
+            }
+        }
+    }
+    for column in 1..columns {
+        for row in 0..rows {
+            if differ(row * columns + column - 1, row * columns + column) {
+                let place = at(x, column, columns);
+                add((place, at(y, row, rows)), (place, at(y, row + 1, rows)));
+            }
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::edges;
+
+    #[test]
+    fn edges_of_cells_separate_what_differs_and_is_known() {
+        let flags = [
+            Some(true),
+            Some(false),
+            None,
+            Some(false),
+            Some(false),
+            Some(true),
+        ];
+        let points = edges(&flags, (3, 2), (0.0, 3.0), (0.0, 2.0));
+        let known: Vec<(f64, f64)> = points.into_iter().filter(|p| p.0.is_finite()).collect();
+        let expected = [
+            (0.0, 1.0),
+            (1.0, 1.0),
+            (1.0, 0.0),
+            (1.0, 1.0),
+            (2.0, 1.0),
+            (2.0, 2.0),
+        ];
+        assert_eq!(known, expected);
+    }
+}

@@ -1,0 +1,205 @@
+//! Figures of stored maps: verdicts with both boundaries, fields of numbers, and several discretizations in one.
+
+mod lines;
+mod overlay;
+mod stored;
+
+use crate::boundary::{BoundaryError, Watch};
+use crate::domain::Class;
+use crate::figure::{Axis, Field, Figure, Panel, Regions};
+use crate::settings::{Quantity, SettingError, Study};
+use crate::store::StoreError;
+use onset::verdict::Verdict;
+use std::path::PathBuf;
+use stored::{Slice, StoredMap};
+use thiserror::Error;
+
+/// Panels of a map with three axes.
+const SLICES: usize = 6;
+/// The field that shows verdicts.
+const VERDICT: &str = "verdict";
+
+/// What to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct Plot<'a> {
+    /// The stores.
+    pub stores: &'a [PathBuf],
+    /// `verdict`, or the name of a field of numbers.
+    pub field: &'a str,
+    /// Whether the boundaries are traced; otherwise they are the edges of cells.
+    pub traced: bool,
+}
+
+/// Why a map cannot be drawn.
+#[derive(Debug, Error)]
+pub enum PlotError {
+    /// The store.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The study in the attributes of the store.
+    #[error("{}: the study in its attributes is not valid: {source}", path.display())]
+    Study {
+        /// The store.
+        path: PathBuf,
+        /// What is wrong.
+        source: SettingError,
+    },
+    /// A boundary.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    /// A field that cannot be shown.
+    #[error(
+        "the field `{field}` cannot be shown as a map\n  hint: fields of numbers are {}", known.join(", ")
+    )]
+    NotShown {
+        /// The field.
+        field: String,
+        /// Those that can.
+        known: Vec<String>,
+    },
+    /// Maps that do not fit on each other.
+    #[error("{} does not fit on {}: {difference}\n  hint: overlay maps of one material over the same two axes", path.display(), first.display())]
+    NotComparable {
+        /// The first store.
+        first: PathBuf,
+        /// The other one.
+        path: PathBuf,
+        /// What differs.
+        difference: &'static str,
+    },
+}
+
+impl PlotError {
+    /// Whether what was asked for is wrong, and not the machine.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Store(error) => error.is_input(),
+            _ => true,
+        }
+    }
+}
+
+/// The figure of one or several stores: verdicts of several are overlaid, fields stand side by side.
+///
+/// # Errors
+/// [`PlotError`] when a store cannot be read, has no such field, or does not fit on the others.
+pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
+    let maps: Vec<StoredMap> = plot
+        .stores
+        .iter()
+        .map(|path| StoredMap::open(path))
+        .collect::<Result<_, _>>()?;
+    match &maps[..] {
+        [map] => single(map, plot, watch),
+        [] => Ok(Figure::default()),
+        _ if plot.field == VERDICT => overlay::overlay(&maps, plot.traced, watch),
+        _ => {
+            let mut figure = Figure::new("").columns(maps.len().min(3));
+            for map in &maps {
+                let title = map.title();
+                for slice in map.slices(SLICES) {
+                    let title = match &slice.title {
+                        Some(value) => format!("{title}, {value}"),
+                        None => title.clone(),
+                    };
+                    figure = figure.with(panel(map, &slice, plot, &title, watch)?);
+                }
+            }
+            Ok(figure)
+        }
+    }
+}
+
+fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
+    let slices = map.slices(SLICES);
+    let mut figure = Figure::new(map.title()).columns(slices.len().min(3));
+    for slice in &slices {
+        let title = slice.title.clone().unwrap_or_default();
+        figure = figure.with(panel(map, slice, plot, &title, watch)?);
+    }
+    let missing = map.missing()?;
+    if missing > 0 {
+        figure = figure.caption(format!(
+            "White: {missing} tile(s) of the map are still to be computed."
+        ));
+    }
+    Ok(figure)
+}
+
+/// Axes in the plane of a study.
+fn axes(study: &Study, title: &str) -> Panel {
+    let [first, second] = study.plane();
+    let panel = Panel::new(
+        title,
+        Axis::linear(first.label(), first.range),
+        Axis::linear(second.label(), second.range),
+    );
+    let is_stretch = |quantity: Quantity| matches!(quantity, Quantity::Stretch(_));
+    if is_stretch(first.quantity) && is_stretch(second.quantity) {
+        panel.equal_aspect()
+    } else {
+        panel
+    }
+}
+
+/// One map with its boundaries.
+fn panel(
+    map: &StoredMap,
+    slice: &Slice,
+    plot: &Plot<'_>,
+    title: &str,
+    watch: &dyn Watch,
+) -> Result<Panel, PlotError> {
+    let [first, second] = slice.study.plane();
+    let mut panel = axes(&slice.study, title);
+    panel = if plot.field == VERDICT {
+        let (cells, classes) = map.classes(slice)?;
+        let index = |class: &Option<Class>| {
+            let place = Class::ALL.iter().position(|other| Some(*other) == *class);
+            place.map_or(u8::MAX, |place| place as u8)
+        };
+        let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
+        panel.with(Regions::new(
+            first.range,
+            second.range,
+            cells,
+            classes.iter().map(index).collect(),
+            key,
+        ))
+    } else {
+        panel.with(field(map, slice, plot.field)?)
+    };
+    let lines = if plot.traced {
+        lines::traced(&slice.study, watch)?
+    } else {
+        lines::of_cells(map, slice)?
+    };
+    Ok(lines.into_iter().fold(panel, Panel::with))
+}
+
+/// A field of numbers over the range of most of them.
+fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError> {
+    let label = map.label(name)?;
+    let [first, second] = slice.study.plane();
+    let (cells, values) = map.numbers(slice, name)?;
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    // A few extreme states would leave one color to all others.
+    let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied();
+    let is_signed = sorted.first().is_some_and(|low| *low < 0.0);
+    let field = Field::new(first.range, second.range, cells, values, label);
+    let field = match (at(0.01), at(0.99)) {
+        (Some(low), Some(high)) if low < high => field.range(low, high),
+        _ => field,
+    };
+    Ok(if is_signed { field.diverging() } else { field })
+}
+
+/// Whether the material is strongly elliptic, as far as the verdict says.
+fn is_elliptic(verdict: Verdict) -> Option<bool> {
+    match verdict {
+        Verdict::Stable | Verdict::RankDeficient => Some(true),
+        Verdict::Material | Verdict::Missed => Some(false),
+        Verdict::Kernel => None,
+    }
+}

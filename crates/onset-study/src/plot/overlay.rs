@@ -1,0 +1,134 @@
+//! Boundaries of several discretizations over the domain of their material.
+
+use super::stored::StoredMap;
+use super::{PlotError, axes, lines};
+use crate::answers::{Problem, ProblemError};
+use crate::boundary::{Boundaries, BoundaryError, Tracing, Watch};
+use crate::domain::Class;
+use crate::figure::{Color, Dash, Figure, Line, Regions, palette};
+use crate::settings::Study;
+use onset::method::MethodError;
+use onset::verdict::{Phase, Probe, Verdict, probe_material};
+use rayon::prelude::*;
+
+/// Cells of the material's domain along each axis.
+const CELLS: usize = 256;
+/// Lines that differ in color and, for greyscale prints, in dashes.
+const COLORS: [Color; 6] = [
+    palette::VERMILION,
+    palette::BLUE,
+    palette::GREEN,
+    palette::PURPLE,
+    palette::ORANGE,
+    palette::GREY,
+];
+const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
+
+/// The figure of several maps with two axes.
+pub(super) fn overlay(
+    maps: &[StoredMap],
+    traced: bool,
+    watch: &dyn Watch,
+) -> Result<Figure, PlotError> {
+    let first = &maps[0];
+    for other in maps {
+        if let Some(difference) = first.differs_from(other) {
+            return Err(PlotError::NotComparable {
+                first: first.path.clone(),
+                path: other.path.clone(),
+                difference,
+            });
+        }
+    }
+    // The window that holds all of them.
+    let ranges: Vec<(f64, f64)> = (0..2)
+        .map(|axis| {
+            let ranges = maps.iter().map(|map| map.study.axes[axis].range);
+            ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), range| {
+                (low.min(range.0), high.max(range.1))
+            })
+        })
+        .collect();
+    let study = first.study.clone().with_ranges(&ranges);
+    let mut panel = axes(&study, "").with(domain(&study)?);
+    for (n, map) in maps.iter().enumerate() {
+        let slice = &map.slices(1)[0];
+        let points = if traced {
+            let boundaries = Boundaries::of(&map.study, Tracing::default(), watch)?;
+            if n == 0 {
+                let material = lines::of_material(lines::joined(&boundaries.material));
+                panel = material
+                    .into_iter()
+                    .fold(panel, |panel, line| panel.with(line));
+            }
+            lines::joined(&boundaries.discretization)
+        } else {
+            let (cells, classes) = map.classes(slice)?;
+            let stable: Vec<Option<bool>> = classes
+                .iter()
+                .map(|class| {
+                    let defined = class.filter(|class| *class != Class::Undefined)?;
+                    Some(defined.is_stable_for_particles())
+                })
+                .collect();
+            let [x, y] = map.study.plane();
+            lines::edges(&stable, cells, x.range, y.range)
+        };
+        let mut line = Line::new(points)
+            .color(COLORS[n % COLORS.len()])
+            .named(map.title());
+        line.dash = DASHES[n % DASHES.len()];
+        panel = panel.with(line);
+    }
+    Ok(Figure::new("Where particles lose stability")
+        .columns(1)
+        .with(panel))
+}
+
+/// Where the material is strongly elliptic, for perturbations in the plane.
+fn domain(study: &Study) -> Result<Regions, PlotError> {
+    let shared = if study.varies_settings() {
+        None
+    } else {
+        Some(Problem::new(study.settings.clone()).map_err(BoundaryError::from)?)
+    };
+    let [first, second] = study.plane();
+    let at = |range: (f64, f64), n: usize| {
+        range.0 + (range.1 - range.0) * (n as f64 + 0.5) / CELLS as f64
+    };
+    let class = |index: usize| -> Result<u8, ProblemError> {
+        let coordinates = [
+            at(first.range, index % CELLS),
+            at(second.range, index / CELLS),
+        ];
+        let f = study.deformation_at(&coordinates)?;
+        let asked = |problem: &Problem| -> Result<Probe, ProblemError> {
+            let probe = match problem.dimension() {
+                1 => probe_material::<1>(&*problem.material, &f),
+                _ => probe_material::<2>(&*problem.material, &f),
+            };
+            Ok(probe.map_err(MethodError::from)?)
+        };
+        let (phase, _) = match &shared {
+            Some(problem) => asked(problem)?,
+            None => asked(&Problem::new(study.settings_at(&coordinates)?)?)?,
+        };
+        Ok(u8::from(phase != Phase::Stable))
+    };
+    let classes: Vec<u8> = (0..CELLS * CELLS)
+        .into_par_iter()
+        .map(class)
+        .collect::<Result<_, _>>()
+        .map_err(BoundaryError::from)?;
+    let color = |verdict: Verdict| Class::Verdict(verdict).color();
+    Ok(Regions::new(
+        first.range,
+        second.range,
+        (CELLS, CELLS),
+        classes,
+        [
+            ("strongly elliptic material", color(Verdict::Stable)),
+            ("material not elliptic", color(Verdict::Material)),
+        ],
+    ))
+}

@@ -1,0 +1,247 @@
+//! A stored map, read for a picture: at most as many cells as can be told apart.
+
+use super::PlotError;
+use crate::domain::Class;
+use crate::map;
+use crate::settings::{Quantity, Study};
+use crate::store::{Column, Kind, ResultStore, ZarrStore};
+use onset::verdict::Verdict;
+use std::path::{Path, PathBuf};
+
+/// Cells along each edge of a picture; of a finer map every n-th state is shown.
+const CELLS: usize = 1024;
+
+/// A store with its study.
+pub(super) struct StoredMap {
+    store: ZarrStore,
+    pub(super) study: Study,
+    pub(super) path: PathBuf,
+}
+
+/// A section through a map: all of one with two axes.
+pub(super) struct Slice {
+    /// The study of the section.
+    pub(super) study: Study,
+    /// The state along the third axis.
+    index: Option<usize>,
+    /// Its value, in words.
+    pub(super) title: Option<String>,
+}
+
+/// The cells of a picture along its two edges, and their values.
+pub(super) type Picture<T> = ((usize, usize), Vec<T>);
+
+impl StoredMap {
+    pub(super) fn open(path: &Path) -> Result<Self, PlotError> {
+        let store = ZarrStore::open(path)?;
+        let text = store
+            .attributes()
+            .get("study")
+            .and_then(serde_json::Value::as_str)
+            .unwrap_or_default();
+        let name = format!("{}: attribute study", path.display());
+        let study = Study::parse(&name, text).map_err(|source| PlotError::Study {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            store,
+            study,
+            path: path.to_owned(),
+        })
+    }
+
+    /// The title of the study; the name of the folder when it has none.
+    pub(super) fn title(&self) -> String {
+        if self.study.title.is_empty() {
+            let name = self.path.file_stem().unwrap_or(self.path.as_os_str());
+            name.to_string_lossy().into_owned()
+        } else {
+            self.study.title.clone()
+        }
+    }
+
+    /// How many tiles are still to be computed.
+    pub(super) fn missing(&self) -> Result<usize, PlotError> {
+        Ok(self.store.tiling().tiles() - self.store.done()?)
+    }
+
+    /// The map itself, or sections at values of its third axis, evenly chosen.
+    pub(super) fn slices(&self, most: usize) -> Vec<Slice> {
+        let Some(third) = self.study.axes.get(2).copied() else {
+            return vec![Slice {
+                study: self.study.clone(),
+                index: None,
+                title: None,
+            }];
+        };
+        let count = third.count.min(most);
+        let slice = |n: usize| {
+            let index = (2 * n + 1) * third.count / (2 * count);
+            let value = third.coordinate(index);
+            let mut study = self.study.clone();
+            study.axes.truncate(2);
+            // What the axis has varied can be set.
+            let assignment = format!("{}={value:?}", third.quantity.key_name());
+            let study = study.override_with(&[assignment]).unwrap_or(study);
+            let label = third.label();
+            let name = label
+                .rsplit_once(" (")
+                .map_or(label.as_str(), |(name, _)| name);
+            let unit = match third.unit() {
+                "1" => String::new(),
+                unit => format!(" {unit}"),
+            };
+            Slice {
+                study,
+                index: Some(index),
+                title: Some(format!("{name} = {}{unit}", rounded(value))),
+            }
+        };
+        (0..count).map(slice).collect()
+    }
+
+    /// The verdicts; `None` where they are still to be computed.
+    pub(super) fn classes(&self, slice: &Slice) -> Result<Picture<Option<Class>>, PlotError> {
+        let (cells, verdicts) = self.numbers(slice, map::VERDICT)?;
+        let (_, stabilities) = self.numbers(slice, "stability")?;
+        let class = |(verdict, stability): (&f64, &f64)| {
+            if verdict.is_nan() || *verdict < 0.0 {
+                return None;
+            }
+            Some(match Verdict::ALL.get(*verdict as usize) {
+                Some(Verdict::Kernel) if *stability == 1.0 => Class::Flutter,
+                Some(verdict) => Class::Verdict(*verdict),
+                None => Class::Undefined,
+            })
+        };
+        Ok((
+            cells,
+            verdicts.iter().zip(&stabilities).map(class).collect(),
+        ))
+    }
+
+    /// The label of a field of numbers, with its unit.
+    pub(super) fn label(&self, name: &str) -> Result<String, PlotError> {
+        let fields = map::fields(&self.study.map);
+        let is_shown =
+            |kind: &Kind, is_vector: bool| matches!(kind, Kind::Numbers(_)) && !is_vector;
+        let stored: Vec<&str> = self.store.fields().collect();
+        let field = fields
+            .iter()
+            .find(|field| field.name == name && is_shown(&field.kind, field.is_vector))
+            .filter(|_| stored.contains(&name));
+        match field.map(|field| &field.kind) {
+            Some(Kind::Numbers(unit)) => {
+                let unit = if *unit == "1" { "−" } else { unit };
+                Ok(format!("{} ({unit})", name.replace('_', " ")))
+            }
+            _ => Err(PlotError::NotShown {
+                field: name.to_owned(),
+                known: fields
+                    .iter()
+                    .filter(|field| is_shown(&field.kind, field.is_vector))
+                    .map(|field| field.name.to_owned())
+                    .chain([super::VERDICT.to_owned()])
+                    .collect(),
+            }),
+        }
+    }
+
+    /// The values of a field in a section; NaN where they are still to be computed.
+    pub(super) fn numbers(&self, slice: &Slice, field: &str) -> Result<Picture<f64>, PlotError> {
+        let [first, second] = slice.study.plane();
+        let (columns, rows) = (first.count.min(CELLS), second.count.min(CELLS));
+        // The state in the middle of a cell of the picture.
+        let state =
+            |cell: usize, cells: usize, states: usize| (2 * cell + 1) * states / (2 * cells);
+        let mut values = vec![f64::NAN; columns * rows];
+        for tile in 0..self.store.tiling().tiles() {
+            let place = self.store.tiling().at(tile);
+            let (origin, extent) = (&place.origin, &place.extent);
+            let axes = origin.len();
+            // Slowest first: the second axis is the last but one dimension.
+            let holds = |dimension: usize, state: usize| {
+                (origin[dimension]..origin[dimension] + extent[dimension]).contains(&state)
+            };
+            if slice.index.is_some_and(|index| !holds(0, index)) {
+                continue;
+            }
+            let shown = |dimension: usize, cells: usize, states: usize| -> Vec<(usize, usize)> {
+                let cells = (0..cells).map(|cell| (cell, state(cell, cells, states)));
+                let inside = cells.filter(|(_, state)| holds(dimension, *state));
+                inside
+                    .map(|(cell, state)| (cell, state - origin[dimension]))
+                    .collect()
+            };
+            let across = shown(axes - 1, columns, first.count);
+            let along = shown(axes - 2, rows, second.count);
+            if across.is_empty() || along.is_empty() {
+                continue;
+            }
+            let Some(column) = self.store.read(field, tile)? else {
+                continue;
+            };
+            let layer = slice.index.map_or(0, |index| index - origin[0]);
+            for (row, j) in &along {
+                for (column_of_picture, i) in &across {
+                    let index = (layer * extent[axes - 2] + j) * extent[axes - 1] + i;
+                    values[row * columns + column_of_picture] = match &column {
+                        Column::Flags(flags) => f64::from(flags[index]),
+                        Column::Numbers(numbers) => numbers[index],
+                    };
+                }
+            }
+        }
+        Ok(((columns, rows), values))
+    }
+
+    /// Whether two maps can be drawn on each other; what differs if not.
+    pub(super) fn differs_from(&self, other: &Self) -> Option<&'static str> {
+        let quantities = |study: &Study| -> Vec<Quantity> {
+            study.axes.iter().map(|axis| axis.quantity).collect()
+        };
+        let material = |study: &Study| {
+            let material = &study.settings.material;
+            (material.model, material.values())
+        };
+        if self.study.axes.len() != 2 || other.study.axes.len() != 2 {
+            Some("an overlay shows maps with two axes")
+        } else if quantities(&self.study) != quantities(&other.study) {
+            Some("they have different axes")
+        } else if material(&self.study) != material(&other.study) {
+            Some("they have different materials")
+        } else if self.study.state != other.study.state {
+            Some("they hold different states fixed")
+        } else {
+            None
+        }
+    }
+}
+
+/// A number with four significant digits, without zeros at its end.
+fn rounded(value: f64) -> String {
+    let digits = 3 - value.abs().max(1e-300).log10().floor() as i32;
+    if !(-2..=9).contains(&digits) {
+        return format!("{value:.3e}");
+    }
+    let text = format!("{value:.*}", digits.max(0) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn values_have_four_significant_digits() {
+        assert_eq!(rounded(0.261_799_387_8), "0.2618");
+        assert_eq!(rounded(1.5), "1.5");
+        assert_eq!(rounded(12345.6), "12346");
+        assert_eq!(rounded(0.0), "0");
+        assert_eq!(rounded(-2.0), "-2");
+    }
+}

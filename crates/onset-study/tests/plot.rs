@@ -1,0 +1,218 @@
+//! Figures of stored maps.
+
+use onset_study::figure::{Layer, Panel, Symbol};
+use onset_study::map::{Plan, Watch};
+use onset_study::plot::{Plot, plot};
+use onset_study::settings::Study;
+use onset_study::store::ZarrStore;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+struct Quiet;
+
+impl Watch for Quiet {
+    fn advance(&self, _: u64) {}
+
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// A folder that is removed at the end.
+struct Place(PathBuf);
+
+impl Place {
+    fn new() -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("onset-plot-{}-{count}", std::process::id());
+        let place = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&place).expect("a folder");
+        Self(place)
+    }
+
+    /// The store of a study, of which the first tiles are computed.
+    fn store(&self, name: &str, text: &str, tiles: usize) -> PathBuf {
+        let study = Study::parse("study.toml", text).expect("a study");
+        let plan = Plan::new(&study).expect("a plan");
+        let path = self.0.join(format!("{name}.zarr"));
+        let store = ZarrStore::create(&path, plan.layout()).expect("a store");
+        let tiles = plan.tiles(Some(0..tiles)).expect("tiles");
+        plan.run(&store, tiles, &Quiet).expect("a map");
+        path
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn study(title: &str, more: &str) -> String {
+    format!(
+        "title = '{title}'\n[discretization]\nframe = 'eulerian'\nlattice = 'regular'\nsupport = 1.9\n\
+         [[axes]]\nquantity = 'stretch-1'\nrange = [0.6, 1.9]\nstates = 12\n\
+         [[axes]]\nquantity = 'stretch-2'\nrange = [0.6, 2.0]\nstates = 10\n{more}[map]\ntile = 8\n"
+    )
+}
+
+fn draw(stores: &[PathBuf], field: &str, traced: bool) -> onset_study::figure::Figure {
+    let asked = Plot {
+        stores,
+        field,
+        traced,
+    };
+    plot(&asked, &()).expect("a figure")
+}
+
+fn names(figure: &onset_study::figure::Figure) -> Vec<String> {
+    figure
+        .legend_entries()
+        .into_iter()
+        .map(|entry| entry.name)
+        .collect()
+}
+
+fn regions(panel: &Panel) -> &onset_study::figure::Regions {
+    match &panel.layers[0] {
+        Layer::Regions(regions) => regions,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_map_shows_its_verdicts_in_words_and_both_boundaries() {
+    let place = Place::new();
+    let store = place.store("a", &study("one", ""), 100);
+    for traced in [true, false] {
+        let figure = draw(std::slice::from_ref(&store), "verdict", traced);
+        let names = names(&figure);
+        for name in [
+            "stable",
+            "kernel",
+            "boundary of the material",
+            "boundary of the particles",
+        ] {
+            assert!(names.iter().any(|found| found == name), "{name}: {names:?}");
+        }
+        assert_eq!(figure.title, "one");
+        assert_eq!(figure.caption, "");
+        // The compressed corner is stable, the stretched one is not.
+        let map = regions(&figure.panels[0]);
+        assert_eq!((map.columns, map.rows), (12, 10));
+        assert_eq!(map.key[usize::from(map.classes[0])].0, "stable");
+        assert_ne!(map.key[usize::from(map.classes[119])].0, "stable");
+        assert!(figure.panels[0].equal_aspect);
+    }
+}
+
+#[test]
+fn tiles_that_are_still_to_be_computed_stay_blank_and_are_counted() {
+    let place = Place::new();
+    let store = place.store("a", &study("one", ""), 1);
+    let figure = draw(&[store], "verdict", false);
+    assert_eq!(
+        figure.caption,
+        "White: 3 tile(s) of the map are still to be computed."
+    );
+    let map = regions(&figure.panels[0]);
+    for (index, class) in map.classes.iter().enumerate() {
+        let is_computed = index % 12 < 8 && index / 12 < 8;
+        assert_eq!(usize::from(*class) < map.key.len(), is_computed, "{index}");
+    }
+}
+
+#[test]
+fn a_field_has_a_label_with_its_unit() {
+    let place = Place::new();
+    let store = place.store("a", &study("one", ""), 100);
+    for (name, label) in [
+        ("scaled_minimum", "scaled minimum (−)"),
+        ("growth_rate", "growth rate (1/time)"),
+    ] {
+        let figure = draw(std::slice::from_ref(&store), name, false);
+        let Layer::Field(field) = &figure.panels[0].layers[0] else {
+            panic!("no field");
+        };
+        assert_eq!(field.label, label);
+        assert!(field.values.iter().all(|value| value.is_finite()));
+    }
+    for name in ["wave_vector", "evaluated", "beauty"] {
+        let asked = Plot {
+            stores: std::slice::from_ref(&store),
+            field: name,
+            traced: false,
+        };
+        let error = plot(&asked, &()).expect_err("not a field of numbers");
+        assert!(
+            error.is_input() && error.to_string().contains("growth_rate"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_map_with_three_axes_is_drawn_in_sections_with_their_values() {
+    let place = Place::new();
+    let third = "[[axes]]\nquantity = 'rotation'\nrange = [0.0, 0.5]\nstates = 9\n";
+    let text = study("three", third)
+        .replace("states = 12", "states = 4")
+        .replace("states = 10", "states = 3");
+    let store = place.store("a", &text, 100);
+    let figure = draw(&[store], "verdict", false);
+    let titles: Vec<&str> = figure
+        .panels
+        .iter()
+        .map(|panel| panel.title.as_str())
+        .collect();
+    assert_eq!(titles.len(), 6);
+    assert_eq!(titles[0], "rotation of the lattice θ = 0.02778 rad");
+    assert_eq!(titles[5], "rotation of the lattice θ = 0.4722 rad");
+    assert!(
+        regions(&figure.panels[3])
+            .classes
+            .iter()
+            .all(|class| *class < 7)
+    );
+}
+
+#[test]
+fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
+    let place = Place::new();
+    let first = place.store("a", &study("first", ""), 1);
+    let second = study("second", "").replace("support = 1.9", "support = 1.6");
+    let second = place.store("b", &second, 1);
+    let figure = draw(&[first.clone(), second], "verdict", true);
+    assert_eq!(
+        names(&figure),
+        [
+            "strongly elliptic material",
+            "material not elliptic",
+            "boundary of the material",
+            "first",
+            "second"
+        ]
+    );
+    let lines: Vec<Symbol> = figure.legend_entries()[3..]
+        .iter()
+        .map(|entry| entry.symbol)
+        .collect();
+    assert_ne!(lines[0], lines[1]);
+
+    let other = study("other", "").replace(
+        "[discretization]",
+        "[material]\nmodel = 'blatz-ko'\n[discretization]",
+    );
+    let other = place.store("c", &other, 1);
+    let asked = Plot {
+        stores: &[first, other],
+        field: "verdict",
+        traced: true,
+    };
+    let error = plot(&asked, &()).expect_err("another material");
+    assert!(
+        error.to_string().contains("they have different materials"),
+        "{error}"
+    );
+}

@@ -1,0 +1,141 @@
+//! Where two smooth branches of a curve meet.
+
+use super::follow::{Heading, Node, SWEEP, heading_behind};
+use super::line::{Field, Sides};
+use super::plane::{
+    Point, angle_of, cross, direction, distance, left_of, length, minus, plus, unit,
+};
+use std::f64::consts::PI;
+
+/// How far apart the points are from which a branch is extended; the next one is tried when the branches do not meet.
+const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
+/// How far the boundary may be from where the branches meet.
+const AGREEMENT: f64 = 1e-9;
+
+/// The corner between a heading and a point that is behind it, with the first vertices of the branch behind, and the
+/// heading at the last of them. `None` when the branches are not smooth there.
+pub(super) fn around<E>(
+    field: &Field<'_, E>,
+    sides: Sides,
+    heading: &Heading,
+    next: Node,
+    bracket: f64,
+) -> Result<Option<(Vec<Node>, Heading)>, E> {
+    for spacing in SPACINGS {
+        let back = |radius: f64| {
+            let start = (heading.at, heading.angle + PI);
+            on_circle(field, sides.swapped(), start, radius, bracket)
+        };
+        let (Some(one), Some(two)) = (back(spacing)?, back(2.0 * spacing)?) else {
+            continue;
+        };
+        let ahead = angle_of(minus(next.at, heading.at));
+        let Some(first) = on_circle(field, sides, (next.at, ahead), spacing, bracket)? else {
+            continue;
+        };
+        let ahead = angle_of(minus(first.at, next.at));
+        let Some(second) = on_circle(field, sides, (first.at, ahead), spacing, bracket)? else {
+            continue;
+        };
+        let before = Branch([heading.at, one.at, two.at]);
+        let behind = Branch([next.at, first.at, second.at]);
+        let Some((meeting, tangents)) = before.meeting(&behind) else {
+            continue;
+        };
+        if let Some((at, off)) = snapped(field, sides, meeting, tangents, bracket)? {
+            let corner = Node {
+                at,
+                accuracy: off,
+                is_corner: true,
+            };
+            let heading = heading_behind(next.at, first.at, second.at);
+            let mut nodes = vec![corner];
+            // The branch can begin at the corner itself.
+            if distance(next.at, at) > 1e-3 * spacing {
+                nodes.push(next);
+            }
+            nodes.extend([first, second]);
+            return Ok(Some((nodes, heading)));
+        }
+    }
+    Ok(None)
+}
+
+/// Where the curve leaves a small circle.
+fn on_circle<E>(
+    field: &Field<'_, E>,
+    sides: Sides,
+    (at, angle): (Point, f64),
+    radius: f64,
+    bracket: f64,
+) -> Result<Option<Node>, E> {
+    let circle = |turn: f64| plus(at, radius, direction(angle + turn));
+    let found = field.locate(&circle, (0.0, 1e-3, SWEEP), sides, bracket / radius)?;
+    Ok(found
+        .place()
+        .map(|(turn, accuracy)| Node::regular(circle(turn), accuracy * radius)))
+}
+
+/// A parabola through three points of a branch, the first one nearest to the corner, at the parameters 0, 1, 2.
+struct Branch([Point; 3]);
+
+impl Branch {
+    fn at(&self, t: f64) -> Point {
+        let weights = [
+            0.5 * (1.0 - t) * (2.0 - t),
+            t * (2.0 - t),
+            0.5 * t * (t - 1.0),
+        ];
+        [0, 1].map(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
+    }
+
+    fn slope(&self, t: f64) -> Point {
+        let weights = [t - 1.5, 2.0 - 2.0 * t, t - 0.5];
+        [0, 1].map(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
+    }
+
+    /// Where two branches meet, near the first point of each, and the slopes of both there, away from it.
+    fn meeting(&self, other: &Self) -> Option<(Point, [Point; 2])> {
+        let (mut t, mut s) = (0.0, 0.0);
+        for _ in 0..30 {
+            let gap = minus(other.at(s), self.at(t));
+            let (a, b) = (self.slope(t), other.slope(s));
+            // a dt - b ds = gap.
+            let determinant = -cross(a, b);
+            if determinant.abs() < 1e-6 * length(a) * length(b) {
+                return None;
+            }
+            let (dt, ds) = (-cross(gap, b) / determinant, -cross(gap, a) / determinant);
+            t += dt;
+            s += ds;
+            if dt.abs().max(ds.abs()) < 1e-12 {
+                break;
+            }
+        }
+        let is_near = (-2.0..=0.2).contains(&t) && (-2.0..=0.2).contains(&s);
+        is_near.then(|| (self.at(t), [self.slope(t), other.slope(s)]))
+    }
+}
+
+/// The point of the boundary on the bisector of the corner, and its distance from where the branches meet; `None` when
+/// there is none near.
+fn snapped<E>(
+    field: &Field<'_, E>,
+    sides: Sides,
+    meeting: Point,
+    [before, behind]: [Point; 2],
+    bracket: f64,
+) -> Result<Option<(Point, f64)>, E> {
+    // The direction of travel through the corner, and what is to the left of it.
+    let through = minus(unit(behind), unit(before));
+    if length(through) < 1e-3 {
+        return Ok(None);
+    }
+    let across = left_of(unit(through));
+    let line = |x: f64| plus(meeting, x, across);
+    let found = field.locate(&line, (0.0, 4.0 * bracket, 1e-7), sides, bracket)?;
+    Ok(found
+        .place()
+        .map(|(x, accuracy)| (line(x), x.abs() + accuracy))
+        .filter(|(_, off)| *off <= AGREEMENT))
+}

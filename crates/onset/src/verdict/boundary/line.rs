@@ -1,0 +1,192 @@
+//! The phase along a line: where does it change?
+
+use super::Window;
+use super::plane::Point;
+use crate::verdict::{Phase, Probe};
+use std::cell::Cell;
+
+/// The phases over the window, in units of the window; counts how often it is asked.
+pub(super) struct Field<'a, E> {
+    pub(super) window: Window,
+    pub(super) probe: &'a (dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
+    asked: Cell<usize>,
+}
+
+/// A place on a line with what is there.
+pub(super) type Knot = (f64, Probe);
+
+/// What a search along a line came to.
+pub(super) enum Found {
+    /// Two places, one in each phase: first that on the left, then that on the right.
+    Change(Knot, Knot),
+    /// Another phase, or `None` beyond the edge of the window.
+    Other(Option<Phase>),
+    /// The same phase all along.
+    Nothing,
+}
+
+/// The phases to the left and to the right of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sides {
+    pub(super) left: Phase,
+    pub(super) right: Phase,
+}
+
+impl Sides {
+    pub(super) fn swapped(self) -> Self {
+        Self {
+            left: self.right,
+            right: self.left,
+        }
+    }
+
+    pub(super) fn holds(self, phase: Phase) -> bool {
+        phase == self.left || phase == self.right
+    }
+}
+
+impl<'a, E> Field<'a, E> {
+    pub(super) fn new(
+        window: Window,
+        probe: &'a (dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
+    ) -> Self {
+        Self {
+            window,
+            probe,
+            asked: Cell::new(0),
+        }
+    }
+
+    pub(super) fn asked(&self) -> usize {
+        self.asked.get()
+    }
+
+    /// What is at a point; `None` outside the window.
+    pub(super) fn at(&self, u: Point) -> Result<Option<Probe>, E> {
+        if !u.iter().all(|x| (0.0..=1.0).contains(x)) {
+            return Ok(None);
+        }
+        self.asked.set(self.asked.get() + 1);
+        (self.probe)(self.window.point(u)).map(Some)
+    }
+
+    /// From a guess outward with doubling steps until the phase changes; the line leads leftward.
+    pub(super) fn march(
+        &self,
+        line: &dyn Fn(f64) -> Point,
+        (guess, first, limit): (f64, f64, f64),
+        sides: Sides,
+    ) -> Result<Found, E> {
+        let Some(start) = self.at(line(guess))? else {
+            return Ok(Found::Other(None));
+        };
+        if !sides.holds(start.0) {
+            return Ok(Found::Other(Some(start.0)));
+        }
+        let sign = if start.0 == sides.left { -1.0 } else { 1.0 };
+        let mut last: Knot = (guess, start);
+        let mut step = first;
+        loop {
+            let x = last.0 + sign * step;
+            if x.abs() > limit {
+                return Ok(Found::Nothing);
+            }
+            let Some(here) = self.at(line(x))? else {
+                return Ok(Found::Other(None));
+            };
+            let knot = (x, here);
+            if here.0 != start.0 {
+                return Ok(if !sides.holds(here.0) {
+                    Found::Other(Some(here.0))
+                } else if start.0 == sides.left {
+                    Found::Change(last, knot)
+                } else {
+                    Found::Change(knot, last)
+                });
+            }
+            last = knot;
+            step *= 2.0;
+        }
+    }
+
+    /// Narrows a change of phase down to a tolerance. Interpolates the measure (the ITP method of Oliveira and Takahashi,
+    /// ACM Trans. Math. Softw. 47, 2020, which never needs more than one step above bisection) where its sign is that of
+    /// the phase, and bisects where it is not.
+    pub(super) fn narrow(
+        &self,
+        line: &dyn Fn(f64) -> Point,
+        (mut left, mut right): (Knot, Knot),
+        tolerance: f64,
+    ) -> Result<Found, E> {
+        let sides = Sides {
+            left: left.1.0,
+            right: right.1.0,
+        };
+        let start = (left.0 - right.0).abs();
+        let mut budget =
+            0.5 * tolerance * 2.0_f64.powf((start / tolerance).log2().ceil().max(0.0) + 1.0);
+        while (left.0 - right.0).abs() > tolerance {
+            let x = interpolated(left, right, start, budget);
+            if x == left.0 || x == right.0 {
+                break;
+            }
+            budget *= 0.5;
+            let Some(here) = self.at(line(x))? else {
+                return Ok(Found::Other(None));
+            };
+            if here.0 == sides.left {
+                left = (x, here);
+            } else if here.0 == sides.right {
+                right = (x, here);
+            } else {
+                return Ok(Found::Other(Some(here.0)));
+            }
+        }
+        Ok(Found::Change(left, right))
+    }
+
+    /// [`Field::march`], then [`Field::narrow`].
+    pub(super) fn locate(
+        &self,
+        line: &dyn Fn(f64) -> Point,
+        reach: (f64, f64, f64),
+        sides: Sides,
+        tolerance: f64,
+    ) -> Result<Found, E> {
+        match self.march(line, reach, sides)? {
+            Found::Change(left, right) => self.narrow(line, (left, right), tolerance),
+            other => Ok(other),
+        }
+    }
+}
+
+/// The next place to ask: the regula falsi, pulled towards the middle by at most `budget`.
+fn interpolated(left: Knot, right: Knot, start: f64, budget: f64) -> f64 {
+    let middle = 0.5 * (left.0 + right.0);
+    let (above, below) = (left.1.1, right.1.1);
+    if !(above * below < 0.0 && (above - below).is_finite()) {
+        return middle;
+    }
+    let size = (left.0 - right.0).abs();
+    let falsi = (left.0 * below - right.0 * above) / (below - above);
+    let pull = (0.2 * size * size / start).min((middle - falsi).abs());
+    let truncated = falsi + pull * (middle - falsi).signum();
+    let radius = (budget - 0.5 * size).max(0.0);
+    if (truncated - middle).abs() <= radius {
+        truncated
+    } else {
+        middle - radius * (middle - falsi).signum()
+    }
+}
+
+impl Found {
+    /// The middle of a change and half of its length.
+    pub(super) fn place(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Change(left, right) => {
+                Some((0.5 * (left.0 + right.0), 0.5 * (left.0 - right.0).abs()))
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Where stability is lost along a ray.
+
+use crate::verdict::boundary::{Boundary, Window, located_between};
+use crate::verdict::{Phase, Probe};
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RayOnset {
+    /// Unstable from the start.
+    AtStart,
+    /// Stability is lost at this distance, in units of the ray's direction.
+    At(f64),
+    /// The method is not defined beyond this distance.
+    Undefined(f64),
+    /// Nothing within the window.
+    None,
+}
+
+/// A part of the window within which a crossing is not told from the start itself.
+const START: f64 = 1e-5;
+
+/// The first loss of stability along `origin + s direction`, `s > 0`: found on the boundary's polygons, then bracketed with
+/// the probe that they were traced with, to `1e-13` of the window.
+///
+/// # Errors
+/// What the probe reports.
+pub fn onset_along<E>(
+    window: Window,
+    boundary: &Boundary,
+    probe: &(dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
+    (origin, direction): ([f64; 2], [f64; 2]),
+) -> Result<RayOnset, E> {
+    let size = window.size();
+    // Units of the ray that correspond to the whole window.
+    let reach = size[0].max(size[1]) / direction[0].hypot(direction[1]);
+    let at = |s: f64| [0, 1].map(|i| origin[i] + s * direction[i]);
+    let mut crossings: Vec<(f64, Phase)> = Vec::new();
+    for curve in &boundary.curves {
+        for pair in curve.vertices.windows(2) {
+            if let Some((s, is_leftward)) =
+                crossing(origin, direction, pair[0].point, pair[1].point)
+                && s > START * reach
+            {
+                // Coming from the right side of the curve one gets to its left.
+                crossings.push((s, if is_leftward { curve.left } else { curve.right }));
+            }
+        }
+    }
+    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(s, behind)) = crossings.first() else {
+        let phase = probe(at(START * reach))?.0;
+        return Ok(match phase {
+            Phase::Stable => RayOnset::None,
+            Phase::Undefined => RayOnset::Undefined(0.0),
+            _ => RayOnset::AtStart,
+        });
+    };
+    match behind {
+        Phase::Stable => {
+            let phase = probe(at(START * reach))?.0;
+            Ok(if phase == Phase::Undefined {
+                RayOnset::Undefined(0.0)
+            } else {
+                RayOnset::AtStart
+            })
+        }
+        Phase::Undefined => Ok(RayOnset::Undefined(s)),
+        _ => {
+            let near = 2e-4 * reach;
+            let found = located_between(window, probe, at(s - near.min(0.5 * s)), at(s + near))?;
+            let length = direction[0].hypot(direction[1]);
+            let refined =
+                found.map(|point| (point[0] - origin[0]).hypot(point[1] - origin[1]) / length);
+            Ok(RayOnset::At(refined.unwrap_or(s)))
+        }
+    }
+}
+
+/// Where a ray crosses a chord, and whether it leads from the right of the chord to its left.
+fn crossing(origin: [f64; 2], d: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Option<(f64, bool)> {
+    let e = [b[0] - a[0], b[1] - a[1]];
+    let off = [a[0] - origin[0], a[1] - origin[1]];
+    let determinant = d[0] * e[1] - d[1] * e[0];
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = (off[0] * e[1] - off[1] * e[0]) / determinant;
+    let t = (off[0] * d[1] - off[1] * d[0]) / determinant;
+    // To the left of the chord is where `e x d > 0`.
+    ((0.0..1.0).contains(&t) && s > 0.0).then_some((s, determinant < 0.0))
+}

@@ -1,0 +1,4 @@
+//! Boundaries as curves, against sets whose boundary is known.
+
+mod analytic;
+mod physical;
