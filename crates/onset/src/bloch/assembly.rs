@@ -104,6 +104,22 @@ pub fn gradient_norm<const D: usize>(
     Ok(constants.finish(method.lattice()))
 }
 
+/// The gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL` of a Lagrangian method: the dynamical matrix of the
+/// tangent `delta_iJ delta_kL`.
+pub(super) fn moment_matrix<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+) -> Result<DynamicalMatrix<D>, MethodError> {
+    let configuration = method.configuration(f, Order::First)?;
+    let mut constants = ForceConstants::new(reach(&configuration));
+    let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == j && k == l)));
+    for point in &configuration.points {
+        let factor = point.volume / method.particle_mass();
+        add_gradient_stiffness(&mut constants, point, &unit, None, factor);
+    }
+    Ok(constants.finish(method.lattice()))
+}
+
 fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     let range = |point: &ConfiguredPoint<D>| {
         (0..D)

@@ -7,12 +7,15 @@
 mod assembly;
 mod branches;
 mod dynamical_matrix;
+mod moments;
 mod planar;
 mod search;
 mod spectrum;
 
+use assembly::moment_matrix;
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
+pub use moments::{GradientMoments, MomentExtremes};
 pub use search::ZoneSearch;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 

@@ -53,16 +53,107 @@ impl Entries {
     }
 }
 
+/// A stiffness whose mirror axes are the coordinate axes, as that of an isotropic law in its principal axes: with
+/// `x = cos t`, `Q11 = a0 + a1 x` and `Q22 = b0 + b1 x` are linear and `Q12 Q21 = c (1 - x^2)`, so that all is quadratic.
+struct Orthotropic {
+    a: [f64; 2],
+    b: [f64; 2],
+    c: f64,
+}
+
+impl Orthotropic {
+    fn of<const D: usize>(stiffness: &Stiffness<D>) -> Option<Self> {
+        let entry = |i: usize, k: usize| {
+            let blocks = [(0, 0), (0, 1), (1, 0), (1, 1)];
+            blocks.map(|(j, l)| stiffness.0[j][l][(i, k)])
+        };
+        let [q11, q12, q21, q22] = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
+        let even = |q: [f64; 4]| q[1] + q[2] == 0.0;
+        let odd = |q: [f64; 4]| q[0] == 0.0 && q[3] == 0.0;
+        let linear = |q: [f64; 4]| [0.5 * (q[0] + q[3]), 0.5 * (q[0] - q[3])];
+        (even(q11) && even(q22) && odd(q12) && odd(q21)).then(|| Self {
+            a: linear(q11),
+            b: linear(q22),
+            c: 0.25 * (q12[1] + q12[2]) * (q21[1] + q21[2]),
+        })
+    }
+
+    fn half_trace(&self, x: f64) -> f64 {
+        0.5 * (self.a[0] + self.b[0] + (self.a[1] + self.b[1]) * x)
+    }
+
+    /// `((Q11 - Q22) / 2)^2 + Q12 Q21`, by powers of `x`.
+    fn discriminant(&self) -> [f64; 3] {
+        let (d0, d1) = (0.5 * (self.a[0] - self.b[0]), 0.5 * (self.a[1] - self.b[1]));
+        [d0 * d0 + self.c, 2.0 * d0 * d1, d1 * d1 - self.c]
+    }
+
+    fn eigenvalue(&self, x: f64) -> f64 {
+        let [d0, d1, d2] = self.discriminant();
+        self.half_trace(x) - (d0 + x * (d1 + x * d2)).max(0.0).sqrt()
+    }
+
+    /// The angle `t` of the smallest eigenvalue: an end, or where `4 d h'^2 = d'^2`.
+    fn minimizing_angle(&self) -> f64 {
+        let [d0, d1, d2] = self.discriminant();
+        // 4 h'^2.
+        let square = (self.a[1] + self.b[1]).powi(2);
+        let stationary = quadratic_zeros(
+            square * d2 - 4.0 * d2 * d2,
+            square * d1 - 4.0 * d1 * d2,
+            square * d0 - d1 * d1,
+        );
+        let mut best = (1.0, self.eigenvalue(1.0));
+        // Ties go to the axes, then to the directions between them.
+        for x in [0.0, -1.0].into_iter().chain(stationary) {
+            let value = self.eigenvalue(x);
+            if x.abs() <= 1.0 && value < best.1 - 4.0 * f64::EPSILON * best.1.abs() {
+                best = (x, value);
+            }
+        }
+        best.0.acos()
+    }
+
+    fn is_strongly_elliptic(&self) -> bool {
+        let half_trace = self.half_trace(1.0).min(self.half_trace(-1.0));
+        let determinant = |x: f64| {
+            (self.a[0] + self.a[1] * x) * (self.b[0] + self.b[1] * x) - self.c * (1.0 - x * x)
+        };
+        let curvature = self.a[1] * self.b[1] + self.c;
+        let vertex = -0.5 * (self.a[0] * self.b[1] + self.a[1] * self.b[0]) / curvature;
+        let mut lowest = determinant(1.0).min(determinant(-1.0));
+        if curvature > 0.0 && vertex.abs() <= 1.0 {
+            lowest = lowest.min(determinant(vertex));
+        }
+        is_positive(half_trace, lowest)
+    }
+}
+
+/// The real zeros of `a x^2 + b x + c`, none where it vanishes identically; without cancellation.
+fn quadratic_zeros(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
+    let q = -0.5 * (b + (b * b - 4.0 * a * c).max(0.0).sqrt().copysign(b));
+    [q / a, c / q].into_iter().filter(|x| x.is_finite())
+}
+
+/// Of a stiffness of magnitude one. The rounding error of a sum or product of components is a few units of their last
+/// place.
+fn is_positive(half_trace: f64, determinant: f64) -> bool {
+    half_trace > -f64::EPSILON && determinant > -4.0 * f64::EPSILON * half_trace.abs()
+}
+
 pub(super) fn is_strongly_elliptic<const D: usize>(stiffness: &Stiffness<D>) -> bool {
+    if let Some(orthotropic) = Orthotropic::of(stiffness) {
+        return orthotropic.is_strongly_elliptic();
+    }
     let entries = Entries::of(stiffness);
-    // Of a stiffness of magnitude one. The rounding error of a sum or product of components is a few units of
-    // their last place.
     let half_trace = entries.half_trace().minimum().1;
-    half_trace > -f64::EPSILON
-        && entries.determinant().minimum().1 > -4.0 * f64::EPSILON * half_trace.abs()
+    is_positive(half_trace, entries.determinant().minimum().1)
 }
 
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
+    if let Some(orthotropic) = Orthotropic::of(stiffness) {
+        return direction(orthotropic.minimizing_angle());
+    }
     let entries = Entries::of(stiffness);
     let (h, d) = (entries.half_trace(), entries.discriminant());
     let (slope, d_slope) = (h.derivative(), d.derivative());
@@ -89,12 +180,16 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
             best = (refined, value);
         }
     }
-    let half_angle = 0.5 * best.0;
+    direction(best.0)
+}
+
+/// `N` by the doubled angle.
+fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
     SVector::from_fn(|i, _| {
         if i == 0 {
-            half_angle.cos()
+            (0.5 * t).cos()
         } else {
-            half_angle.sin()
+            (0.5 * t).sin()
         }
     })
 }

@@ -8,11 +8,13 @@ pub mod fidelity;
 
 mod path;
 mod probe;
+mod survey;
 
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
+pub use survey::{Finding, Survey};
 
-use crate::bloch::{SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
+use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
@@ -161,18 +163,7 @@ pub fn assess<const D: usize>(
     let spectrum = search.summary(&dynamical_matrix(method, material, f)?);
 
     let softest = &spectrum.softest;
-    let norm = gradient_norm(method, f)?;
-    let discrete = if softest.is_long_wave {
-        norm.long_wave_stiffness()
-            .acoustic_tensor(&softest.wave_vector)[(0, 0)]
-    } else {
-        norm.at(&softest.wave_vector)[(0, 0)].re
-    };
-    let gradient_norm = discrete
-        / search
-            .kernel_wave_vector(&softest.wave_vector)
-            .norm_squared();
-
+    let gradient_norm = gradient_norm_of(method, f, &search, softest)?;
     let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
     let verdict = decided(
@@ -187,6 +178,24 @@ pub fn assess<const D: usize>(
         spectrum,
         gradient_norm,
     })
+}
+
+/// The squared norm of the discrete gradient of a mode over that of the exact gradient.
+fn gradient_norm_of<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+    search: &ZoneSearch<D>,
+    mode: &Mode<D>,
+) -> Result<f64, MethodError> {
+    let norm = gradient_norm(method, f)?;
+    let discrete = if mode.is_long_wave {
+        norm.long_wave_stiffness()
+            .acoustic_tensor(&mode.wave_vector)[(0, 0)]
+    } else {
+        norm.at(&mode.wave_vector)[(0, 0)].re
+    };
+    let k = search.kernel_wave_vector(&mode.wave_vector);
+    Ok(discrete / k.norm_squared())
 }
 
 fn decided(

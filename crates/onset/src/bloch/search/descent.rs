@@ -154,7 +154,11 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let (mut value, mut k) = start;
         for _ in 0..16 {
-            let (bottom, settled) = self.newton(matrix, objective, (value, k), floor);
+            let expansion = |k: &SVector<f64, D>| {
+                self.is_sought(objective, k)
+                    .then(|| self.expansion(matrix, objective, k))
+            };
+            let (bottom, settled) = self.newton(&expansion, (value, k), floor);
             (value, k) = bottom;
             // Near the boundary of a zone that does not repeat, the bottom may lie on it: a look around is needed there.
             if (settled && self.is_periodic) || value > floor {
@@ -183,7 +187,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Whether the objective is sought at a wave vector: the limit of long waves is taken exactly elsewhere, and a zone
     /// that does not repeat is not left.
-    fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
+    pub(in crate::bloch) fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
         let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * self.longest();
         !too_long && self.is_admissible(k)
     }
@@ -196,18 +200,19 @@ impl<const D: usize> ZoneSearch<D> {
             .fold(0.0, f64::max)
     }
 
-    /// Newton's method; the last value tells whether it ended where it should: in a smooth minimum, or on its way to
-    /// one above the floor.
-    fn newton(
+    /// Newton's method on a function of the wave vector, `None` where it is not sought; the last value tells whether it
+    /// ended where it should: in a smooth minimum, or on its way to one above the floor.
+    pub(in crate::bloch) fn newton(
         &self,
-        matrix: &DynamicalMatrix<D>,
-        objective: Objective,
+        expansion: &impl Fn(&SVector<f64, D>) -> Option<Taylor<f64, D>>,
         start: Candidate<D>,
         floor: f64,
     ) -> (Candidate<D>, bool) {
         let longest = self.longest();
         let (mut value, mut k) = start;
-        let mut local = self.expansion(matrix, objective, &k);
+        let Some(mut local) = expansion(&k) else {
+            return (start, false);
+        };
         for _ in 0..STEPS {
             let (slope, curvature) = (local.slope(), local.curvature());
             let smooth = slope.iter().chain(curvature.iter()).all(|x| x.is_finite());
@@ -227,12 +232,9 @@ impl<const D: usize> ZoneSearch<D> {
             let mut length = 1.0;
             loop {
                 let trial = k + step * length;
-                if self.is_sought(objective, &trial) {
-                    local = self.expansion(matrix, objective, &trial);
-                    if local.value < value {
-                        (value, k) = (local.value, trial);
-                        break;
-                    }
+                if let Some(there) = expansion(&trial).filter(|there| there.value < value) {
+                    (value, k, local) = (there.value, trial, there);
+                    break;
                 }
                 length *= 0.25;
                 if length < 1e-4 {
@@ -274,7 +276,11 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The quotient of a branch and `c^2 |k|_h^2`.
-    fn scaled(&self, branch: &Taylor<f64, D>, k: &SVector<f64, D>) -> Taylor<f64, D> {
+    pub(in crate::bloch) fn scaled(
+        &self,
+        branch: &Taylor<f64, D>,
+        k: &SVector<f64, D>,
+    ) -> Taylor<f64, D> {
         let (lattice, c2) = (self.reference(), self.speed_squared);
         let scale = c2 * lattice.laplacian(k);
         let scale_slope = lattice.laplacian_gradient(k) * c2;

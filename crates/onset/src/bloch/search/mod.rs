@@ -44,7 +44,7 @@ pub struct ZoneSearch<const D: usize> {
 
 /// What is sought over the zone; always a minimum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Objective {
+pub(in crate::bloch) enum Objective {
     /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch.
     Scaled,
     /// `Re omega^2` of the lowest branch.
@@ -59,7 +59,7 @@ enum Objective {
 }
 
 /// A wave vector with the value of the objective there.
-type Candidate<const D: usize> = (f64, SVector<f64, D>);
+pub(in crate::bloch) type Candidate<const D: usize> = (f64, SVector<f64, D>);
 
 impl<const D: usize> ZoneSearch<D> {
     /// The zone of a method at a state. `speed_squared` is the `c^2` of the scaled measure.
@@ -80,7 +80,17 @@ impl<const D: usize> ZoneSearch<D> {
         })
     }
 
-    fn reference(&self) -> &BravaisLattice<D> {
+    /// The `c^2` of the scaled measure.
+    pub(in crate::bloch) fn speed_squared(&self) -> f64 {
+        self.speed_squared
+    }
+
+    /// `G^-1/2` of the long-wave metric.
+    pub(in crate::bloch) fn long_wave_map(&self) -> &SMatrix<f64, D, D> {
+        self.grids.long_wave_map()
+    }
+
+    pub(in crate::bloch) fn reference(&self) -> &BravaisLattice<D> {
         self.grids.lattice()
     }
 
@@ -245,7 +255,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The equivalent reference wave vector in the searched zone.
-    fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+    pub(in crate::bloch) fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 

@@ -1,0 +1,184 @@
+//! Many states of one method and material: what depends on neither state nor wave vector is computed once.
+
+use super::{MaterialAssessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared};
+use crate::bloch::{GradientMoments, MomentExtremes, Stability, ZoneSearch, dynamical_matrix};
+use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::kinematics::DeformationGradient;
+use crate::material::{Hyperelastic, MaterialError};
+use crate::method::{Method, MethodError};
+use nalgebra::SVector;
+
+/// What a map shows of a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding<const D: usize> {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// How perturbations of the discretization develop.
+    pub stability: Stability,
+    /// The smallest acoustic eigenvalue of the material.
+    pub acoustic: AcousticMinimum<D>,
+    /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included.
+    pub scaled_minimum: f64,
+    /// Its wave vector; the unit direction for long waves. 1/length.
+    pub wave_vector: SVector<f64, D>,
+    /// Whether it is the limit of long waves.
+    pub is_long_wave: bool,
+    /// The smallest limit of long waves.
+    pub long_wave_minimum: f64,
+    /// The smallest `Re omega^2`, zero (the translation) where none is below. 1/time^2.
+    pub lowest_omega_squared: f64,
+    /// The growth rate of the fastest growing mode, zero when stable. 1/time.
+    pub growth_rate: f64,
+    /// The largest frequency. 1/time.
+    pub maximum_omega: f64,
+}
+
+impl<const D: usize> Finding<D> {
+    /// The critical time step of central differences without damping, `2 / omega_max`.
+    pub fn critical_time_step(&self) -> f64 {
+        2.0 / self.maximum_omega
+    }
+}
+
+/// A method and a material, prepared for many states.
+pub struct Survey<const D: usize> {
+    method: Method<D>,
+    material: Box<dyn Hyperelastic>,
+    speed_squared: f64,
+    moments: Option<GradientMoments<D>>,
+}
+
+impl<const D: usize> Survey<D> {
+    /// For some states.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the response of the undeformed material is not finite.
+    pub fn new(method: Method<D>, material: Box<dyn Hyperelastic>) -> Result<Self, MaterialError> {
+        Ok(Self {
+            speed_squared: speed_squared(&method, &*material)?,
+            method,
+            material,
+            moments: None,
+        })
+    }
+
+    /// For so many states that a preparation of some milliseconds pays. With Lagrangian kernels in the plane states then
+    /// cost a few microseconds; with others it changes nothing.
+    ///
+    /// ```
+    /// use onset::kinematics::DeformationGradient;
+    /// use onset::material::ModifiedMooneyRivlin;
+    /// use onset::method::{Discretization, Method};
+    /// use onset::verdict::{Survey, Verdict, assess};
+    /// let method = Method::<2>::new(Discretization::default())?;
+    /// let survey = Survey::new(method.clone(), Box::new(ModifiedMooneyRivlin::default()))?.for_many_states()?;
+    /// let state = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+    /// let finding = survey.finding(&state)?;
+    /// assert_eq!(finding.verdict, Verdict::Stable);
+    /// let assessed = assess(&method, &ModifiedMooneyRivlin::default(), &state)?;
+    /// assert!((finding.scaled_minimum - assessed.spectrum.softest.scaled).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method cannot be evaluated.
+    pub fn for_many_states(mut self) -> Result<Self, MethodError> {
+        self.moments = GradientMoments::new(&self.method, self.speed_squared)?;
+        Ok(self)
+    }
+
+    /// The method.
+    pub fn method(&self) -> &Method<D> {
+        &self.method
+    }
+
+    /// The material.
+    pub fn material(&self) -> &dyn Hyperelastic {
+        &*self.material
+    }
+
+    /// The scale `c^2` of wave speeds. Length^2/time^2.
+    pub fn speed_squared(&self) -> f64 {
+        self.speed_squared
+    }
+
+    /// What a map shows of a state: as [`super::assess`] says.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method or the material cannot be evaluated there.
+    pub fn finding(&self, f: &DeformationGradient) -> Result<Finding<D>, MethodError> {
+        match &self.moments {
+            Some(moments) if f.is_block_diagonal::<D>() => self.contracted(moments, f),
+            _ => self.searched(f),
+        }
+    }
+
+    fn contracted(
+        &self,
+        moments: &GradientMoments<D>,
+        f: &DeformationGradient,
+    ) -> Result<Finding<D>, MethodError> {
+        let tangent = self.material.plane_tangent(f)?;
+        let stiffness = Stiffness::<D>::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l]);
+        let MomentExtremes {
+            scaled_minimum,
+            wave_vector,
+            is_long_wave,
+            has_zero_mode,
+            long_wave_minimum,
+            lowest,
+            highest,
+            tolerance,
+        } = moments.extremes(&tangent);
+        let stability = if scaled_minimum < -tolerance {
+            Stability::Divergence
+        } else {
+            Stability::Stable
+        };
+        Ok(Finding {
+            verdict: decided(
+                stiffness.is_strongly_elliptic(),
+                stability == Stability::Stable,
+                has_zero_mode,
+                long_wave_minimum < -tolerance,
+            ),
+            stability,
+            acoustic: stiffness.minimum(),
+            scaled_minimum,
+            wave_vector,
+            is_long_wave,
+            long_wave_minimum,
+            lowest_omega_squared: lowest,
+            growth_rate: (-lowest).max(0.0).sqrt(),
+            maximum_omega: highest.max(0.0).sqrt(),
+        })
+    }
+
+    fn searched(&self, f: &DeformationGradient) -> Result<Finding<D>, MethodError> {
+        let continuum = MaterialAssessment::<D>::new(&*self.material, f)?;
+        let search =
+            ZoneSearch::new(&self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
+        let spectrum = search.summary(&dynamical_matrix(&self.method, &*self.material, f)?);
+        let softest = &spectrum.softest;
+        let is_zero = softest.scaled.abs() <= spectrum.tolerance;
+        let has_zero_mode =
+            is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
+        Ok(Finding {
+            verdict: decided(
+                continuum.is_elliptic,
+                spectrum.is_stable(),
+                has_zero_mode,
+                spectrum.long_wave.scaled < -spectrum.tolerance,
+            ),
+            stability: spectrum.stability(),
+            acoustic: continuum.minimum,
+            scaled_minimum: softest.scaled,
+            wave_vector: softest.wave_vector,
+            is_long_wave: softest.is_long_wave,
+            long_wave_minimum: spectrum.long_wave.scaled,
+            lowest_omega_squared: spectrum.lowest.omega_squared.re,
+            growth_rate: spectrum.growth_rate(),
+            maximum_omega: spectrum.maximum_omega,
+        })
+    }
+}
