@@ -16,7 +16,7 @@ use crate::lattice::WaveGrid;
 use crate::material::PlaneTangent;
 use crate::method::{Background, Frame, Method, MethodError};
 use nalgebra::{SMatrix, SVector};
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Grid points per period of the fastest phase.
 const DENSITY: usize = 12;
@@ -26,8 +26,12 @@ const DIRECTIONS: usize = 3000;
 const RAYS: usize = 32;
 /// Steps of Newton's method to the minimum over directions.
 const TURNS: usize = 12;
+/// Candidates this fraction above the best bottom are descended from too.
+const RIVAL: f64 = 0.05;
+/// The same in a valley of nearly no energy, as a fraction of the stiffness of long waves.
+const SOFT: f64 = 1e-4;
 /// Descents at most from different candidates.
-const DESCENTS: usize = 3;
+const DESCENTS: usize = 4;
 /// Below this a scaled moment counts as that of a mode without energy.
 const ZERO_ENERGY: f64 = 1e-10;
 
@@ -252,34 +256,46 @@ impl<const D: usize> GradientMoments<D> {
     ) -> (f64, SVector<f64, D>) {
         let highest = objective == Objective::Highest;
         let mut values = vec![0.0; candidates.wave_vectors.len()];
-        Arch::new().dispatch(
-            #[inline(always)]
-            || candidates.eigenvalues(contraction, if highest { 1.0 } else { -1.0 }, &mut values),
-        );
+        Arch::new().dispatch(Eigenvalues {
+            candidates,
+            contraction,
+            sign: if highest { 1.0 } else { -1.0 },
+            values: &mut values,
+        });
         let scale = match objective {
             Objective::Highest => -1.0,
             Objective::Scaled => 1.0 / self.search.speed_squared(),
             _ => 1.0,
         };
         let expansion = |k: &SVector<f64, D>| self.expansion(contraction, objective, k);
+        let soft = if objective == Objective::Scaled {
+            SOFT * contraction.magnitude() * self.long[0][0].abs() * scale
+        } else {
+            0.0
+        };
         let mut best = (f64::INFINITY, SVector::zeros());
-        let mut tried: Vec<SVector<f64, D>> = Vec::with_capacity(DESCENTS);
+        let mut tried: Vec<(f64, SVector<f64, D>)> = Vec::with_capacity(DESCENTS);
         for _ in 0..DESCENTS {
-            let is_new = |k: &SVector<f64, D>| tried.iter().all(|other| self.are_apart(k, other));
-            let mut start = (f64::INFINITY, 0);
+            // A rival that is far above the best will not come below it within its cell of the grid.
+            let mut start = (best.0 + RIVAL * best.0.abs() + soft, usize::MAX);
             for (n, value) in values.iter().enumerate() {
                 let value = value * scale;
-                if value < start.0 && (tried.is_empty() || is_new(&candidates.wave_vectors[n])) {
+                let is_new = || {
+                    let k = &candidates.wave_vectors[n];
+                    // Equal values belong to images under the symmetry of the lattice and the state.
+                    tried.iter().all(|(other_value, other)| {
+                        (value - other_value).abs() > 1e-9 * value.abs() && self.are_apart(k, other)
+                    })
+                };
+                if value < start.0 && is_new() {
                     start = (value, n);
                 }
             }
-            // A rival that is far above the best will not come below it within its cell of the grid.
-            let margin = 0.1 * best.0.abs();
-            if !start.0.is_finite() || start.0 > best.0 + margin {
+            if start.1 == usize::MAX {
                 break;
             }
             let from = candidates.wave_vectors[start.1];
-            tried.push(from);
+            tried.push((start.0, from));
             let ((value, k), _) = self
                 .search
                 .newton(&expansion, (start.0, from), f64::INFINITY);
@@ -340,7 +356,7 @@ impl<const D: usize> GradientMoments<D> {
             let slope = |e: usize| -d[1][e] * sine + d[2][e] * cosine;
             let (x, xs) = ([0, 1, 2].map(value), [0, 1, 2].map(slope));
             let (half, half1) = (0.5 * (x[0] - x[2]), 0.5 * (xs[0] - xs[2]));
-            let root = half.hypot(x[1]);
+            let root = (half * half + x[1] * x[1]).sqrt();
             // Derivatives of h - sqrt(p); each entry obeys f'' = -(f - f0).
             let half2 = 0.5 * (d[0][0] - d[0][2]) - half;
             let mixed2 = d[0][1] - x[1];
@@ -375,6 +391,24 @@ impl<const D: usize> GradientMoments<D> {
             }
         }
         best
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct Eigenvalues<'a, const D: usize> {
+    candidates: &'a Candidates<D>,
+    contraction: &'a Contraction,
+    sign: f64,
+    values: &'a mut [f64],
+}
+
+impl<const D: usize> NullaryFnOnce for Eigenvalues<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.candidates
+            .eigenvalues(self.contraction, self.sign, self.values);
     }
 }
 

@@ -9,7 +9,7 @@ use super::DynamicalMatrix;
 use super::dynamical_matrix::{Expansion, Term};
 use crate::lattice::WaveGrid;
 use nalgebra::{SMatrix, SVector};
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// The entries `D_11`, `D_12`, `D_21`, `D_22` at the points of a [`WaveGrid`] with a first index up to `n / 2`; the
 /// others follow from `D(-k) = D(k)`.
@@ -218,20 +218,49 @@ impl<const D: usize> DynamicalMatrix<D> {
             .iter()
             .map(|site| self.vectors() * site)
             .collect();
-        Some(Arch::new().dispatch(
-            #[inline(always)]
-            || rows.on_grid(grid, &sites),
-        ))
+        Some(Arch::new().dispatch(OnGrid {
+            rows,
+            grid,
+            sites: &sites,
+        }))
     }
 
     /// `D(k)` with its derivatives, fast: without the relative accuracy of [`DynamicalMatrix::at`] for long waves.
     /// `None` unless planar and real.
     pub(super) fn planar_expansion(&self, k: &SVector<f64, D>) -> Option<Expansion<f64, D>> {
         let rows = self.planar_rows()?;
-        Some(Arch::new().dispatch(
-            #[inline(always)]
-            || rows.expansion(k),
-        ))
+        Some(Arch::new().dispatch(ExpansionAt { rows, k }))
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct OnGrid<'a, const D: usize> {
+    rows: &'a PlanarRows,
+    grid: &'a WaveGrid<D>,
+    sites: &'a [SVector<f64, D>],
+}
+
+impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
+    type Output = PlanarEntries;
+
+    #[inline(always)]
+    fn call(self) -> PlanarEntries {
+        self.rows.on_grid(self.grid, self.sites)
+    }
+}
+
+/// Likewise.
+struct ExpansionAt<'a, const D: usize> {
+    rows: &'a PlanarRows,
+    k: &'a SVector<f64, D>,
+}
+
+impl<const D: usize> NullaryFnOnce for ExpansionAt<'_, D> {
+    type Output = Expansion<f64, D>;
+
+    #[inline(always)]
+    fn call(self) -> Expansion<f64, D> {
+        self.rows.expansion(self.k)
     }
 }
 

@@ -5,5 +5,6 @@ mod errors;
 mod lattices;
 mod search;
 mod shape_functions;
+mod survey;
 mod theorem;
 mod waves;

@@ -222,7 +222,7 @@ impl<const D: usize> ZoneSearch<D> {
             let (step, is_convex) = newton_step(&slope, &curvature, longest);
             let decrease = -slope.dot(&step);
             // Quadratic convergence: the next step gains less than rounding.
-            if is_convex && (step.norm() < CONVERGED * longest || decrease <= 1e-14 * value.abs()) {
+            if is_convex && (step.norm() < CONVERGED * longest || decrease <= 1e-13 * value.abs()) {
                 return ((value, k), true);
             }
             // A quadratic well falls by half of the linear decrease; eight times as much is on the safe side.
@@ -416,14 +416,14 @@ fn principal<const D: usize>(m: &SMatrix<f64, D, D>) -> ([f64; D], [SVector<f64,
         std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));
     if D == 2 && m[(0, 1)] != 0.0 {
         let (mean, half) = (0.5 * (m[(0, 0)] + m[(1, 1)]), 0.5 * (m[(0, 0)] - m[(1, 1)]));
-        let radius = half.hypot(m[(0, 1)]);
+        let radius = (half * half + m[(0, 1)] * m[(0, 1)]).sqrt();
         // The longer of the two forms of the axis of the higher value, for accuracy.
         let (x, y) = if half > 0.0 {
             (half + radius, m[(0, 1)])
         } else {
             (m[(0, 1)], radius - half)
         };
-        let length = x.hypot(y);
+        let length = (x * x + y * y).sqrt();
         values = std::array::from_fn(|i| if i == 0 { mean + radius } else { mean - radius });
         axes[0] = SVector::from_fn(|i, _| [x, y][i] / length);
         axes[1] = SVector::from_fn(|i, _| [-y, x][i] / length);

@@ -7,7 +7,7 @@ use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::SVector;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
 /// The objectives on a periodic grid over the zone.
@@ -131,10 +131,11 @@ impl<const D: usize> ZoneSearch<D> {
             (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
         };
         let mut spectrum = match matrix.planar_entries(&waves) {
-            Some(entries) => Arch::new().dispatch(
-                #[inline(always)]
-                || GridSpectrum::of_planar(&entries, waves.laplacian(), self.speed_squared),
-            ),
+            Some(entries) => Arch::new().dispatch(OfPlanar {
+                entries: &entries,
+                laplacian: waves.laplacian(),
+                speed_squared: self.speed_squared,
+            }),
             None => self.pointwise(matrix, &waves),
         };
         spectrum.mirrored::<D>(resolution);
@@ -181,10 +182,11 @@ impl<const D: usize> Grid<D> {
 
     /// The distinct local minima of the grid, deepest first.
     pub(super) fn wells(&self, objective: Objective) -> Vec<Well<D>> {
-        self.wells_of(self.spectrum.values(objective))
+        self.wells_of(self.spectrum.values(objective), f64::INFINITY)
     }
 
-    fn wells_of(&self, values: &[f64]) -> Vec<Well<D>> {
+    /// The local minima below a bound.
+    fn wells_of(&self, values: &[f64], below: f64) -> Vec<Well<D>> {
         let n = self.waves.resolution();
         let lines = values.len() / n;
         let mut wells: Vec<Well<D>> = Vec::new();
@@ -196,10 +198,12 @@ impl<const D: usize> Grid<D> {
                 .iter()
                 .map(|line| &values[line * n..][..n])
                 .collect();
-            Arch::new().dispatch(
-                #[inline(always)]
-                || mark_low(&values[line * n..][..n], &beside, &mut is_low),
-            );
+            Arch::new().dispatch(MarkLow {
+                line: &values[line * n..][..n],
+                beside: &beside,
+                below,
+                is_low: &mut is_low,
+            });
             let low = is_low.iter().enumerate().filter(|(_, low)| **low);
             for j in low.map(|(j, _)| j).filter(|j| line + j > 0) {
                 let value = values[line * n + j];
@@ -236,10 +240,8 @@ impl<const D: usize> Grid<D> {
         };
         let pairs = spectrum.discriminant.iter().zip(&spectrum.lowest);
         let slowness: Vec<f64> = pairs.map(slowness).collect();
-        let wells = self.wells_of(&slowness).into_iter();
-        wells
-            .filter(|well| well.start.0 < 0.0)
-            .map(|well| well.start.1)
+        let wells = self.wells_of(&slowness, 0.0).into_iter();
+        wells.map(|well| well.start.1)
     }
 
     /// The length of a step of the grid along the first reciprocal vector.
@@ -248,11 +250,46 @@ impl<const D: usize> Grid<D> {
     }
 }
 
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct OfPlanar<'a> {
+    entries: &'a PlanarEntries,
+    laplacian: &'a [f64],
+    speed_squared: f64,
+}
+
+impl NullaryFnOnce for OfPlanar<'_> {
+    type Output = GridSpectrum;
+
+    #[inline(always)]
+    fn call(self) -> GridSpectrum {
+        GridSpectrum::of_planar(self.entries, self.laplacian, self.speed_squared)
+    }
+}
+
+/// Likewise.
+struct MarkLow<'a> {
+    line: &'a [f64],
+    beside: &'a [&'a [f64]],
+    below: f64,
+    is_low: &'a mut [bool],
+}
+
+impl NullaryFnOnce for MarkLow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        mark_low(self.line, self.beside, self.below, self.is_low);
+    }
+}
+
 /// Marks the points of a line that none beside them on lines `beside` is lower than; at its ends too generously.
 #[inline(always)]
-fn mark_low(line: &[f64], beside: &[&[f64]], is_low: &mut [bool]) {
+fn mark_low(line: &[f64], beside: &[&[f64]], below: f64, is_low: &mut [bool]) {
     let n = line.len();
-    is_low.fill(true);
+    for (is_low, value) in is_low.iter_mut().zip(line) {
+        *is_low = *value < below;
+    }
     for other in beside {
         let other = &other[..n];
         let is_low = &mut is_low[..n];
