@@ -14,9 +14,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct WaveGrid<const D: usize> {
     resolution: usize,
     wave_vectors: Vec<SVector<f64, D>>,
-    laplacian: Vec<f64>,
+    laplacian: Arc<Vec<f64>>,
     /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
-    turned: Vec<(Vec<f64>, Vec<f64>)>,
+    turned: Arc<Vec<(Vec<f64>, Vec<f64>)>>,
     site_phases: Mutex<SitePhases<D>>,
 }
 
@@ -24,23 +24,18 @@ pub struct WaveGrid<const D: usize> {
 type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<(Vec<f64>, Vec<f64>)>)>;
 
 impl<const D: usize> WaveGrid<D> {
-    fn new(
-        lattice: &BravaisLattice<D>,
-        resolution: usize,
-        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
-    ) -> Self {
+    fn new(lattice: &BravaisLattice<D>, resolution: usize) -> Self {
+        let n = resolution as i64;
         let centered = |j: usize| {
-            let j = j as f64;
-            let n = resolution as f64;
+            let (j, n) = (j as f64, n as f64);
             (if 2.0 * j > n { j - n } else { j }) / n
         };
         let wave_vectors: Vec<SVector<f64, D>> = (0..resolution.pow(D as u32))
             .map(|index| {
                 let fractional = coordinates::<D>(index, resolution).map(centered);
-                folded(lattice.reciprocal() * SVector::from(fractional))
+                lattice.reciprocal() * SVector::from(fractional)
             })
             .collect();
-        let n = resolution as i64;
         let circle: Vec<(f64, f64)> = (0..n)
             .map(|m| TAU * m as f64 / n as f64)
             .map(|angle| (angle.cos(), angle.sin()))
@@ -50,11 +45,36 @@ impl<const D: usize> WaveGrid<D> {
                 .map(|j| circle[(m * j).rem_euclid(n) as usize])
                 .unzip()
         };
+        let laplacian = wave_vectors.iter().map(|k| lattice.laplacian(k)).collect();
         Self {
             resolution,
-            laplacian: wave_vectors.iter().map(|k| lattice.laplacian(k)).collect(),
+            laplacian: Arc::new(laplacian),
             wave_vectors,
-            turned: (-(n / 2)..=n / 2).map(turned).collect(),
+            turned: Arc::new((-(n / 2)..=n / 2).map(turned).collect()),
+            site_phases: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// The same with each wave vector replaced by an equivalent one, of `k` and `-k` by opposite ones.
+    fn folded(&self, folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>) -> Self {
+        let mut wave_vectors = self.wave_vectors.clone();
+        for index in 0..wave_vectors.len() {
+            let opposite = coordinates::<D>(index, self.resolution)
+                .into_iter()
+                .fold(0, |sum, j| {
+                    sum * self.resolution + (self.resolution - j) % self.resolution
+                });
+            wave_vectors[index] = if opposite < index {
+                -wave_vectors[opposite]
+            } else {
+                folded(wave_vectors[index])
+            };
+        }
+        Self {
+            resolution: self.resolution,
+            laplacian: Arc::clone(&self.laplacian),
+            wave_vectors,
+            turned: Arc::clone(&self.turned),
             site_phases: Mutex::new(Vec::new()),
         }
     }
@@ -139,13 +159,18 @@ impl<const D: usize> WaveGrids<D> {
 
     /// The grid with `resolution` points along each reciprocal vector.
     pub fn grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
-        self.cached((resolution, false), |k| k)
+        self.cached((resolution, false), || {
+            WaveGrid::new(&self.lattice, resolution)
+        })
     }
 
     /// The same with each wave vector replaced by its equivalent in the first Brillouin zone of the lattice.
     pub fn folded_grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
-        let zone = super::BrillouinZone::new(self.lattice);
-        self.cached((resolution, true), |k| zone.folded(&k))
+        let plain = self.grid(resolution);
+        self.cached((resolution, true), || {
+            let zone = super::BrillouinZone::new(self.lattice);
+            plain.folded(|k| zone.folded(&k))
+        })
     }
 
     /// A grid with wave vectors replaced by equivalent ones that depend on the state; not kept.
@@ -154,19 +179,12 @@ impl<const D: usize> WaveGrids<D> {
         resolution: usize,
         folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
     ) -> Arc<WaveGrid<D>> {
-        Arc::new(WaveGrid::new(&self.lattice, resolution, folded))
+        Arc::new(self.grid(resolution).folded(folded))
     }
 
-    fn cached(
-        &self,
-        key: (usize, bool),
-        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
-    ) -> Arc<WaveGrid<D>> {
+    fn cached(&self, key: (usize, bool), make: impl FnOnce() -> WaveGrid<D>) -> Arc<WaveGrid<D>> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(
-            made.entry(key)
-                .or_insert_with(|| Arc::new(WaveGrid::new(&self.lattice, key.0, folded))),
-        )
+        Arc::clone(made.entry(key).or_insert_with(|| Arc::new(make())))
     }
 }
 

@@ -14,6 +14,8 @@ const WELLS: usize = 16;
 const LONG_WAVE: f64 = 1e-3;
 /// Newton steps to the bottom of a well.
 const STEPS: usize = 40;
+/// A well is a valley when its curvatures differ by this factor.
+const SHALLOW: f64 = 0.1;
 /// Relative length of a step that counts as converged.
 const CONVERGED: f64 = 1e-9;
 
@@ -37,7 +39,7 @@ impl<const D: usize> ZoneSearch<D> {
         for well in grid.wells(objective).iter().take(WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
             // Folded back, points of the grid do not tell what is beside them.
-            if well.start.0 - well.relief <= to_beat || !self.is_periodic {
+            if well.start.0 - well.relief <= to_beat || self.is_near_boundary(&well.start.1) {
                 self.improve(matrix, objective, well.start, floor, &mut best);
             }
         }
@@ -97,6 +99,11 @@ impl<const D: usize> ZoneSearch<D> {
     /// Whether a wave vector belongs to the search: inside of the zone where `D` is not periodic.
     pub(super) fn is_admissible(&self, k: &SVector<f64, D>) -> bool {
         self.is_periodic || self.zone().contains(&(self.from_reference * k), 1e-9)
+    }
+
+    /// Whether a wave vector is next to the boundary of a zone that does not repeat.
+    fn is_near_boundary(&self, k: &SVector<f64, D>) -> bool {
+        !self.is_periodic && !self.zone().contains(&(self.from_reference * k * 1.08), 0.0)
     }
 
     /// Minima along the boundary of the zone, for matrices that are not periodic.
@@ -160,9 +167,16 @@ impl<const D: usize> ZoneSearch<D> {
             };
             let (bottom, settled) = self.newton(&expansion, (value, k), floor);
             (value, k) = bottom;
-            // Near the boundary of a zone that does not repeat, the bottom may lie on it: a look around is needed there.
-            if (settled && self.is_periodic) || value > floor {
+            if value > floor {
                 return (value, k);
+            }
+            // Near the boundary of a zone that does not repeat, the bottom may lie on it: a look around is needed there.
+            if settled && !self.is_near_boundary(&k) {
+                match self.lower_in_valley(&expansion, &at, (value, k)) {
+                    Some(lower) => (value, k) = lower,
+                    None => return (value, k),
+                }
+                continue;
             }
             let around = coordinate_search(&at, k, 1e-2 * longest);
             if around.0 >= value - 1e-12 * value.abs() {
@@ -171,6 +185,30 @@ impl<const D: usize> ZoneSearch<D> {
             (value, k) = around;
         }
         (value, k)
+    }
+
+    /// From the bottom of a shallow valley, a lower bottom along it: such a valley can have several within a few steps of
+    /// the grid, which then sees one.
+    fn lower_in_valley(
+        &self,
+        expansion: &impl Fn(&SVector<f64, D>) -> Option<Taylor<f64, D>>,
+        at: &impl Fn(&SVector<f64, D>) -> f64,
+        (value, k): Candidate<D>,
+    ) -> Option<Candidate<D>> {
+        let (values, axes) = principal(&expansion(&k)?.curvature());
+        let order = |a: &usize, b: &usize| values[*a].abs().total_cmp(&values[*b].abs());
+        let softest = (0..D).min_by(order)?;
+        let stiffest = (0..D).max_by(order)?;
+        if D == 1 || values[softest].abs() > SHALLOW * values[stiffest].abs() {
+            return None;
+        }
+        let step = 0.08 * self.longest();
+        [-step, step]
+            .map(|step| k + axes[softest] * step)
+            .map(|k| self.newton(expansion, (at(&k), k), f64::INFINITY).0)
+            .into_iter()
+            .filter(|(there, _)| *there < value - 1e-9 * value.abs())
+            .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Where a descent from a wave vector ends.

@@ -115,8 +115,13 @@ impl<const D: usize> ZoneSearch<D> {
         points_per_period: usize,
         soft_direction: SVector<f64, D>,
     ) -> Grid<D> {
-        // Near the boundary of a zone that does not repeat, the grid is folded and tells less.
-        let density = if self.is_periodic { 3 } else { 4 };
+        // Near the boundary of a zone that does not repeat, the grid is folded and tells less; and where branches can be
+        // complex, they are so in small pockets.
+        let density = if self.is_periodic && matrix.is_hermitian() {
+            3
+        } else {
+            4
+        };
         let resolution = points_per_period * density * matrix.effective_reach().clamp(4, 32) / 3;
         // A multiple of six has M, X and K among its points.
         let resolution = resolution.next_multiple_of(6);
