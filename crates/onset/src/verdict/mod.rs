@@ -189,7 +189,8 @@ pub fn assess<const D: usize>(
     })
 }
 
-fn decided(
+/// The verdict on what is known of material and particles.
+pub(crate) fn decided(
     is_elliptic: bool,
     is_stable: bool,
     has_zero_mode: bool,
