@@ -95,14 +95,14 @@ impl ProofAnswer {
     }
 
     /// One line: the word, and its bound or witness.
-    fn line(&self, wave: &str) -> String {
+    fn line(&self, wave: &str, rate: &str) -> String {
         let certainty = self.certainty;
         if let Some(bound) = self.bound {
             format!("{certainty}: the measure is at least {bound:.6e} for every {wave}")
         } else if let Some(witness) = &self.witness {
             let [low, high] = witness.measure;
             format!(
-                "{certainty}: the {wave} {} grows at a rate of at least {:.6e}, its measure is in [{low:.6e}, {high:.6e}]",
+                "{certainty}: the {wave} {} grows at a rate of at least {:.6e} {rate}, its measure is in [{low:.6e}, {high:.6e}]",
                 sentence::vector(&witness.wave_vector),
                 witness.growth_rate
             )
@@ -140,12 +140,12 @@ impl fmt::Display for CertificateAnswer {
         writeln!(
             formatter,
             "  material              {}",
-            self.material.line("direction")
+            self.material.line("direction", "c |k|")
         )?;
         write!(
             formatter,
             "  discretization        {}",
-            self.discretization.line("wave vector")
+            self.discretization.line("wave vector", "c/h")
         )
     }
 }
