@@ -49,6 +49,19 @@ pub enum Command {
         /// The state.
         #[command(flatten)]
         strain: StrainArguments,
+        /// Prove stability or instability, with a bound or a witness.
+        #[arg(long, help_heading = "Proof")]
+        certify: bool,
+        /// From where the measure of an undecided state counts as away from zero.
+        #[arg(
+            long,
+            value_name = "T",
+            default_value_t = 1e-3,
+            value_parser = tolerance,
+            requires = "certify",
+            help_heading = "Proof"
+        )]
+        tolerance: f64,
     },
     /// Frequencies of plane waves: of one wave vector, or along a path through the Brillouin zone.
     #[command(after_help = keys())]
@@ -138,7 +151,8 @@ pub enum Command {
         #[arg(value_name = "STORE", required = true)]
         stores: Vec<PathBuf>,
         /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
-        /// critical_time_step or lowest_omega_squared where the store has it.
+        /// critical_time_step or lowest_omega_squared where the store has it; of a certified map also certainty and
+        /// certainty_material.
         #[arg(long, value_name = "FIELD", default_value = "verdict")]
         field: String,
         /// Do not trace the boundaries; take them from the cells of the map.
@@ -188,6 +202,14 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+}
+
+/// A tolerance as typed.
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        _ => Err("expected a number above 0 and below 1, for example 1e-3".to_owned()),
+    }
 }
 
 /// A range of tiles as typed.

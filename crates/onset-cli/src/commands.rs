@@ -54,11 +54,21 @@ impl From<ProblemError> for Failure {
 /// Runs a command.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     match arguments.command {
-        Command::State { problem, strain } => {
+        Command::State {
+            problem,
+            strain,
+            certify,
+            tolerance,
+        } => {
             let json = problem.json;
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
-            print(&StateAnswer::new(&problem, &strain)?, json)
+            let answer = if certify {
+                StateAnswer::certified(&problem, &strain, tolerance)?
+            } else {
+                StateAnswer::new(&problem, &strain)?
+            };
+            print(&answer, json)
         }
         Command::Dispersion {
             problem,

@@ -1,6 +1,7 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
 mod boundary;
+mod certify;
 mod check;
 mod documents;
 mod files;

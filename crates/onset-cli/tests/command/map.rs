@@ -114,17 +114,17 @@ fn values(store: &ZarrStore, field: &str) -> Vec<Column> {
         .collect()
 }
 
-fn flags(store: &ZarrStore, field: &str) -> Vec<i8> {
+pub fn flags(store: &ZarrStore, field: &str) -> Vec<i8> {
     let columns = values(store, field);
     columns.iter().flat_map(Column::flags).copied().collect()
 }
 
-fn numbers(store: &ZarrStore, field: &str) -> Vec<f64> {
+pub fn numbers(store: &ZarrStore, field: &str) -> Vec<f64> {
     let columns = values(store, field);
     columns.iter().flat_map(Column::numbers).copied().collect()
 }
 
-fn opened(place: &Place, store: &str) -> ZarrStore {
+pub fn opened(place: &Place, store: &str) -> ZarrStore {
     ZarrStore::open(&place.store(store)).expect("a store")
 }
 

@@ -1,5 +1,6 @@
 //! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
 
+mod certificate;
 mod dispersion;
 mod mode;
 mod path;
@@ -8,6 +9,7 @@ mod sentence;
 mod state;
 mod summary;
 
+pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
 pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};

@@ -3,6 +3,7 @@
 use super::mode::{critical_mode, finite_wave_vector, spatial};
 use crate::settings::word_of;
 use nalgebra::SVector;
+use onset::bloch::Stability;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Frame, Method};
@@ -10,6 +11,23 @@ use onset::verdict::{Assessment, Verdict};
 
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
+
+/// The sentence of a state of which a proof says another thing than the search.
+pub(super) fn of_correction(
+    searched: (Verdict, Stability),
+    proved: (Verdict, Stability),
+) -> String {
+    let words = |(verdict, stability): (Verdict, Stability)| match stability {
+        Stability::Flutter => format!("`{}` by flutter", verdict.name()),
+        _ => format!("`{}`", verdict.name()),
+    };
+    format!(
+        "The search over the zone says {}, but the proof corrects it: the verdict is {}. Numbers of the discretization below are \
+         those of the search.",
+        words(searched),
+        words(proved)
+    )
+}
 
 /// The sentence of an assessment.
 pub(super) fn of<const D: usize>(

@@ -1,5 +1,6 @@
 //! The answer to: is this state stable, and if not, whose instability is it?
 
+use super::certificate::CertificateAnswer;
 use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
@@ -7,6 +8,7 @@ use super::sentence;
 use crate::settings::Settings;
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
+use onset::certificate::certify;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Method};
@@ -41,10 +43,13 @@ pub struct StateAnswer {
     pub sentence: String,
     /// `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// The continuum.
+    /// The continuum, as computed in floating point.
     pub material: MaterialAnswer,
-    /// The particles.
+    /// The particles, as the search in floating point finds them.
     pub discretization: DiscretizationAnswer,
+    /// What is proved, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<CertificateAnswer>,
 }
 
 /// The continuum at a state. Stresses in units of the material's parameters.
@@ -118,19 +123,49 @@ impl StateAnswer {
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, answer(problem, &strain.0))
+        in_dimension_of!(problem, answer(problem, &strain.0, None))
+    }
+
+    /// Answers for one state, with proofs; `tolerance` says from where a measure that is left undecided is not near zero.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method or the material cannot be evaluated there.
+    pub fn certified(
+        problem: &Problem,
+        strain: &Strain,
+        tolerance: f64,
+    ) -> Result<Self, ProblemError> {
+        in_dimension_of!(problem, answer(problem, &strain.0, Some(tolerance)))
     }
 }
 
 fn answer<const D: usize>(
     problem: &Problem,
     f: &DeformationGradient,
+    tolerance: Option<f64>,
 ) -> Result<StateAnswer, ProblemError> {
     let method = problem.method::<D>()?;
     let assessment = assess(&method, &*problem.material, f)?;
+    let searched = (assessment.verdict, assessment.spectrum.stability());
+    let (mut verdict, mut certificate) = (searched.0, None);
+    let mut sentence = sentence::of(&method, &assessment, f);
+    if let Some(tolerance) = tolerance {
+        let proved = certify(&method, &*problem.material, f, tolerance)?;
+        let corrected = proved.corrected(&assessment);
+        verdict = corrected.0;
+        if corrected != searched {
+            sentence = sentence::of_correction(searched, corrected);
+        }
+        certificate = Some(CertificateAnswer::new(
+            &proved,
+            tolerance,
+            corrected != searched,
+        ));
+    }
     Ok(StateAnswer {
-        verdict: assessment.verdict,
-        sentence: sentence::of(&method, &assessment, f),
+        verdict,
+        sentence,
+        certificate,
         deformation_gradient: *f.components(),
         material: material_answer(&problem.settings, &assessment),
         discretization: discretization_answer(&method, &assessment, f),
@@ -272,7 +307,11 @@ impl std::fmt::Display for StateAnswer {
             Some(step) => write!(
                 formatter,
                 "; central differences need a time step below {step:.6}"
-            ),
+            )?,
+            None => {}
+        }
+        match &self.certificate {
+            Some(certificate) => write!(formatter, "\n{certificate}"),
             None => Ok(()),
         }
     }

@@ -54,6 +54,17 @@ pub fn verdict(word: &str) -> Option<Color> {
         .map(|&(_, color)| color)
 }
 
+/// The color of what is proved: light where all is well, grey where nothing was asked, yellow where nothing could be proved.
+pub fn certainty(word: &str) -> Color {
+    match word {
+        "proved-stable" => Color::hex(0xe4f1f7),
+        "proved-unstable" => BLUE,
+        "proved-rank-deficient" => PURPLE,
+        "undecided" => YELLOW,
+        _ => Color::hex(0xc4c4c4),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

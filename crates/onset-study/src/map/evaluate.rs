@@ -1,9 +1,10 @@
 //! The one place at which a map computes a state.
 
-use super::record::{Certainty, Finding, Record};
+use super::record::{Finding, Proof, Record};
 use crate::answers::{Problem, ProblemError};
 use crate::settings::{MapSettings, Settings};
 use nalgebra::SVector;
+use onset::certificate::{Certainty, Certificate, Certifier, Foundation};
 use onset::continuum::AcousticMinimum;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Method, MethodError};
@@ -15,12 +16,18 @@ pub struct Evaluator {
     method: Option<AnyMethod>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
-    certify: bool,
+    tolerance: f64,
 }
 
 enum AnyMethod {
-    Chain(Method<1>),
-    Planar(Method<2>),
+    Chain(Prepared<1>),
+    Planar(Prepared<2>),
+}
+
+/// A method, and what is proved of it before any state if proofs are asked for.
+struct Prepared<const D: usize> {
+    method: Method<D>,
+    foundation: Option<Foundation<D>>,
 }
 
 impl Evaluator {
@@ -34,11 +41,11 @@ impl Evaluator {
         let problem = Problem { settings, material };
         let (method, stiffness) = match problem.dimension() {
             1 => {
-                let (method, stiffness) = prepared::<1>(&problem)?;
+                let (method, stiffness) = prepared::<1>(&problem, map)?;
                 (method.map(AnyMethod::Chain), stiffness)
             }
             _ => {
-                let (method, stiffness) = prepared::<2>(&problem)?;
+                let (method, stiffness) = prepared::<2>(&problem, map)?;
                 (method.map(AnyMethod::Planar), stiffness)
             }
         };
@@ -46,7 +53,7 @@ impl Evaluator {
             problem,
             method,
             stiffness,
-            certify: map.certify,
+            tolerance: map.tolerance,
         })
     }
 
@@ -64,12 +71,20 @@ impl Evaluator {
 
     fn evaluate<const D: usize>(
         &self,
-        method: &Method<D>,
+        prepared: &Prepared<D>,
         f: &DeformationGradient,
     ) -> Result<Record, ProblemError> {
         let material = &*self.problem.material;
+        let method = &prepared.method;
         match assess(method, material, f) {
-            Ok(assessment) => Ok(self.assessed(&assessment)),
+            Ok(assessment) => {
+                let record = self.assessed(&assessment);
+                let Some(foundation) = prepared.foundation else {
+                    return Ok(record);
+                };
+                let certifier = Certifier::founded(foundation, method, material, self.tolerance);
+                Ok(self.certified(record, &assessment, &certifier.certify(f)?))
+            }
             Err(error) if error.is_about_support() => {
                 let minimum = MaterialAssessment::<D>::new(material, f)
                     .map_err(MethodError::from)?
@@ -94,14 +109,39 @@ impl Evaluator {
             growth_rate: spectrum.growth_rate(),
             critical_time_step: finite(spectrum.critical_time_step()),
             measures: [f64::NAN, spectrum.softest.scaled, spectrum.long_wave.scaled],
-            certainty: if self.certify {
-                Certainty::Undecided
-            } else {
-                Certainty::NotAsked
-            },
             ..Record::UNDEFINED
         };
         self.with_continuum(&assessment.material.minimum, record)
+    }
+
+    /// What is proved goes before what the search has found.
+    fn certified<const D: usize>(
+        &self,
+        record: Record,
+        assessment: &Assessment<D>,
+        certificate: &Certificate<D>,
+    ) -> Record {
+        let (verdict, stability) = certificate.corrected(assessment);
+        let finding = Finding {
+            verdict: Some(verdict),
+            stability: Some(stability),
+        };
+        let growth_rate = match &certificate.discretization {
+            Certainty::Stable { .. } | Certainty::RankDeficient { .. } => 0.0,
+            Certainty::Unstable { witness } => {
+                let discretization = &self.problem.settings.discretization;
+                let speed = (self.stiffness / discretization.density).sqrt();
+                let proved = witness.growth_rate * speed / discretization.spacing;
+                record.growth_rate.max(proved)
+            }
+            Certainty::Undecided { .. } => record.growth_rate,
+        };
+        Record {
+            finding,
+            growth_rate,
+            proof: Proof::of(certificate, finding != record.finding),
+            ..record
+        }
     }
 
     fn with_continuum<const D: usize>(
@@ -120,13 +160,22 @@ impl Evaluator {
 }
 
 /// The method, unless its support is at fault, and the scale of acoustic eigenvalues.
-fn prepared<const D: usize>(problem: &Problem) -> Result<(Option<Method<D>>, f64), ProblemError> {
+fn prepared<const D: usize>(
+    problem: &Problem,
+    map: &MapSettings,
+) -> Result<(Option<Prepared<D>>, f64), ProblemError> {
     let density = problem.settings.discretization.density;
     match Method::<D>::new(problem.settings.discretization) {
         Ok(method) => {
             let stiffness =
                 speed_squared(&method, &*problem.material).map_err(MethodError::from)? * density;
-            Ok((Some(method), stiffness))
+            let foundation = if map.certify {
+                let certifier = Certifier::new(&method, &*problem.material, map.tolerance)?;
+                Some(certifier.foundation())
+            } else {
+                None
+            };
+            Ok((Some(Prepared { method, foundation }), stiffness))
         }
         Err(error) if error.is_about_support() => Ok((None, f64::NAN)),
         Err(error) => Err(error.into()),

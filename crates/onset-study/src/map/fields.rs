@@ -1,13 +1,25 @@
 //! What of a state is stored: the table of fields, each with how its value is taken.
 
-use super::record::{Certainty, Outcome, Record};
+use super::record::{Certainty, Outcome, Proof, Record};
 use crate::settings::MapSettings;
 use crate::store::{Column, Field, Kind};
 use onset::bloch::Stability;
+use onset::certificate::Reason;
 use onset::verdict::Verdict;
 
 /// The field that is written last.
 pub const VERDICT: &str = "verdict";
+
+/// What is proved about the particles.
+pub const CERTAINTY: &str = "certainty";
+/// What is proved about the material.
+pub const CERTAINTY_MATERIAL: &str = "certainty_material";
+/// Why the particles are undecided.
+pub(super) const REASON: &str = "undecided_because";
+/// Whether the proof corrects the search.
+pub(super) const CORRECTED: &str = "corrected";
+/// The first meaning of [`REASON`].
+const NO_REASON: &str = "decided-or-not-asked";
 
 /// How the value of a field is taken from what is known about a state.
 #[derive(Clone, Copy, Debug)]
@@ -170,23 +182,54 @@ fn numbers() -> Vec<(Field, Taken)> {
 fn proofs() -> Vec<(Field, Taken)> {
     vec![
         flags(
-            "certainty",
-            "what has been proved about the stability of the particles",
+            CERTAINTY,
+            "what has been proved about the waves of the particles; not-asked where the state was filled in or is undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
-            |outcome| {
-                let certainty = outcome
-                    .record
-                    .map_or(Certainty::NotAsked, |record| record.certainty);
-                flag(&Certainty::ALL, Some(certainty))
+            |outcome| flag(&Certainty::ALL, Some(proof(outcome).particles)),
+        ),
+        flags(
+            CERTAINTY_MATERIAL,
+            "what has been proved about the strong ellipticity of the material; not-asked where the state was filled in or is \
+             undefined",
+            Certainty::ALL.map(Certainty::name).to_vec(),
+            |outcome| flag(&Certainty::ALL, Some(proof(outcome).material)),
+        ),
+        flags(
+            REASON,
+            "why the particles are undecided",
+            [NO_REASON]
+                .into_iter()
+                .chain(Reason::ALL.map(Reason::name))
+                .collect(),
+            |outcome| match proof(outcome).reason {
+                None => 0,
+                reason => 1 + flag(&Reason::ALL, reason),
             },
+        ),
+        flags(
+            CORRECTED,
+            "whether the proof corrects verdict or stability of the search; the numbers but growth_rate are still those of the search",
+            vec!["as-searched", "corrected"],
+            |outcome| i8::from(proof(outcome).corrects),
         ),
         number(
             "proved_bound",
             "proved bound of scaled_minimum: from below where stable, from above where unstable",
             "1",
-            |record| record.proved_bound,
+            |record| record.proof.bound,
+        ),
+        number(
+            "material_bound",
+            "proved bound of acoustic_minimum in units of that of the undeformed material: from below where elliptic, from above \
+             where not",
+            "1",
+            |record| record.proof.material_bound,
         ),
     ]
+}
+
+fn proof(outcome: &Outcome) -> Proof {
+    outcome.record.map_or(Proof::NONE, |record| record.proof)
 }
 
 fn flags(

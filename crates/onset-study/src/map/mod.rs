@@ -8,14 +8,15 @@ mod adaptive;
 mod evaluate;
 mod fields;
 mod layout;
+mod proved;
 mod record;
 mod run;
 mod summary;
 mod tile;
 
 pub use evaluate::Evaluator;
-pub use fields::{VERDICT, fields};
-pub use record::{Certainty, Finding, Outcome, Record};
+pub use fields::{CERTAINTY, CERTAINTY_MATERIAL, VERDICT, fields};
+pub use record::{Certainty, Finding, Outcome, Proof, Record};
 pub use run::{MapError, Watch};
-pub use summary::{Share, Summary};
+pub use summary::{Proved, Share, Summary};
 pub use tile::Plan;

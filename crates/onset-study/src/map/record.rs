@@ -1,6 +1,7 @@
 //! What is known about a state of a map.
 
 use onset::bloch::Stability;
+use onset::certificate::{self, Certificate, Reason};
 use onset::verdict::Verdict;
 
 /// What a state is, in words.
@@ -21,25 +22,28 @@ impl Finding {
     };
 }
 
-/// What has been proved about a state.
+/// What has been proved about material or particles at a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// No proof was asked for.
+    /// No proof was asked for, or there is nothing to prove because the method cannot be evaluated.
     NotAsked,
-    /// No mode grows: a proof over the whole zone.
+    /// No wave grows: a proof over the whole zone, or over all directions.
     ProvedStable,
-    /// A mode grows: a proof by that mode.
+    /// A wave grows: a proof by that wave.
     ProvedUnstable,
-    /// Neither.
+    /// No wave grows, but one of finite length has no energy.
+    ProvedRankDeficient,
+    /// None of them.
     Undecided,
 }
 
 impl Certainty {
     /// All of them, in the order of their flags.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::NotAsked,
         Self::ProvedStable,
         Self::ProvedUnstable,
+        Self::ProvedRankDeficient,
         Self::Undecided,
     ];
 
@@ -49,8 +53,73 @@ impl Certainty {
             Self::NotAsked => "not-asked",
             Self::ProvedStable => "proved-stable",
             Self::ProvedUnstable => "proved-unstable",
+            Self::ProvedRankDeficient => "proved-rank-deficient",
             Self::Undecided => "undecided",
         }
+    }
+}
+
+impl<const D: usize> From<&certificate::Certainty<D>> for Certainty {
+    fn from(proved: &certificate::Certainty<D>) -> Self {
+        match proved {
+            certificate::Certainty::Stable { .. } => Self::ProvedStable,
+            certificate::Certainty::Unstable { .. } => Self::ProvedUnstable,
+            certificate::Certainty::RankDeficient { .. } => Self::ProvedRankDeficient,
+            certificate::Certainty::Undecided { .. } => Self::Undecided,
+        }
+    }
+}
+
+/// What has been proved about a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// Strong ellipticity.
+    pub material: Certainty,
+    /// The bound of the acoustic eigenvalue over `rho0 c^2`: from below where elliptic, from above where not.
+    pub material_bound: f64,
+    /// Waves of the particles.
+    pub particles: Certainty,
+    /// The bound of the scaled minimum: from below where stable, from above where unstable.
+    pub bound: f64,
+    /// Why the particles are undecided.
+    pub reason: Option<Reason>,
+    /// Whether the verdict or the stability is another than that of the search.
+    pub corrects: bool,
+}
+
+impl Proof {
+    /// Nothing is proved.
+    pub const NONE: Self = Self {
+        material: Certainty::NotAsked,
+        material_bound: f64::NAN,
+        particles: Certainty::NotAsked,
+        bound: f64::NAN,
+        reason: None,
+        corrects: false,
+    };
+
+    /// Of a certificate.
+    pub(super) fn of<const D: usize>(certificate: &Certificate<D>, corrects: bool) -> Self {
+        Self {
+            material: (&certificate.material).into(),
+            material_bound: bound(&certificate.material),
+            particles: (&certificate.discretization).into(),
+            bound: bound(&certificate.discretization),
+            reason: match certificate.discretization {
+                certificate::Certainty::Undecided { reason, .. } => Some(reason),
+                _ => None,
+            },
+            corrects,
+        }
+    }
+}
+
+fn bound<const D: usize>(proved: &certificate::Certainty<D>) -> f64 {
+    match proved {
+        certificate::Certainty::Stable { bound } => *bound,
+        certificate::Certainty::Unstable { witness } => witness.measure.high,
+        certificate::Certainty::RankDeficient { .. } => 0.0,
+        certificate::Certainty::Undecided { .. } => f64::NAN,
     }
 }
 
@@ -76,9 +145,7 @@ pub struct Record {
     /// Signed measures, smooth almost everywhere, whose zeros are the boundaries of the verdicts; without dimension.
     pub measures: [f64; 3],
     /// What has been proved.
-    pub certainty: Certainty,
-    /// The proved bound of the scaled minimum: from below where stable, from above where unstable.
-    pub proved_bound: f64,
+    pub proof: Proof,
 }
 
 impl Record {
@@ -93,8 +160,7 @@ impl Record {
         growth_rate: f64::NAN,
         critical_time_step: f64::NAN,
         measures: [f64::NAN; 3],
-        certainty: Certainty::NotAsked,
-        proved_bound: f64::NAN,
+        proof: Proof::NONE,
     };
 }
 

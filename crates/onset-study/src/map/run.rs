@@ -1,6 +1,6 @@
 //! The computation of a map: tile by tile, on all cores, into a store.
 
-use super::fields::VERDICT;
+use super::fields::{CERTAINTY, CORRECTED, REASON, VERDICT};
 use super::summary::{Summary, Tally};
 use super::tile::{Plan, Work};
 use crate::answers::ProblemError;
@@ -153,6 +153,9 @@ impl Plan {
             match (field.name, column) {
                 (VERDICT, Some(Column::Flags(flags))) => tally.count_verdicts(&flags),
                 ("evaluated", Some(Column::Flags(flags))) => tally.count_evaluated(&flags),
+                (CERTAINTY, Some(Column::Flags(flags))) => tally.proofs.count_certainties(&flags),
+                (REASON, Some(Column::Flags(flags))) => tally.proofs.count_reasons(&flags),
+                (CORRECTED, Some(Column::Flags(flags))) => tally.proofs.count_corrected(&flags),
                 _ => {}
             }
         }

@@ -1,7 +1,9 @@
 //! What came of a run, in words and numbers.
 
 use super::fields::verdicts;
-use super::record::Outcome;
+use super::proved::Proofs;
+pub use super::proved::Proved;
+use super::record::{Outcome, Proof};
 use crate::settings::Study;
 use onset::verdict::Verdict;
 use serde::Serialize;
@@ -15,6 +17,8 @@ use std::time::Duration;
 pub(super) struct Tally {
     verdicts: [u64; Verdict::ALL.len() + 1],
     evaluated: u64,
+    /// What is proved.
+    pub(super) proofs: Proofs,
     /// States that this run has computed.
     fresh: u64,
     /// Tiles that were done.
@@ -46,6 +50,11 @@ impl Tally {
         let is_computed = u64::from(outcome.record.is_some());
         self.evaluated += is_computed;
         self.fresh += is_computed;
+        if let Some(record) = &outcome.record {
+            self.proofs.count(&record.proof);
+        } else {
+            self.proofs.count(&Proof::NONE);
+        }
     }
 
     pub(super) fn count_verdicts(&mut self, flags: &[i8]) {
@@ -71,6 +80,7 @@ impl Add for Tally {
         Self {
             verdicts: std::array::from_fn(|i| self.verdicts[i] + other.verdicts[i]),
             evaluated: self.evaluated + other.evaluated,
+            proofs: self.proofs + other.proofs,
             fresh: self.fresh + other.fresh,
             found: self.found + other.found,
             computed: self.computed + other.computed,
@@ -98,6 +108,9 @@ pub struct Summary {
     pub evaluated: u64,
     /// How many states are what, over the tiles of this run.
     pub verdicts: BTreeMap<&'static str, Share>,
+    /// What is proved, where proofs were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proofs: Option<Proved>,
     /// Tiles that this run has computed.
     pub tiles_computed: usize,
     /// Tiles of this run that were done already, or that another process has done meanwhile.
@@ -134,6 +147,7 @@ impl Summary {
                 .into_iter()
                 .zip(tally.verdicts.map(share))
                 .collect(),
+            proofs: study.map.certify.then(|| tally.proofs.shares(states)),
             tiles_computed: tally.computed,
             tiles_found: tally.found,
             tiles_done,
@@ -172,6 +186,9 @@ impl fmt::Display for Summary {
             self.evaluated,
             100.0 * self.evaluated as f64 / self.states.max(1) as f64
         )?;
+        if let Some(proofs) = &self.proofs {
+            write!(formatter, "{proofs}")?;
+        }
         let found = match self.tiles_found {
             0 => String::new(),
             count => format!("; {count} were done already"),

@@ -6,7 +6,7 @@ mod stored;
 
 use crate::boundary::{BoundaryError, Watch};
 use crate::domain::Class;
-use crate::figure::{Axis, Field, Figure, Panel, Regions};
+use crate::figure::{Axis, Field, Figure, Panel, Regions, palette};
 use crate::settings::{Quantity, SettingError, Study};
 use crate::store::StoreError;
 use onset::verdict::Verdict;
@@ -24,7 +24,7 @@ const VERDICT: &str = "verdict";
 pub struct Plot<'a> {
     /// The stores.
     pub stores: &'a [PathBuf],
-    /// `verdict`, or the name of a field of numbers.
+    /// `verdict`, `certainty`, `certainty_material`, or the name of a field of numbers.
     pub field: &'a str,
     /// Whether the boundaries are traced; otherwise they are the edges of cells.
     pub traced: bool,
@@ -49,7 +49,7 @@ pub enum PlotError {
     Boundary(#[from] BoundaryError),
     /// A field that cannot be shown.
     #[error(
-        "the field `{field}` cannot be shown as a map\n  hint: fields of numbers are {}", known.join(", ")
+        "the field `{field}` cannot be shown as a map\n  hint: fields that can are {}", known.join(", ")
     )]
     NotShown {
         /// The field.
@@ -166,6 +166,8 @@ fn panel(
             classes.iter().map(index).collect(),
             key,
         ))
+    } else if let Some(words) = map.words(plot.field) {
+        panel.with(proofs(map, slice, plot.field, &words)?)
     } else {
         panel.with(field(map, slice, plot.field)?)
     };
@@ -175,6 +177,31 @@ fn panel(
         lines::of_cells(map, slice)?
     };
     Ok(lines.into_iter().fold(panel, Panel::with))
+}
+
+/// What is proved, in words; white where it is still to be computed.
+fn proofs(
+    map: &StoredMap,
+    slice: &Slice,
+    name: &str,
+    words: &[&'static str],
+) -> Result<Regions, PlotError> {
+    let [first, second] = slice.study.plane();
+    let (cells, flags) = map.numbers(slice, name)?;
+    let class = |flag: &f64| match *flag {
+        flag if flag >= 0.0 => flag as u8,
+        _ => u8::MAX,
+    };
+    let key = words
+        .iter()
+        .map(|word| (word.replace('-', " "), palette::certainty(word)));
+    Ok(Regions::new(
+        first.range,
+        second.range,
+        cells,
+        flags.iter().map(class).collect(),
+        key,
+    ))
 }
 
 /// A field of numbers over the range of most of them.

@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 /// Cells along each edge of a picture; of a finer map every n-th state is shown.
 const CELLS: usize = 1024;
 
+/// Fields of words that are shown beside the verdict.
+const PROOFS: [&str; 2] = [map::CERTAINTY, map::CERTAINTY_MATERIAL];
+
 /// A store with its study.
 pub(super) struct StoredMap {
     store: ZarrStore,
@@ -121,6 +124,20 @@ impl StoredMap {
         ))
     }
 
+    /// The meanings of the flags of a field of proofs that the store has.
+    pub(super) fn words(&self, name: &str) -> Option<Vec<&'static str>> {
+        if !PROOFS.contains(&name) || !self.store.fields().any(|stored| stored == name) {
+            return None;
+        }
+        let field = map::fields(&self.study.map)
+            .into_iter()
+            .find(|field| field.name == name)?;
+        match field.kind {
+            Kind::Flags(meanings) => Some(meanings),
+            Kind::Numbers(_) => None,
+        }
+    }
+
     /// The label of a field of numbers, with its unit.
     pub(super) fn label(&self, name: &str) -> Result<String, PlotError> {
         let fields = map::fields(&self.study.map);
@@ -140,7 +157,9 @@ impl StoredMap {
                 field: name.to_owned(),
                 known: fields
                     .iter()
-                    .filter(|field| is_shown(&field.kind, field.is_vector))
+                    .filter(|field| {
+                        is_shown(&field.kind, field.is_vector) || PROOFS.contains(&field.name)
+                    })
                     .map(|field| field.name.to_owned())
                     .chain([super::VERDICT.to_owned()])
                     .collect(),

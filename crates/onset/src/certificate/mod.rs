@@ -15,7 +15,7 @@ mod patch;
 mod points;
 mod waves;
 
-use crate::bloch::{ZoneSearch, dynamical_matrix};
+use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::BrillouinZone;
@@ -23,7 +23,7 @@ use crate::material::Hyperelastic;
 use crate::method::{Background, Frame, Method, MethodError};
 use crate::quadrature::QuadraturePoint;
 use crate::real::Interval;
-use crate::verdict::speed_squared;
+use crate::verdict::{Assessment, Verdict, decided, speed_squared};
 use cover::{Finding, GrowingWave, Question, cover};
 use ellipticity::{Acoustic, Ellipticity};
 use nalgebra::SVector;
@@ -108,6 +108,65 @@ pub enum Reason {
     NotFinite,
 }
 
+impl Reason {
+    /// All of them, in the order of their flags in files.
+    pub const ALL: [Self; 6] = [
+        Self::WithinTolerance,
+        Self::Growth,
+        Self::Budget,
+        Self::NoInversionCenter,
+        Self::Dimension,
+        Self::NotFinite,
+    ];
+
+    /// The word used in files and legends.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WithinTolerance => "within-tolerance",
+            Self::Growth => "growth",
+            Self::Budget => "budget",
+            Self::NoInversionCenter => "no-inversion-center",
+            Self::Dimension => "dimension",
+            Self::NotFinite => "not-finite",
+        }
+    }
+}
+
+impl<const D: usize> Certificate<D> {
+    /// The verdict and how perturbations develop, where what is proved goes before what a search has found.
+    pub fn corrected(&self, found: &Assessment<D>) -> (Verdict, Stability) {
+        let is_elliptic = match self.material {
+            Certainty::Stable { .. } => true,
+            Certainty::Unstable { .. } => false,
+            _ => found.material.is_elliptic,
+        };
+        let searched = found.spectrum.stability();
+        let (stability, has_zero_mode) = match &self.discretization {
+            Certainty::Stable { .. } => (Stability::Stable, false),
+            Certainty::RankDeficient { .. } => (Stability::Stable, true),
+            Certainty::Unstable { witness } if searched == Stability::Stable => {
+                (witness.stability(), false)
+            }
+            _ => (searched, found.verdict == Verdict::RankDeficient),
+        };
+        let long_waves_grow = found.spectrum.long_wave.scaled < -found.spectrum.tolerance;
+        let is_stable = stability == Stability::Stable;
+        let verdict = decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow);
+        (verdict, stability)
+    }
+}
+
+impl<const D: usize> Witness<D> {
+    /// How the wave grows: it diverges unless its measure may be positive.
+    pub fn stability(&self) -> Stability {
+        if self.measure.high < 0.0 {
+            Stability::Divergence
+        } else {
+            Stability::Flutter
+        }
+    }
+}
+
 impl<const D: usize> Certainty<D> {
     /// The word used in files and legends.
     pub fn name(&self) -> &'static str {
@@ -185,8 +244,16 @@ pub struct Certifier<'a, const D: usize> {
     gradient: Option<Gradient<D>>,
 }
 
+/// What is proved of a method and a material before any state: what [`Certifier::new`] spends its time on, to be kept where a
+/// certifier cannot be, because it borrows.
+#[derive(Clone, Copy, Debug)]
+pub struct Foundation<const D: usize> {
+    speed_squared: f64,
+    gradient: Option<Gradient<D>>,
+}
+
 /// The discrete gradient of a Lagrangian method.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum Gradient<const D: usize> {
     /// `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
     Bounded(f64),
@@ -217,6 +284,32 @@ impl<'a, const D: usize> Certifier<'a, D> {
             certifier.gradient = certifier.gradient()?;
         }
         Ok(certifier)
+    }
+
+    /// What this certifier knows before any state.
+    pub fn foundation(&self) -> Foundation<D> {
+        Foundation {
+            speed_squared: self.speed_squared,
+            gradient: self.gradient,
+        }
+    }
+
+    /// A certifier on the foundation of another one. Proofs hold only if that was of the same method and the same material.
+    pub fn founded(
+        foundation: Foundation<D>,
+        method: &'a Method<D>,
+        material: &'a dyn Hyperelastic,
+        tolerance: f64,
+    ) -> Self {
+        Self {
+            method,
+            material,
+            tolerance,
+            share: SHARE,
+            budget: BUDGET,
+            speed_squared: foundation.speed_squared,
+            gradient: foundation.gradient,
+        }
     }
 
     /// With a share of the true minimum, up to 0.95, that is to be proved as the lower bound. The nearer to one, the

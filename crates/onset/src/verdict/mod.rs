@@ -198,7 +198,8 @@ fn gradient_norm_of<const D: usize>(
     Ok(discrete / k.norm_squared())
 }
 
-fn decided(
+/// The verdict on what is known of material and particles.
+pub(crate) fn decided(
     is_elliptic: bool,
     is_stable: bool,
     has_zero_mode: bool,

@@ -1,0 +1,151 @@
+//! What is proved about a state, in words and numbers.
+
+use super::sentence;
+use super::state::list;
+use nalgebra::SVector;
+use onset::certificate::{Certainty, Certificate, Witness};
+use serde::Serialize;
+use std::fmt;
+
+/// What is proved about material and discretization.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CertificateAnswer {
+    /// How far from zero a measure counts as not within the tolerance.
+    pub tolerance: f64,
+    /// Whether the verdict is another than that of the search.
+    pub corrects_the_search: bool,
+    /// Strong ellipticity; measures are acoustic eigenvalues over `rho0 c^2`.
+    pub material: ProofAnswer,
+    /// Waves of the particles; measures are `Re omega^2 / (c^2 |k|_h^2)`.
+    pub discretization: ProofAnswer,
+}
+
+/// A three-valued answer with what carries it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProofAnswer {
+    /// `proved-stable`, `proved-rank-deficient`, `proved-unstable` or `undecided`.
+    pub certainty: &'static str,
+    /// Of what is stable: the measure is at least this for all directions or wave vectors.
+    pub bound: Option<f64>,
+    /// Of what is unstable: a wave that grows.
+    pub witness: Option<WitnessAnswer>,
+    /// Of what is rank-deficient: the reference wave vector of a wave without energy.
+    pub zero_energy_wave_vector: Option<Vec<f64>>,
+    /// Of what is undecided: why.
+    pub reason: Option<&'static str>,
+    /// Of what is undecided: the smallest measure seen.
+    pub smallest_seen: Option<f64>,
+}
+
+/// A wave that is proved to grow.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WitnessAnswer {
+    /// Reference wave vector, of a material the direction.
+    pub wave_vector: Vec<f64>,
+    /// Lower and upper bound of the measure.
+    pub measure: [f64; 2],
+    /// Lower bound of the growth rate, in units of sound speed over spacing; of a material, of sound speed times wave number.
+    pub growth_rate: f64,
+}
+
+impl CertificateAnswer {
+    pub(super) fn new<const D: usize>(
+        certificate: &Certificate<D>,
+        tolerance: f64,
+        corrects_the_search: bool,
+    ) -> Self {
+        Self {
+            tolerance,
+            corrects_the_search,
+            material: ProofAnswer::new(&certificate.material),
+            discretization: ProofAnswer::new(&certificate.discretization),
+        }
+    }
+}
+
+impl ProofAnswer {
+    fn new<const D: usize>(certainty: &Certainty<D>) -> Self {
+        let nothing = Self {
+            certainty: certainty.name(),
+            bound: None,
+            witness: None,
+            zero_energy_wave_vector: None,
+            reason: None,
+            smallest_seen: None,
+        };
+        match certainty {
+            Certainty::Stable { bound } => Self {
+                bound: Some(*bound),
+                ..nothing
+            },
+            Certainty::RankDeficient { wave_vector } => Self {
+                zero_energy_wave_vector: Some(list::<D>(wave_vector)),
+                ..nothing
+            },
+            Certainty::Unstable { witness } => Self {
+                witness: Some(WitnessAnswer::new(witness)),
+                ..nothing
+            },
+            Certainty::Undecided { measure, reason } => Self {
+                reason: Some(reason.name()),
+                smallest_seen: Some(*measure).filter(|measure| measure.is_finite()),
+                ..nothing
+            },
+        }
+    }
+
+    /// One line: the word, and its bound or witness.
+    fn line(&self, wave: &str, rate: &str) -> String {
+        let certainty = self.certainty;
+        if let Some(bound) = self.bound {
+            format!("{certainty}: the measure is at least {bound:.6e} for every {wave}")
+        } else if let Some(witness) = &self.witness {
+            let [low, high] = witness.measure;
+            format!(
+                "{certainty}: the {wave} {} grows at a rate of at least {:.6e} {rate}, its measure is in [{low:.6e}, {high:.6e}]",
+                sentence::vector(&witness.wave_vector),
+                witness.growth_rate
+            )
+        } else if let Some(wave_vector) = &self.zero_energy_wave_vector {
+            format!(
+                "{certainty}: no wave grows, the {wave} {} has no energy",
+                sentence::vector(wave_vector)
+            )
+        } else {
+            let reason = self.reason.unwrap_or("no reason");
+            match self.smallest_seen {
+                Some(seen) => {
+                    format!("{certainty} ({reason}); the smallest measure seen is {seen:.6e}")
+                }
+                None => format!("{certainty} ({reason})"),
+            }
+        }
+    }
+}
+
+impl WitnessAnswer {
+    fn new<const D: usize>(witness: &Witness<D>) -> Self {
+        let wave_vector: &SVector<f64, D> = &witness.wave_vector;
+        Self {
+            wave_vector: list(wave_vector),
+            measure: [witness.measure.low, witness.measure.high],
+            growth_rate: witness.growth_rate,
+        }
+    }
+}
+
+impl fmt::Display for CertificateAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "proofs")?;
+        writeln!(
+            formatter,
+            "  material              {}",
+            self.material.line("direction", "c |k|")
+        )?;
+        write!(
+            formatter,
+            "  discretization        {}",
+            self.discretization.line("wave vector", "c/h")
+        )
+    }
+}
