@@ -138,7 +138,8 @@ pub(super) fn edges(
 
 #[cfg(test)]
 mod tests {
-    use super::edges;
+    use super::{edges, honest};
+    use onset::verdict::boundary::Boundary;
 
     #[test]
     fn edges_of_cells_separate_what_differs_and_is_known() {
