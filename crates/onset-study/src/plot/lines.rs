@@ -23,17 +23,30 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
     points
 }
 
-/// The line of the material; so wide that it shows beside that of particles that agree with it.
-pub(super) fn of_material(points: Vec<(f64, f64)>) -> Option<Line> {
-    (!points.is_empty()).then(|| Line::new(points).width(5.0).named(MATERIAL))
+/// A name in the legend that hides no gap: a boundary whose curves were not all followed to their ends says so.
+pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
+    match boundary.is_complete() {
+        true => name.to_owned(),
+        false => format!("{name} (incomplete; see --no-trace)"),
+    }
 }
 
-fn of_particles(points: Vec<(f64, f64)>) -> Option<Line> {
+/// The line of the material; so wide that it shows beside that of particles that agree with it.
+fn of_material(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
+    (!points.is_empty()).then(|| Line::new(points).width(5.0).named(name))
+}
+
+/// The traced boundary of the material.
+pub(super) fn material(boundary: &Boundary) -> Option<Line> {
+    of_material(joined(boundary), honest(MATERIAL, boundary))
+}
+
+fn of_particles(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     (!points.is_empty()).then(|| {
         Line::new(points)
             .color(palette::VERMILION)
             .width(2.0)
-            .named(PARTICLES)
+            .named(name)
     })
 }
 
@@ -41,8 +54,11 @@ fn of_particles(points: Vec<(f64, f64)>) -> Option<Line> {
 pub(super) fn traced(study: &Study, watch: &dyn Watch) -> Result<Vec<Line>, PlotError> {
     let boundaries = Boundaries::of(study, Tracing::default(), watch)?;
     let lines = [
-        of_material(joined(&boundaries.material)),
-        of_particles(joined(&boundaries.discretization)),
+        material(&boundaries.material),
+        of_particles(
+            joined(&boundaries.discretization),
+            honest(PARTICLES, &boundaries.discretization),
+        ),
     ];
     Ok(lines.into_iter().flatten().collect())
 }
@@ -69,7 +85,10 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
         .collect();
     let [first, second] = slice.study.plane();
     let edges = |flags: &[Option<bool>]| edges(flags, cells, first.range, second.range);
-    let lines = [of_material(edges(&elliptic)), of_particles(edges(&stable))];
+    let lines = [
+        of_material(edges(&elliptic), MATERIAL.to_owned()),
+        of_particles(edges(&stable), PARTICLES.to_owned()),
+    ];
     Ok(lines.into_iter().flatten().collect())
 }
 
@@ -119,7 +138,8 @@ pub(super) fn edges(
 
 #[cfg(test)]
 mod tests {
-    use super::edges;
+    use super::{edges, honest};
+    use onset::verdict::boundary::Boundary;
 
     #[test]
     fn edges_of_cells_separate_what_differs_and_is_known() {
@@ -142,5 +162,16 @@ mod tests {
             (2.0, 2.0),
         ];
         assert_eq!(known, expected);
+    }
+
+    #[test]
+    fn a_boundary_that_was_not_followed_to_its_ends_says_so() {
+        let whole = Boundary::default();
+        assert_eq!(honest("a", &whole), "a");
+        let broken = Boundary {
+            unresolved: vec![[0.5, 0.5]],
+            ..Boundary::default()
+        };
+        assert!(honest("a", &broken).contains("incomplete"));
     }
 }

@@ -53,14 +53,15 @@ pub(super) fn overlay(
     let mut panel = axes(&study, "").with(domain(&study)?);
     for (n, map) in maps.iter().enumerate() {
         let slice = &map.slices(1)[0];
+        let mut name = map.title();
         let points = if traced {
             let boundaries = Boundaries::of(&map.study, Tracing::default(), watch)?;
             if n == 0 {
-                let material = lines::of_material(lines::joined(&boundaries.material));
-                panel = material
+                panel = lines::material(&boundaries.material)
                     .into_iter()
                     .fold(panel, |panel, line| panel.with(line));
             }
+            name = lines::honest(&name, &boundaries.discretization);
             lines::joined(&boundaries.discretization)
         } else {
             let (cells, classes) = map.classes(slice)?;
@@ -76,7 +77,7 @@ pub(super) fn overlay(
         };
         let mut line = Line::new(points)
             .color(COLORS[n % COLORS.len()])
-            .named(map.title());
+            .named(name);
         line.dash = DASHES[n % DASHES.len()];
         panel = panel.with(line);
     }

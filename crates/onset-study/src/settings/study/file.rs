@@ -151,8 +151,11 @@ fn read_axes(
     }
     if !(2..=3).contains(&study.axes.len()) {
         let message = format!(
-            "the study has {} axis or axes; expected two or three",
-            study.axes.len()
+            "the study has {}; expected two or three axes",
+            match study.axes.len() {
+                1 => "1 axis".to_owned(),
+                count => format!("{count} axes"),
+            }
         );
         return Err(SettingError::new(file.of(key), message).hint(EXAMPLE));
     }

@@ -109,7 +109,7 @@ fn a_study_without_axes_shows_how_to_write_them() {
     }
     let one = &PLANE[..PLANE.rfind("[[axes]]").expect("two axes")];
     assert_refused(one, &["1 axis", "two or three"]);
-    assert_refused(&format!("{PLANE}{PLANE}"), &["4 axis", "two or three"]);
+    assert_refused(&format!("{PLANE}{PLANE}"), &["4 axes", "two or three"]);
     // The example is a study.
     let told = error("");
     let example = told.split_once("for example").expect("an example").1;
