@@ -4,11 +4,10 @@
 //! with `--out` the extremes of each state are also written, a line a state.
 
 use nalgebra::Vector2;
-use onset::bloch::SpectrumSummary;
 use onset::kinematics::DeformationGradient;
 use onset::material::ModifiedMooneyRivlin;
 use onset::method::{Discretization, Frame, Method};
-use onset::verdict::assess;
+use onset::verdict::{Survey, SurveyedState};
 use rayon::prelude::*;
 use std::error::Error;
 use std::time::Instant;
@@ -43,13 +42,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         frame: arguments.frame,
         ..Discretization::default()
     })?;
-    let material = ModifiedMooneyRivlin::default();
+    let material = Box::new(ModifiedMooneyRivlin::default());
+    let survey = Survey::new(method, material)?.for_many_states()?;
     let states = states(arguments.states, arguments.seed);
     let mut rates = Vec::new();
     let mut found = Vec::new();
     for _ in 0..arguments.repetitions {
         let start = Instant::now();
-        found = map(&method, &material, &states);
+        found = map(&survey, &states);
         rates.push(states.len() as f64 / start.elapsed().as_secs_f64());
     }
     if let Some(path) = &arguments.out {
@@ -69,26 +69,21 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The extremes of all states; `None` where the support is lost.
-fn map(
-    method: &Method<2>,
-    material: &ModifiedMooneyRivlin,
-    states: &[[f64; 2]],
-) -> Vec<Option<Extremes>> {
+fn map(survey: &Survey<2>, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
     let extremes = |[first, second]: &[f64; 2]| {
         let f = DeformationGradient::from_stretches([*first, *second, 1.0]).ok()?;
-        let assessment = assess(method, material, &f).ok()?;
-        Some(Extremes::of(&assessment.spectrum))
+        survey.state(&f).ok().map(|state| Extremes::of(&state))
     };
     states.par_iter().map(extremes).collect()
 }
 
 impl Extremes {
-    fn of(spectrum: &SpectrumSummary<2>) -> Self {
+    fn of(state: &SurveyedState<2>) -> Self {
         Self {
-            minimum: spectrum.softest.scaled,
-            wave_vector: spectrum.softest.wave_vector,
-            largest: spectrum.maximum_omega.powi(2),
-            growth_rate: spectrum.growth_rate(),
+            minimum: state.scaled_minimum,
+            wave_vector: state.wave_vector,
+            largest: state.maximum_omega.powi(2),
+            growth_rate: state.growth_rate,
         }
     }
 }

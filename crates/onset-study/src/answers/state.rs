@@ -12,7 +12,7 @@ use onset::certificate::certify;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Method};
-use onset::verdict::{Assessment, Verdict, assess};
+use onset::verdict::{Assessment, SurveyedState, Verdict, assess};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -151,7 +151,7 @@ fn answer<const D: usize>(
     let mut sentence = sentence::of(&method, &assessment, f);
     if let Some(tolerance) = tolerance {
         let proved = certify(&method, &*problem.material, f, tolerance)?;
-        let corrected = proved.corrected(&assessment);
+        let corrected = proved.corrected(&SurveyedState::from(&assessment));
         verdict = corrected.0;
         if corrected != searched {
             sentence = sentence::of_correction(searched, corrected);

@@ -8,7 +8,7 @@ use onset::certificate::{Certainty, Certificate, Certifier, Foundation};
 use onset::continuum::AcousticMinimum;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Method, MethodError};
-use onset::verdict::{Assessment, MaterialAssessment, assess, speed_squared};
+use onset::verdict::{MaterialAssessment, Survey, SurveyedState};
 
 /// Material and discretization, ready to be asked about states.
 pub struct Evaluator {
@@ -24,28 +24,28 @@ enum AnyMethod {
     Planar(Prepared<2>),
 }
 
-/// A method, and what is proved of it before any state if proofs are asked for.
+/// Method and material, and what is proved of them before any state if proofs are asked for.
 struct Prepared<const D: usize> {
-    method: Method<D>,
+    survey: Survey<D>,
     foundation: Option<Foundation<D>>,
 }
 
 impl Evaluator {
-    /// Prepares settings. A method whose support holds too few or too many particles in the undeformed state is admitted:
-    /// all its states are undefined.
+    /// Prepares settings, for `many` states if it pays to spend some milliseconds before the first. A method whose support
+    /// holds too few or too many particles in the undeformed state is admitted: all its states are undefined.
     ///
     /// # Errors
     /// [`ProblemError`] when the settings are not admissible.
-    pub fn new(settings: Settings, map: &MapSettings) -> Result<Self, ProblemError> {
+    pub fn new(settings: Settings, map: &MapSettings, many: bool) -> Result<Self, ProblemError> {
         let material = settings.material.build().map_err(MethodError::from)?;
         let problem = Problem { settings, material };
         let (method, stiffness) = match problem.dimension() {
             1 => {
-                let (method, stiffness) = prepared::<1>(&problem, map)?;
+                let (method, stiffness) = prepared::<1>(&problem.settings, map, many)?;
                 (method.map(AnyMethod::Chain), stiffness)
             }
             _ => {
-                let (method, stiffness) = prepared::<2>(&problem, map)?;
+                let (method, stiffness) = prepared::<2>(&problem.settings, map, many)?;
                 (method.map(AnyMethod::Planar), stiffness)
             }
         };
@@ -74,16 +74,16 @@ impl Evaluator {
         prepared: &Prepared<D>,
         f: &DeformationGradient,
     ) -> Result<Record, ProblemError> {
-        let material = &*self.problem.material;
-        let method = &prepared.method;
-        match assess(method, material, f) {
-            Ok(assessment) => {
-                let record = self.assessed(&assessment);
+        let survey = &prepared.survey;
+        let (method, material) = (survey.method(), survey.material());
+        match survey.state(f) {
+            Ok(state) => {
+                let record = self.surveyed(&state);
                 let Some(foundation) = prepared.foundation else {
                     return Ok(record);
                 };
                 let certifier = Certifier::founded(foundation, method, material, self.tolerance);
-                Ok(self.certified(record, &assessment, &certifier.certify(f)?))
+                Ok(self.certified(record, &state, &certifier.certify(f)?))
             }
             Err(error) if error.is_about_support() => {
                 let minimum = MaterialAssessment::<D>::new(material, f)
@@ -95,33 +95,32 @@ impl Evaluator {
         }
     }
 
-    fn assessed<const D: usize>(&self, assessment: &Assessment<D>) -> Record {
-        let spectrum = &assessment.spectrum;
-        let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
+    fn surveyed<const D: usize>(&self, state: &SurveyedState<D>) -> Record {
+        let step = state.critical_time_step();
         let record = Record {
             finding: Finding {
-                verdict: Some(assessment.verdict),
-                stability: Some(spectrum.stability()),
+                verdict: Some(state.verdict),
+                stability: Some(state.stability),
             },
-            scaled_minimum: spectrum.softest.scaled,
-            wave_vector: components(&spectrum.softest.wave_vector),
-            is_long_wave: Some(spectrum.softest.is_long_wave),
-            growth_rate: spectrum.growth_rate(),
-            critical_time_step: finite(spectrum.critical_time_step()),
-            measures: [f64::NAN, spectrum.softest.scaled, spectrum.long_wave.scaled],
+            scaled_minimum: state.scaled_minimum,
+            wave_vector: components(&state.wave_vector),
+            is_long_wave: Some(state.is_long_wave),
+            growth_rate: state.growth_rate,
+            critical_time_step: if step.is_finite() { step } else { f64::NAN },
+            measures: [f64::NAN, state.scaled_minimum, state.long_wave_minimum],
             ..Record::UNDEFINED
         };
-        self.with_continuum(&assessment.material.minimum, record)
+        self.with_continuum(&state.acoustic, record)
     }
 
     /// What is proved goes before what the search has found.
     fn certified<const D: usize>(
         &self,
         record: Record,
-        assessment: &Assessment<D>,
+        state: &SurveyedState<D>,
         certificate: &Certificate<D>,
     ) -> Record {
-        let (verdict, stability) = certificate.corrected(assessment);
+        let (verdict, stability) = certificate.corrected(state);
         let finding = Finding {
             verdict: Some(verdict),
             stability: Some(stability),
@@ -159,23 +158,28 @@ impl Evaluator {
     }
 }
 
-/// The method, unless its support is at fault, and the scale of acoustic eigenvalues.
+/// The survey, unless the method's support is at fault, and the scale of acoustic eigenvalues.
 fn prepared<const D: usize>(
-    problem: &Problem,
+    settings: &Settings,
     map: &MapSettings,
+    many: bool,
 ) -> Result<(Option<Prepared<D>>, f64), ProblemError> {
-    let density = problem.settings.discretization.density;
-    match Method::<D>::new(problem.settings.discretization) {
+    let density = settings.discretization.density;
+    match Method::<D>::new(settings.discretization) {
         Ok(method) => {
-            let stiffness =
-                speed_squared(&method, &*problem.material).map_err(MethodError::from)? * density;
+            let material = settings.material.build().map_err(MethodError::from)?;
+            let mut survey = Survey::new(method, material).map_err(MethodError::from)?;
+            let stiffness = survey.speed_squared() * density;
+            if many {
+                survey = survey.for_many_states()?;
+            }
             let foundation = if map.certify {
-                let certifier = Certifier::new(&method, &*problem.material, map.tolerance)?;
+                let certifier = Certifier::new(survey.method(), survey.material(), map.tolerance)?;
                 Some(certifier.foundation())
             } else {
                 None
             };
-            Ok((Some(Prepared { method, foundation }), stiffness))
+            Ok((Some(Prepared { survey, foundation }), stiffness))
         }
         Err(error) if error.is_about_support() => Ok((None, f64::NAN)),
         Err(error) => Err(error.into()),

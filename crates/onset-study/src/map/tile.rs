@@ -40,7 +40,7 @@ impl Plan {
         let evaluator = if study.varies_settings() {
             None
         } else {
-            Some(Evaluator::new(study.settings.clone(), &study.map)?)
+            Some(Evaluator::new(study.settings.clone(), &study.map, true)?)
         };
         let layout = layout(study);
         Ok(Self {
@@ -160,7 +160,7 @@ impl<'a> States<'a> {
             return Ok(evaluator);
         }
         let study = &self.plan.study;
-        let made = Evaluator::new(study.settings_at(coordinates)?, &study.map)?;
+        let made = Evaluator::new(study.settings_at(coordinates)?, &study.map, false)?;
         Ok(slot.get_or_init(|| made))
     }
 }

@@ -23,7 +23,7 @@ use crate::material::Hyperelastic;
 use crate::method::{Background, Frame, Method, MethodError};
 use crate::quadrature::QuadraturePoint;
 use crate::real::Interval;
-use crate::verdict::{Assessment, Verdict, decided, speed_squared};
+use crate::verdict::{SurveyedState, Verdict, decided, speed_squared};
 use cover::{Finding, GrowingWave, Question, cover};
 use ellipticity::{Acoustic, Ellipticity};
 use nalgebra::SVector;
@@ -134,13 +134,13 @@ impl Reason {
 
 impl<const D: usize> Certificate<D> {
     /// The verdict and how perturbations develop, where what is proved goes before what a search has found.
-    pub fn corrected(&self, found: &Assessment<D>) -> (Verdict, Stability) {
+    pub fn corrected(&self, found: &SurveyedState<D>) -> (Verdict, Stability) {
         let is_elliptic = match self.material {
             Certainty::Stable { .. } => true,
             Certainty::Unstable { .. } => false,
-            _ => found.material.is_elliptic,
+            _ => found.is_elliptic,
         };
-        let searched = found.spectrum.stability();
+        let searched = found.stability;
         let (stability, has_zero_mode) = match &self.discretization {
             Certainty::Stable { .. } => (Stability::Stable, false),
             Certainty::RankDeficient { .. } => (Stability::Stable, true),
@@ -149,9 +149,8 @@ impl<const D: usize> Certificate<D> {
             }
             _ => (searched, found.verdict == Verdict::RankDeficient),
         };
-        let long_waves_grow = found.spectrum.long_wave.scaled < -found.spectrum.tolerance;
         let is_stable = stability == Stability::Stable;
-        let verdict = decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow);
+        let verdict = decided(is_elliptic, is_stable, has_zero_mode, found.long_waves_grow);
         (verdict, stability)
     }
 }

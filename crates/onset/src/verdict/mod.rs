@@ -12,7 +12,7 @@ mod survey;
 
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
-pub use survey::{Finding, Survey};
+pub use survey::{Survey, SurveyedState};
 
 use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
 use crate::continuum::{AcousticMinimum, Stiffness};

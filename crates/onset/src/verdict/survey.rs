@@ -1,7 +1,11 @@
 //! Many states of one method and material: what depends on neither state nor wave vector is computed once.
 
-use super::{MaterialAssessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared};
-use crate::bloch::{GradientMoments, MomentExtremes, Stability, ZoneSearch, dynamical_matrix};
+use super::{
+    Assessment, MaterialAssessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared,
+};
+use crate::bloch::{
+    GradientMoments, MomentExtremes, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix,
+};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
@@ -10,11 +14,13 @@ use nalgebra::SVector;
 
 /// What a map shows of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Finding<const D: usize> {
+pub struct SurveyedState<const D: usize> {
     /// The verdict.
     pub verdict: Verdict,
     /// How perturbations of the discretization develop.
     pub stability: Stability,
+    /// Whether the material is strongly elliptic.
+    pub is_elliptic: bool,
     /// The smallest acoustic eigenvalue of the material.
     pub acoustic: AcousticMinimum<D>,
     /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included.
@@ -25,6 +31,8 @@ pub struct Finding<const D: usize> {
     pub is_long_wave: bool,
     /// The smallest limit of long waves.
     pub long_wave_minimum: f64,
+    /// Whether the limit is negative beyond rounding.
+    pub long_waves_grow: bool,
     /// The smallest `Re omega^2`, zero (the translation) where none is below. 1/time^2.
     pub lowest_omega_squared: f64,
     /// The growth rate of the fastest growing mode, zero when stable. 1/time.
@@ -33,7 +41,7 @@ pub struct Finding<const D: usize> {
     pub maximum_omega: f64,
 }
 
-impl<const D: usize> Finding<D> {
+impl<const D: usize> SurveyedState<D> {
     /// The critical time step of central differences without damping, `2 / omega_max`.
     pub fn critical_time_step(&self) -> f64 {
         2.0 / self.maximum_omega
@@ -73,10 +81,10 @@ impl<const D: usize> Survey<D> {
     /// let method = Method::<2>::new(Discretization::default())?;
     /// let survey = Survey::new(method.clone(), Box::new(ModifiedMooneyRivlin::default()))?.for_many_states()?;
     /// let state = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
-    /// let finding = survey.finding(&state)?;
-    /// assert_eq!(finding.verdict, Verdict::Stable);
+    /// let surveyed = survey.state(&state)?;
+    /// assert_eq!(surveyed.verdict, Verdict::Stable);
     /// let assessed = assess(&method, &ModifiedMooneyRivlin::default(), &state)?;
-    /// assert!((finding.scaled_minimum - assessed.spectrum.softest.scaled).abs() < 1e-14);
+    /// assert!((surveyed.scaled_minimum - assessed.spectrum.softest.scaled).abs() < 1e-14);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -106,7 +114,7 @@ impl<const D: usize> Survey<D> {
     ///
     /// # Errors
     /// [`MethodError`] when the method or the material cannot be evaluated there.
-    pub fn finding(&self, f: &DeformationGradient) -> Result<Finding<D>, MethodError> {
+    pub fn state(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
         match &self.moments {
             Some(moments) if f.is_block_diagonal::<D>() => self.contracted(moments, f),
             _ => self.searched(f),
@@ -117,7 +125,7 @@ impl<const D: usize> Survey<D> {
         &self,
         moments: &GradientMoments<D>,
         f: &DeformationGradient,
-    ) -> Result<Finding<D>, MethodError> {
+    ) -> Result<SurveyedState<D>, MethodError> {
         let tangent = self.material.plane_tangent(f)?;
         let stiffness = Stiffness::<D>::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l]);
         let MomentExtremes {
@@ -135,26 +143,26 @@ impl<const D: usize> Survey<D> {
         } else {
             Stability::Stable
         };
-        Ok(Finding {
-            verdict: decided(
-                stiffness.is_strongly_elliptic(),
-                stability == Stability::Stable,
-                has_zero_mode,
-                long_wave_minimum < -tolerance,
-            ),
+        let is_elliptic = stiffness.is_strongly_elliptic();
+        let long_waves_grow = long_wave_minimum < -tolerance;
+        let is_stable = stability == Stability::Stable;
+        Ok(SurveyedState {
+            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
             stability,
+            is_elliptic,
             acoustic: stiffness.minimum(),
             scaled_minimum,
             wave_vector,
             is_long_wave,
             long_wave_minimum,
+            long_waves_grow,
             lowest_omega_squared: lowest,
             growth_rate: (-lowest).max(0.0).sqrt(),
             maximum_omega: highest.max(0.0).sqrt(),
         })
     }
 
-    fn searched(&self, f: &DeformationGradient) -> Result<Finding<D>, MethodError> {
+    fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
         let continuum = MaterialAssessment::<D>::new(&*self.material, f)?;
         let search =
             ZoneSearch::new(&self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
@@ -163,22 +171,38 @@ impl<const D: usize> Survey<D> {
         let is_zero = softest.scaled.abs() <= spectrum.tolerance;
         let has_zero_mode =
             is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
-        Ok(Finding {
-            verdict: decided(
-                continuum.is_elliptic,
-                spectrum.is_stable(),
-                has_zero_mode,
-                spectrum.long_wave.scaled < -spectrum.tolerance,
-            ),
+        Ok(SurveyedState::new(&continuum, &spectrum, has_zero_mode))
+    }
+}
+
+impl<const D: usize> SurveyedState<D> {
+    fn new(
+        continuum: &MaterialAssessment<D>,
+        spectrum: &SpectrumSummary<D>,
+        has_zero_mode: bool,
+    ) -> Self {
+        let (is_elliptic, is_stable) = (continuum.is_elliptic, spectrum.is_stable());
+        let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
+        Self {
+            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
             stability: spectrum.stability(),
+            is_elliptic,
             acoustic: continuum.minimum,
-            scaled_minimum: softest.scaled,
-            wave_vector: softest.wave_vector,
-            is_long_wave: softest.is_long_wave,
+            scaled_minimum: spectrum.softest.scaled,
+            wave_vector: spectrum.softest.wave_vector,
+            is_long_wave: spectrum.softest.is_long_wave,
             long_wave_minimum: spectrum.long_wave.scaled,
+            long_waves_grow,
             lowest_omega_squared: spectrum.lowest.omega_squared.re,
             growth_rate: spectrum.growth_rate(),
             maximum_omega: spectrum.maximum_omega,
-        })
+        }
+    }
+}
+
+impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
+    fn from(assessment: &Assessment<D>) -> Self {
+        let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
+        Self::new(&assessment.material, &assessment.spectrum, has_zero_mode)
     }
 }

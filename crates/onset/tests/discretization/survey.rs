@@ -15,7 +15,7 @@ fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
     } else {
         survey
     };
-    let finding = survey.finding(&case.state).expect("finite");
+    let finding = survey.state(&case.state).expect("finite");
     let spectrum = &assessment.spectrum;
     let (mu, omega) = (spectrum.softest.scaled, spectrum.maximum_omega);
     if mu.abs() > 100.0 * spectrum.tolerance {
