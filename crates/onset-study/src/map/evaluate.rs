@@ -91,6 +91,7 @@ impl Evaluator {
             scaled_minimum: spectrum.softest.scaled,
             wave_vector: components(&spectrum.softest.wave_vector),
             is_long_wave: Some(spectrum.softest.is_long_wave),
+            lowest_omega_squared: spectrum.lowest.omega_squared.re,
             growth_rate: spectrum.growth_rate(),
             critical_time_step: finite(spectrum.critical_time_step()),
             measures: [f64::NAN, spectrum.softest.scaled, spectrum.long_wave.scaled],
