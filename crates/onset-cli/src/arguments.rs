@@ -151,8 +151,7 @@ pub enum Command {
         #[arg(value_name = "STORE", required = true)]
         stores: Vec<PathBuf>,
         /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
-        /// critical_time_step or lowest_omega_squared where the store has it; of a certified map also certainty and
-        /// certainty_material.
+        /// critical_time_step or lowest_omega_squared; of a certified map also certainty and certainty_material.
         #[arg(long, value_name = "FIELD", default_value = "verdict")]
         field: String,
         /// Do not trace the boundaries; take them from the cells of the map.

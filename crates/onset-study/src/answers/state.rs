@@ -303,12 +303,11 @@ impl std::fmt::Display for StateAnswer {
         )?;
         writeln!(formatter, "  growth rate           {:.6}", d.growth_rate)?;
         write!(formatter, "  largest frequency     {:.6}", d.maximum_omega)?;
-        match d.critical_time_step {
-            Some(step) => write!(
+        if let Some(step) = d.critical_time_step {
+            write!(
                 formatter,
                 "; central differences need a time step below {step:.6}"
-            )?,
-            None => {}
+            )?;
         }
         match &self.certificate {
             Some(certificate) => write!(formatter, "\n{certificate}"),

@@ -306,9 +306,15 @@ impl std::fmt::Display for Summary {
             writeln!(formatter, "No boundary: one phase fills the window.")?;
         }
         if !self.is_complete {
+            let is_cut = |curve: &&CurveSummary| {
+                let mut ends = curve.ends.into_iter().flatten();
+                ends.any(|end| end == "budget" || end == "lost")
+            };
             writeln!(
                 formatter,
-                "Not every curve could be followed to its end; {} place(s) remain unresolved.",
+                "Details were cut: {} curve(s) end too early, and {} place(s) at which the phase changes remain \
+                 unresolved. A ragged boundary is resolved in a smaller window.",
+                self.curves.iter().filter(is_cut).count(),
                 self.unresolved.len()
             )?;
         }

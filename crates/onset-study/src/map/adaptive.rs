@@ -13,7 +13,7 @@ use onset::bloch::Stability;
 const NOISE: f64 = 1e-9;
 
 /// States over which measures are smooth: shorter cells must be nearer to a boundary to be halved.
-const SMOOTH: usize = 8;
+const SMOOTH: usize = 4;
 
 /// A box of states, both ends included.
 #[derive(Clone, Debug)]

@@ -20,8 +20,8 @@ pub struct Evaluator {
 }
 
 enum AnyMethod {
-    Chain(Prepared<1>),
-    Planar(Prepared<2>),
+    Chain(Box<Prepared<1>>),
+    Planar(Box<Prepared<2>>),
 }
 
 /// Method and material, and what is proved of them before any state if proofs are asked for.
@@ -42,11 +42,17 @@ impl Evaluator {
         let (method, stiffness) = match problem.dimension() {
             1 => {
                 let (method, stiffness) = prepared::<1>(&problem.settings, map, many)?;
-                (method.map(AnyMethod::Chain), stiffness)
+                (
+                    method.map(|method| AnyMethod::Chain(Box::new(method))),
+                    stiffness,
+                )
             }
             _ => {
                 let (method, stiffness) = prepared::<2>(&problem.settings, map, many)?;
-                (method.map(AnyMethod::Planar), stiffness)
+                (
+                    method.map(|method| AnyMethod::Planar(Box::new(method))),
+                    stiffness,
+                )
             }
         };
         Ok(Self {
@@ -105,6 +111,7 @@ impl Evaluator {
             scaled_minimum: state.scaled_minimum,
             wave_vector: components(&state.wave_vector),
             is_long_wave: Some(state.is_long_wave),
+            lowest_omega_squared: state.lowest_omega_squared,
             growth_rate: state.growth_rate,
             critical_time_step: if step.is_finite() { step } else { f64::NAN },
             measures: [f64::NAN, state.scaled_minimum, state.long_wave_minimum],

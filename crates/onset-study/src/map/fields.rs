@@ -165,6 +165,12 @@ fn numbers() -> Vec<(Field, Taken)> {
             |record| record.wave_vector,
         ),
         number(
+            "lowest_omega_squared",
+            "smallest Re omega^2 over the Brillouin zone",
+            "1/time^2",
+            |record| record.lowest_omega_squared,
+        ),
+        number(
             "growth_rate",
             "growth rate of the fastest growing mode; zero when stable",
             "1/time",

@@ -138,6 +138,8 @@ pub struct Record {
     pub wave_vector: [f64; 3],
     /// Whether that minimum is the limit of long waves; `None` where there is no minimum.
     pub is_long_wave: Option<bool>,
+    /// The smallest `Re omega^2` over the zone; 1/time^2.
+    pub lowest_omega_squared: f64,
     /// The growth rate of the fastest growing mode, zero when stable; 1/time.
     pub growth_rate: f64,
     /// The critical time step of central differences; time.
@@ -157,6 +159,7 @@ impl Record {
         scaled_minimum: f64::NAN,
         wave_vector: [f64::NAN; 3],
         is_long_wave: None,
+        lowest_omega_squared: f64::NAN,
         growth_rate: f64::NAN,
         critical_time_step: f64::NAN,
         measures: [f64::NAN; 3],

@@ -348,6 +348,11 @@ impl<const D: usize> DynamicalMatrix<D> {
         0.5 * f64::EPSILON * sum
     }
 
+    /// Largest lattice coordinate of a force constant.
+    pub(super) fn reach(&self) -> usize {
+        self.reach
+    }
+
     /// The lattice coordinate up to which force constants matter to second derivatives by the wave vector, all but a
     /// fiftieth: how fast `D(k)` varies over the zone. Kernels end so smoothly that the largest coordinate says too much.
     pub(super) fn effective_reach(&self) -> usize {

@@ -6,6 +6,7 @@ use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method
 use onset::verdict::boundary::{Boundary, Curve, End, Fineness, Window, trace_boundary};
 use onset::verdict::fidelity::{RayOnset, areas, directed_distance, onset_along};
 use onset::verdict::{DiscretizationProbe, Phase, Probe, judge, probe_material};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 type Asked = Result<Probe, String>;
 
@@ -225,4 +226,58 @@ fn the_areas_of_an_eulerian_kernel_are_those_of_a_dense_map() {
         cell * wrong
     );
     assert!(areas.false_share() > 0.2);
+}
+
+#[test]
+fn a_ragged_boundary_is_cut_and_says_so() {
+    // A convected lattice with a support of fixed size: neighbors enter and leave it, and the boundary has many teeth.
+    let material = ModifiedMooneyRivlin::default();
+    let discretization = Discretization {
+        frame: Frame::Eulerian,
+        lattice: CurrentLattice::Convected,
+        linearization: Linearization::Exact,
+        support: 1.6,
+        ..Discretization::default()
+    };
+    let method = Method::<2>::new(discretization).expect("a method");
+    let probe = DiscretizationProbe::new(&method, &material).expect("finite");
+    let asked = AtomicUsize::new(0);
+    let particles = of_particles(&probe);
+    let counted = |at: [f64; 2]| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        particles(at)
+    };
+    let fineness = Fineness {
+        cells: [16; 2],
+        budget: 800,
+        ..Fineness::default()
+    };
+    let boundary = trace_boundary(square(0.6, 1.4), &fineness, &counted).expect("states");
+    assert!(!boundary.is_complete() && !boundary.unresolved.is_empty());
+    let states = asked.into_inner();
+    assert!(states < 15_000, "{states} states asked");
+    // What was traced is sharp, and what was not lies on the boundary too.
+    let is_off = |[x, y]: [f64; 2]| {
+        let around = |n: usize| {
+            let (sine, cosine) = (0.1 + 0.785 * n as f64).sin_cos();
+            particles([x + 1e-10 * cosine, y + 1e-10 * sine])
+                .expect("a state")
+                .0
+        };
+        let first = around(0);
+        (1..8).all(|n| around(n) == first)
+    };
+    let regular = boundary.curves.iter().flat_map(|curve| &curve.vertices);
+    let sharp = regular
+        .filter(|vertex| !vertex.is_corner)
+        .map(|vertex| vertex.point);
+    assert_eq!(sharp.filter(|point| is_off(*point)).count(), 0);
+    assert_eq!(
+        boundary
+            .unresolved
+            .iter()
+            .filter(|point| is_off(**point))
+            .count(),
+        0
+    );
 }

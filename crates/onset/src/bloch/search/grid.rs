@@ -117,12 +117,13 @@ impl<const D: usize> ZoneSearch<D> {
     ) -> Grid<D> {
         // Near the boundary of a zone that does not repeat, the grid is folded and tells less; and where branches can be
         // complex, they are so in small pockets.
-        let density = if self.is_periodic && matrix.is_hermitian() {
-            3
+        let resolution = if !self.is_periodic {
+            points_per_period * matrix.reach().clamp(4, 32)
+        } else if matrix.is_hermitian() {
+            points_per_period * matrix.effective_reach().clamp(4, 32)
         } else {
-            4
+            points_per_period * 4 * matrix.effective_reach().clamp(4, 32) / 3
         };
-        let resolution = points_per_period * density * matrix.effective_reach().clamp(4, 32) / 3;
         // A multiple of six has M, X and K among its points.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {

@@ -12,6 +12,43 @@ const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
 /// How far the boundary may be from where the branches meet.
 const AGREEMENT: f64 = 1e-9;
 
+/// How far beyond a step two more points are taken, in steps, and how narrow their brackets are.
+const BEYOND: f64 = 0.05;
+const ROUGH: f64 = 1e-10;
+
+/// How far ahead the corner is within a step that turns: where the branch at its end, extended backward, meets the curve
+/// as it runs at its start. `None` when they do not meet within the step.
+pub(super) fn ahead<E>(
+    field: &Field<'_, E>,
+    sides: Sides,
+    heading: &Heading,
+    next: Point,
+) -> Result<Option<f64>, E> {
+    let spacing = BEYOND * distance(next, heading.at);
+    let beyond = |from: Point, to: Point| {
+        let onward = (to, angle_of(minus(to, from)));
+        on_circle(field, sides, onward, spacing, ROUGH)
+    };
+    let Some(first) = beyond(heading.at, next)? else {
+        return Ok(None);
+    };
+    let Some(second) = beyond(next, first.at)? else {
+        return Ok(None);
+    };
+    let along = direction(heading.angle);
+    let run = |t: f64| {
+        let bend = 0.5 * heading.curvature * t * t;
+        plus(plus(heading.at, t, along), bend, left_of(along))
+    };
+    let before = Branch([run(0.0), run(spacing), run(2.0 * spacing)]);
+    let behind = Branch([next, first.at, second.at]);
+    let reach = 1.05 / BEYOND;
+    let corner = before
+        .crossing(&behind)
+        .filter(|(t, s)| (0.0..=reach).contains(t) && (-reach..=0.2).contains(s));
+    Ok(corner.map(|(t, _)| distance(heading.at, before.at(t))))
+}
+
 /// The corner between a heading and a point that is behind it, with the first vertices of the branch behind, and the
 /// heading at the last of them. `None` when the branches are not smooth there.
 pub(super) fn around<E>(
@@ -94,8 +131,8 @@ impl Branch {
         [0, 1].map(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
     }
 
-    /// Where two branches meet, near the first point of each, and the slopes of both there, away from it.
-    fn meeting(&self, other: &Self) -> Option<(Point, [Point; 2])> {
+    /// The parameters at which two branches meet.
+    fn crossing(&self, other: &Self) -> Option<(f64, f64)> {
         let (mut t, mut s) = (0.0, 0.0);
         for _ in 0..30 {
             let gap = minus(other.at(s), self.at(t));
@@ -112,6 +149,12 @@ impl Branch {
                 break;
             }
         }
+        Some((t, s))
+    }
+
+    /// Where two branches meet, near the first point of each, and the slopes of both there, away from it.
+    fn meeting(&self, other: &Self) -> Option<(Point, [Point; 2])> {
+        let (t, s) = self.crossing(other)?;
         let is_near = (-2.0..=0.2).contains(&t) && (-2.0..=0.2).contains(&s);
         is_near.then(|| (self.at(t), [self.slope(t), other.slope(s)]))
     }

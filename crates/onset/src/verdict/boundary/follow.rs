@@ -14,6 +14,12 @@ use std::f64::consts::{PI, TAU};
 /// A turn, in radians, beyond what the curvature foretells: a corner if it persists in steps as short as `CORNER_STEP`.
 const TURN: f64 = 2e-3;
 const CORNER_STEP: f64 = 1e-5;
+/// How often a corner within a step is foretold before steps are just made shorter.
+const MISSES: usize = 3;
+/// How far before a corner that is foretold a step ends, in distances to it.
+const SHORT_OF: f64 = 0.02;
+/// Shorter steps, as behind a corner, may grow faster.
+const SHORT_STEP: f64 = 1e-3;
 /// Shorter steps say nothing on the curvature.
 const SMOOTH_STEP: f64 = 1e-7;
 /// Shorter steps are not taken: whatever stops the curve is there.
@@ -94,6 +100,8 @@ pub(super) fn follow<E>(
             travelled: 0.0,
             nodes: vec![seed],
             asked,
+            misses: 0,
+            onward: None,
         };
         let end = walker.walk(traced)?;
         Ok((walker.nodes, end))
@@ -330,6 +338,10 @@ struct Walker<'a, 'f, E> {
     travelled: f64,
     nodes: Vec<Node>,
     asked: usize,
+    /// How many steps in a row have turned.
+    misses: usize,
+    /// The length of the next step, when this one ends just before a corner.
+    onward: Option<f64>,
 }
 
 impl<E> Walker<'_, '_, E> {
@@ -353,18 +365,21 @@ impl<E> Walker<'_, '_, E> {
                     let along = minus(heading.at, self.heading.at);
                     let is_met = traced.is_met(heading.at, along, self.sides);
                     self.push(&nodes, traced);
+                    let growth = if self.step < SHORT_STEP { 8.0 } else { 2.0 };
                     let factor = (3.0 * self.fineness.chord / deviation)
                         .min(0.7 * TURN / excess)
                         .sqrt()
-                        .clamp(0.5, 2.0);
-                    self.step = (self.step * factor).min(longest);
+                        .clamp(0.5, growth);
+                    let grown = (self.step * factor).min(longest);
+                    self.step = self.onward.take().unwrap_or(grown);
+                    self.misses = 0;
                     (self.heading, self.excess) = (heading, excess);
                     if is_met {
                         return Ok(Some(End::Meets));
                     }
                 }
                 Step::Turns(node) if self.step <= CORNER_STEP => self.turn(node, traced)?,
-                Step::Turns(_) => self.step = (0.25 * self.step).max(0.99 * CORNER_STEP),
+                Step::Turns(node) => self.approach(node.at)?,
                 Step::Bends(deviation) => {
                     let factor = (2.0 * self.fineness.chord / deviation).sqrt();
                     self.step *= factor.clamp(0.1, 0.6);
@@ -377,6 +392,27 @@ impl<E> Walker<'_, '_, E> {
                 Step::Meets(_) | Step::Lost => self.step *= 0.3,
             }
         }
+    }
+
+    /// After a step that turns: a shorter one, to just before the corner where that can be foretold.
+    fn approach(&mut self, beyond: Point) -> Result<(), E> {
+        let shortest = 0.99 * CORNER_STEP;
+        let ahead = if self.misses < MISSES {
+            corner::ahead(self.field, self.sides, &self.heading, beyond)?
+        } else {
+            None
+        };
+        self.misses += 1;
+        (self.step, self.onward) = match ahead {
+            Some(ahead) => {
+                // Far enough for what the foretold place is off, and near enough to turn around the sharpest tip.
+                let margin = (SHORT_OF * ahead).max(0.8 * CORNER_STEP);
+                let step = (ahead - margin).min(0.9 * self.step);
+                (step.max(shortest), Some(margin * 0.99 / 0.8))
+            }
+            None => ((0.25 * self.step).max(shortest), None),
+        };
+        Ok(())
     }
 
     /// One step of the current length.

@@ -105,13 +105,15 @@ impl<'a, E> Field<'a, E> {
                 });
             }
             last = knot;
-            step *= 2.0;
+            // Not so far that a narrow phase is stepped over.
+            step = (2.0 * step).min(0.1 * limit);
         }
     }
 
     /// Narrows a change of phase down to a tolerance. Interpolates the measure (the ITP method of Oliveira and Takahashi,
     /// ACM Trans. Math. Softw. 47, 2020, which never needs more than one step above bisection) where its sign is that of
-    /// the phase, and bisects where it is not.
+    /// the phase, and bisects where it is not. The measure of an unstable state is that of any wave that grows and may
+    /// jump, so that there the line through the last two stable places takes its place as soon as there are two.
     pub(super) fn narrow(
         &self,
         line: &dyn Fn(f64) -> Point,
@@ -125,21 +127,38 @@ impl<'a, E> Field<'a, E> {
         let start = (left.0 - right.0).abs();
         let mut budget =
             0.5 * tolerance * 2.0_f64.powf((start / tolerance).log2().ceil().max(0.0) + 1.0);
+        let mut older: Option<Knot> = None;
         while (left.0 - right.0).abs() > tolerance {
-            let x = interpolated(left, right, start, budget);
-            if x == left.0 || x == right.0 {
+            let x = match older {
+                Some(older) if sides.left == Phase::Stable => {
+                    interpolated(left, extrapolated(older, left, right), start, budget)
+                }
+                Some(older) => interpolated(extrapolated(older, right, left), right, start, budget),
+                None => interpolated(left, right, start, budget),
+            };
+            let is_end = |x: f64| x == left.0 || x == right.0;
+            // A measure of zero to rounding leads to an end.
+            let x = if is_end(x) {
+                0.5 * (left.0 + right.0)
+            } else {
+                x
+            };
+            if is_end(x) {
                 break;
             }
             budget *= 0.5;
             let Some(here) = self.at(line(x))? else {
                 return Ok(Found::Other(None));
             };
-            if here.0 == sides.left {
-                left = (x, here);
+            let replaced = if here.0 == sides.left {
+                std::mem::replace(&mut left, (x, here))
             } else if here.0 == sides.right {
-                right = (x, here);
+                std::mem::replace(&mut right, (x, here))
             } else {
                 return Ok(Found::Other(Some(here.0)));
+            };
+            if here.0 == Phase::Stable {
+                older = Some(replaced);
             }
         }
         Ok(Found::Change(left, right))
@@ -157,6 +176,18 @@ impl<'a, E> Field<'a, E> {
             Found::Change(left, right) => self.narrow(line, (left, right), tolerance),
             other => Ok(other),
         }
+    }
+}
+
+/// A place beyond the change of phase with the measure on the line through two places before it, where that has the other
+/// sign.
+fn extrapolated(older: Knot, near: Knot, far: Knot) -> Knot {
+    let slope = (near.1.1 - older.1.1) / (near.0 - older.0);
+    let measure = near.1.1 + slope * (far.0 - near.0);
+    if measure * near.1.1 < 0.0 {
+        (far.0, (far.1.0, measure))
+    } else {
+        far
     }
 }
 

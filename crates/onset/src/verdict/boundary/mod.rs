@@ -25,7 +25,7 @@ use plane::{Point, distance};
 use traced::Traced;
 
 /// How many curves may use up their budgets.
-const BUDGETS: usize = 6;
+const BUDGETS: usize = 4;
 
 /// A rectangle of two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub struct Fineness {
     /// How narrow the bracket of a vertex is.
     pub bracket: f64,
     /// How many states may be asked for one curve; a curve that needs more ends with [`End::Budget`]. For all curves
-    /// together six times as many; what is found later stays unresolved.
+    /// together four times as many; what is found later stays unresolved.
     pub budget: usize,
 }
 
@@ -80,7 +80,7 @@ impl Default for Fineness {
             cells: [48, 48],
             chord: 1e-5,
             bracket: 1e-13,
-            budget: 40_000,
+            budget: 10_000,
         }
     }
 }
@@ -236,13 +236,15 @@ pub fn trace_boundary_from<E>(
     let field = Field::new(window, probe);
     let mut traced = Traced::new(fineness.chord);
     let mut boundary = Boundary::default();
-    for seed in seeds::seeds(&field, fineness, grid)? {
-        if field.asked() > BUDGETS * fineness.budget {
-            boundary.unresolved.push(window.point(seed.0.0));
-            continue;
-        }
+    let seeds = seeds::seeds(&field, fineness, grid)?;
+    let asked_for_seeds = field.asked();
+    for seed in seeds {
         for crossing in seeds::crossings(&field, fineness, seed)? {
             if traced.explains(crossing.at, crossing.along, crossing.sides) {
+                continue;
+            }
+            if field.asked() - asked_for_seeds > BUDGETS * fineness.budget {
+                boundary.unresolved.push(window.point(crossing.at));
                 continue;
             }
             match follow::follow(&field, fineness, &mut traced, &crossing)? {
