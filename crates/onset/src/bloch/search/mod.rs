@@ -18,6 +18,9 @@ use std::sync::{Arc, OnceLock};
 
 /// Scaled measures within this multiple of the rounding error of the matrix count as zero.
 const ROUNDING: f64 = 4.0;
+/// Wells that may reach below this scaled measure are followed to their bottom, so that along a path the measure of a
+/// nearly unstable state is accurate.
+const ACCURATE: f64 = 1e-3;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
 /// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
@@ -163,7 +166,7 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             self.grid(matrix, FINE, long_wave.wave_vector)
         };
-        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, -tolerance) {
+        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, ACCURATE) {
             measure = measure.min(bottom.0);
         }
         if measure < -tolerance {
