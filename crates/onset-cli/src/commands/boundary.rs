@@ -50,6 +50,9 @@ pub fn boundary(
     json: bool,
 ) -> Result<ExitCode, Failure> {
     let study = study(file, assignments)?;
+    // Before the work: a folder that cannot be made is told at once.
+    std::fs::create_dir_all(out)
+        .map_err(|error| Failure::machine(format!("cannot write {}: {error}", out.display())))?;
     let counter = Counter::new();
     let traced = Boundaries::of(&study, tracing, &counter);
     counter.finish();

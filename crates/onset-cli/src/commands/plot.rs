@@ -13,6 +13,7 @@ pub fn plot(
     traced: bool,
     out: &Path,
 ) -> Result<ExitCode, Failure> {
+    let (folder, name) = place(out)?;
     let counter = Counter::new();
     let asked = Plot {
         stores,
@@ -25,23 +26,27 @@ pub fn plot(
         true => Failure::input(error),
         false => Failure::machine(error),
     })?;
-    let (folder, name) = place(out);
     let files = made.write(&folder, &name).map_err(Failure::machine)?;
     let [first, second] = files.map(|file| file.display().to_string());
     print_text(&format!("wrote {first} and {second}"))
 }
 
 /// The folder and the name of a figure: those of a file NAME.svg or NAME.png, or `map` in a folder.
-fn place(out: &Path) -> (PathBuf, String) {
-    let is_picture = out
-        .extension()
-        .is_some_and(|extension| extension == "svg" || extension == "png");
-    match out.file_stem().filter(|_| is_picture) {
-        Some(stem) => {
+fn place(out: &Path) -> Result<(PathBuf, String), Failure> {
+    let extension = out.extension().and_then(|extension| extension.to_str());
+    match (extension, out.file_stem()) {
+        (Some("svg" | "png"), Some(stem)) => {
             let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
             let folder = folder.unwrap_or(Path::new("."));
-            (folder.to_owned(), stem.to_string_lossy().into_owned())
+            Ok((folder.to_owned(), stem.to_string_lossy().into_owned()))
         }
-        None => (out.to_owned(), "map".to_owned()),
+        (Some("pdf" | "eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
+            Err(Failure::input(format!(
+                "cannot draw {}: figures are written as SVG and PNG\n  hint: give a name that ends in .svg or .png; \
+                 most programs turn SVG into PDF without loss",
+                out.display()
+            )))
+        }
+        _ => Ok((out.to_owned(), "map".to_owned())),
     }
 }

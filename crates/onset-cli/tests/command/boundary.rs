@@ -120,3 +120,19 @@ fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);
     assert!(answer.stderr.contains("cannot write"));
 }
+
+#[test]
+fn a_file_in_the_place_of_the_folder_is_told_before_any_curve_is_traced() {
+    let folder = fresh_place("boundary-file");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("taken");
+    std::fs::write(&file, "mine").expect("a file");
+    let study = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../studies/figure-06-convected-exact-1.6.toml"
+    );
+    let answer = onset(&["boundary", study, "--out", &file.display().to_string()]);
+    assert_eq!(answer.code, Some(1));
+    assert!(answer.stderr.contains("cannot write"), "{}", answer.stderr);
+    assert_eq!(std::fs::read_to_string(&file).expect("the file"), "mine");
+}

@@ -23,3 +23,10 @@ fn what_is_no_store_is_refused() {
     );
     assert_eq!(onset(&["plot"]).code, Some(2));
 }
+
+#[test]
+fn a_figure_of_another_format_is_refused_before_any_work() {
+    let answer = onset(&["plot", "nowhere.zarr", "--out", "map.pdf"]);
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("SVG and PNG"), "{}", answer.stderr);
+}

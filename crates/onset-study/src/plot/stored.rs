@@ -240,7 +240,10 @@ impl StoredMap {
 
 /// A number with four significant digits, without zeros at its end.
 fn rounded(value: f64) -> String {
-    let digits = 3 - value.abs().max(1e-300).log10().floor() as i32;
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 3 - value.abs().log10().floor() as i32;
     if !(-2..=9).contains(&digits) {
         return format!("{value:.3e}");
     }

@@ -90,7 +90,7 @@ impl Piece {
 ///     trace_boundary(window, &fineness, &material)?,
 ///     trace_boundary(window, &fineness, &particles)?,
 /// ];
-/// let phases = |at| Ok([material(at)?.0, particles(at)?.0]);
+/// let phases = |at| Ok::<_, std::convert::Infallible>([material(at)?.0, particles(at)?.0]);
 /// let areas = areas(window, [&boundaries[0], &boundaries[1]], &phases)?;
 /// assert!((areas.false_share() - 1.25 / 2.25).abs() < 1e-4);
 /// assert_eq!(areas.missed_instability, 0.0);
