@@ -1,11 +1,11 @@
 //! Boundaries between phases as curves in a window of two parameters, followed from point to point.
 //!
-//! 1. [`seeds`] looks at the nodes of a grid, follows dips of the measure between them, and lists pieces of lines on which
+//! 1. `seeds` looks at the nodes of a grid, follows dips of the measure between them, and lists pieces of lines on which
 //!    the phase changes.
-//! 2. Each change that no curve explains yet starts one: [`follow`] steps along it on circles, on which the change of phase
+//! 2. Each change that no curve explains yet starts one: `follow` steps along it on circles, on which the change of phase
 //!    is bracketed, and checks the middle of every chord. A step is as long as the chord stays near the curve and the
 //!    curve turns as its curvature foretells.
-//! 3. Where it turns at once, however short the step, there is a [`corner`]: two smooth branches are extended to where they
+//! 3. Where it turns at once, however short the step, there is a `corner`: two smooth branches are extended to where they
 //!    meet.
 //!
 //! Only phases decide, so that boundaries at which the measure jumps are followed too; the measure makes it fast.
