@@ -8,7 +8,8 @@ mod planar;
 mod spherical;
 
 use crate::algebra::{Complex, eigenvalues, eigenvector};
-use crate::material::{FourthOrder, Response};
+use crate::kinematics::DeformationGradient;
+use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response};
 use nalgebra::{SMatrix, SVector};
 
 /// A stiffness `T_iJkL` in `D` dimensions, the quadratic form in the direction `N` of an acoustic
@@ -51,6 +52,18 @@ impl<const D: usize> Stiffness<D> {
     /// The stiffness of a material at a state.
     pub fn of(response: &Response) -> Self {
         Self::from_tangent(&response.tangent)
+    }
+
+    /// The stiffness of a material at a state, from no more of its tangent than the dimensions need.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the tangent over- or underflows.
+    pub fn at(material: &dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
+        if D != 2 {
+            return Ok(Self::of(&material.response(f)?));
+        }
+        let tangent = material.plane_tangent(f)?;
+        Ok(Self::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l]))
     }
 
     /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27). Shape `D x D`, units of the stiffness.

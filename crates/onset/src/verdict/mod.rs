@@ -224,7 +224,7 @@ pub fn judge<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<(Verdict, Stability), MethodError> {
-    let is_elliptic = Stiffness::<D>::of(&material.response(f)?).is_strongly_elliptic();
+    let is_elliptic = Stiffness::<D>::at(material, f)?.is_strongly_elliptic();
     let search = zone_search(method, material, f)?;
     let matrix = dynamical_matrix(method, material, f)?;
     let (stability, measure) = search.stability(&matrix);
@@ -233,7 +233,10 @@ pub fn judge<const D: usize>(
         // Zero to rounding: whether a mode has no energy takes the mode itself.
         return Ok((assess(method, material, f)?.verdict, stability));
     }
-    let long_waves_grow = search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
+    // Only where both are unstable do the long waves tell to whom it belongs.
+    let long_waves_grow = !is_elliptic
+        && !is_stable
+        && search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
     Ok((
         decided(is_elliptic, is_stable, false, long_waves_grow),
         stability,

@@ -66,10 +66,7 @@ pub fn probe_material<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<Probe, MaterialError> {
-    let minimum = Stiffness::<D>::of(&material.response(f)?)
-        .minimum()
-        .eigenvalue
-        .re;
+    let minimum = Stiffness::<D>::at(material, f)?.minimum().eigenvalue.re;
     let phase = if minimum > 0.0 {
         Phase::Stable
     } else {
