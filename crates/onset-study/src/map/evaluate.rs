@@ -1,7 +1,7 @@
 //! The one place at which a map computes a state.
 
 use super::record::{Finding, Proof, Record};
-use crate::answers::{Problem, ProblemError};
+use crate::answers::ProblemError;
 use crate::settings::{MapSettings, Settings};
 use nalgebra::SVector;
 use onset::certificate::{Certainty, Certificate, Certifier, Foundation};
@@ -12,7 +12,7 @@ use onset::verdict::{MaterialAssessment, Survey, SurveyedState};
 
 /// Material and discretization, ready to be asked about states.
 pub struct Evaluator {
-    problem: Problem,
+    settings: Settings,
     method: Option<AnyMethod>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
@@ -37,26 +37,18 @@ impl Evaluator {
     /// # Errors
     /// [`ProblemError`] when the settings are not admissible.
     pub fn new(settings: Settings, map: &MapSettings, many: bool) -> Result<Self, ProblemError> {
-        let material = settings.material.build().map_err(MethodError::from)?;
-        let problem = Problem { settings, material };
-        let (method, stiffness) = match problem.dimension() {
+        let (method, stiffness) = match settings.discretization.arrangement.dimension() {
             1 => {
-                let (method, stiffness) = prepared::<1>(&problem.settings, map, many)?;
-                (
-                    method.map(|method| AnyMethod::Chain(Box::new(method))),
-                    stiffness,
-                )
+                let (prepared, stiffness) = prepared::<1>(&settings, map, many)?;
+                (prepared.map(AnyMethod::Chain), stiffness)
             }
             _ => {
-                let (method, stiffness) = prepared::<2>(&problem.settings, map, many)?;
-                (
-                    method.map(|method| AnyMethod::Planar(Box::new(method))),
-                    stiffness,
-                )
+                let (prepared, stiffness) = prepared::<2>(&settings, map, many)?;
+                (prepared.map(AnyMethod::Planar), stiffness)
             }
         };
         Ok(Self {
-            problem,
+            settings,
             method,
             stiffness,
             tolerance: map.tolerance,
@@ -135,7 +127,7 @@ impl Evaluator {
         let growth_rate = match &certificate.discretization {
             Certainty::Stable { .. } | Certainty::RankDeficient { .. } => 0.0,
             Certainty::Unstable { witness } => {
-                let discretization = &self.problem.settings.discretization;
+                let discretization = &self.settings.discretization;
                 let speed = (self.stiffness / discretization.density).sqrt();
                 let proved = witness.growth_rate * speed / discretization.spacing;
                 record.growth_rate.max(proved)
@@ -170,7 +162,7 @@ fn prepared<const D: usize>(
     settings: &Settings,
     map: &MapSettings,
     many: bool,
-) -> Result<(Option<Prepared<D>>, f64), ProblemError> {
+) -> Result<(Option<Box<Prepared<D>>>, f64), ProblemError> {
     let density = settings.discretization.density;
     match Method::<D>::new(settings.discretization) {
         Ok(method) => {
@@ -186,7 +178,7 @@ fn prepared<const D: usize>(
             } else {
                 None
             };
-            Ok((Some(Prepared { survey, foundation }), stiffness))
+            Ok((Some(Box::new(Prepared { survey, foundation })), stiffness))
         }
         Err(error) if error.is_about_support() => Ok((None, f64::NAN)),
         Err(error) => Err(error.into()),

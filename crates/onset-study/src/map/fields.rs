@@ -238,20 +238,24 @@ fn proof(outcome: &Outcome) -> Proof {
     outcome.record.map_or(Proof::NONE, |record| record.proof)
 }
 
+fn field(name: &'static str, long_name: &'static str, kind: Kind, taken: Taken) -> (Field, Taken) {
+    let is_vector = matches!(taken, Taken::Vector(_));
+    let field = Field {
+        name,
+        long_name,
+        kind,
+        is_vector,
+    };
+    (field, taken)
+}
+
 fn flags(
     name: &'static str,
     long_name: &'static str,
     meanings: Vec<&'static str>,
     take: fn(&Outcome) -> i8,
 ) -> (Field, Taken) {
-    let kind = Kind::Flags(meanings);
-    let field = Field {
-        name,
-        long_name,
-        kind,
-        is_vector: false,
-    };
-    (field, Taken::Flag(take))
+    field(name, long_name, Kind::Flags(meanings), Taken::Flag(take))
 }
 
 fn number(
@@ -260,14 +264,7 @@ fn number(
     unit: &'static str,
     take: fn(&Record) -> f64,
 ) -> (Field, Taken) {
-    let kind = Kind::Numbers(unit);
-    let field = Field {
-        name,
-        long_name,
-        kind,
-        is_vector: false,
-    };
-    (field, Taken::Number(take))
+    field(name, long_name, Kind::Numbers(unit), Taken::Number(take))
 }
 
 fn vector(
@@ -276,14 +273,7 @@ fn vector(
     unit: &'static str,
     take: fn(&Record) -> [f64; 3],
 ) -> (Field, Taken) {
-    let kind = Kind::Numbers(unit);
-    let field = Field {
-        name,
-        long_name,
-        kind,
-        is_vector: true,
-    };
-    (field, Taken::Vector(take))
+    field(name, long_name, Kind::Numbers(unit), Taken::Vector(take))
 }
 
 #[cfg(test)]

@@ -76,13 +76,7 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
             Some(Class::Flutter | Class::Undefined) | None => None,
         })
         .collect();
-    let stable: Vec<Option<bool>> = classes
-        .iter()
-        .map(|class| {
-            let defined = class.filter(|class| *class != Class::Undefined)?;
-            Some(defined.is_stable_for_particles())
-        })
-        .collect();
+    let stable = stable_for_particles(&classes);
     let [first, second] = slice.study.plane();
     let edges = |flags: &[Option<bool>]| edges(flags, cells, first.range, second.range);
     let lines = [
@@ -90,6 +84,15 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
         of_particles(edges(&stable), PARTICLES.to_owned()),
     ];
     Ok(lines.into_iter().flatten().collect())
+}
+
+/// Whether the particles are stable in each cell, where the method can be evaluated and the map is computed.
+pub(super) fn stable_for_particles(classes: &[Option<Class>]) -> Vec<Option<bool>> {
+    let stable = |class: &Option<Class>| {
+        let defined = class.filter(|class| *class != Class::Undefined)?;
+        Some(defined.is_stable_for_particles())
+    };
+    classes.iter().map(stable).collect()
 }
 
 /// The edges between cells of different flags, with breaks between them.

@@ -65,13 +65,7 @@ pub(super) fn overlay(
             lines::joined(&boundaries.discretization)
         } else {
             let (cells, classes) = map.classes(slice)?;
-            let stable: Vec<Option<bool>> = classes
-                .iter()
-                .map(|class| {
-                    let defined = class.filter(|class| *class != Class::Undefined)?;
-                    Some(defined.is_stable_for_particles())
-                })
-                .collect();
+            let stable = lines::stable_for_particles(&classes);
             let [x, y] = map.study.plane();
             lines::edges(&stable, cells, x.range, y.range)
         };

@@ -94,14 +94,8 @@ pub fn gradient_norm<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let configuration = method.configuration(f, Order::First)?;
-    let mut constants = ForceConstants::new(reach(&configuration));
     let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == k && j == l)));
-    for point in &configuration.points {
-        let factor = point.volume / method.lattice().cell_volume();
-        add_gradient_stiffness(&mut constants, point, &unit, None, factor);
-    }
-    Ok(constants.finish(method.lattice()))
+    of_gradients(method, f, &unit, method.lattice().cell_volume())
 }
 
 /// The gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL` of a Lagrangian method: the dynamical matrix of the
@@ -110,12 +104,21 @@ pub(super) fn moment_matrix<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
+    let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == j && k == l)));
+    of_gradients(method, f, &unit, method.particle_mass())
+}
+
+/// `sum_q V_q conj(B_J) T_iJkL B_L` over a divisor, with a tangent that is no material's.
+fn of_gradients<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+    tangent: &FourthOrder,
+    divisor: f64,
+) -> Result<DynamicalMatrix<D>, MethodError> {
     let configuration = method.configuration(f, Order::First)?;
     let mut constants = ForceConstants::new(reach(&configuration));
-    let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == j && k == l)));
     for point in &configuration.points {
-        let factor = point.volume / method.particle_mass();
-        add_gradient_stiffness(&mut constants, point, &unit, None, factor);
+        add_gradient_stiffness(&mut constants, point, tangent, None, point.volume / divisor);
     }
     Ok(constants.finish(method.lattice()))
 }

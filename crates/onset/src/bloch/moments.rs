@@ -11,6 +11,7 @@ use super::dynamical_matrix::Expansion;
 use super::search::Objective;
 use super::{DynamicalMatrix, ZoneSearch, moment_matrix};
 use crate::algebra::Complex;
+use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::WaveGrid;
 use crate::material::PlaneTangent;
@@ -162,13 +163,7 @@ impl<const D: usize> GradientMoments<D> {
             .long_wave_stiffness()
             .with_directions_mapped(method.wave_grids().long_wave_map());
         let along = |t: f64| {
-            let direction = SVector::from_fn(|i, _| {
-                if i == 0 {
-                    (0.5 * t).cos()
-                } else {
-                    (0.5 * t).sin()
-                }
-            });
+            let direction = direction(t);
             let h = stiffness.acoustic_tensor(&direction);
             [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]]
         };
@@ -206,13 +201,7 @@ impl<const D: usize> GradientMoments<D> {
         let (scaled_minimum, wave_vector, is_long_wave) = match finite {
             (value, k) if value < long => (value, k, false),
             _ => {
-                let m = SVector::from_fn(|i, _| {
-                    if i == 0 {
-                        (0.5 * t).cos()
-                    } else {
-                        (0.5 * t).sin()
-                    }
-                });
+                let m = direction(t);
                 (long, (self.search.long_wave_map() * m).normalize(), true)
             }
         };

@@ -7,9 +7,11 @@
 mod planar;
 mod spherical;
 
+pub(crate) use planar::direction;
+
 use crate::algebra::{Complex, eigenvalues, eigenvector};
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response};
+use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
 use nalgebra::{SMatrix, SVector};
 
 /// A stiffness `T_iJkL` in `D` dimensions, the quadratic form in the direction `N` of an acoustic
@@ -62,8 +64,12 @@ impl<const D: usize> Stiffness<D> {
         if D != 2 {
             return Ok(Self::of(&material.response(f)?));
         }
-        let tangent = material.plane_tangent(f)?;
-        Ok(Self::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l]))
+        Ok(Self::of_plane(&material.plane_tangent(f)?))
+    }
+
+    /// The stiffness with the tangent within the plane, in two dimensions.
+    pub(crate) fn of_plane(tangent: &PlaneTangent) -> Self {
+        Self::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l])
     }
 
     /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27). Shape `D x D`, units of the stiffness.

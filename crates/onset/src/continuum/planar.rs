@@ -183,8 +183,8 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
     direction(best.0)
 }
 
-/// `N` by the doubled angle.
-fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
+/// `N = (cos t/2, sin t/2)` by the doubled angle `t`.
+pub(crate) fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
     SVector::from_fn(|i, _| {
         if i == 0 {
             (0.5 * t).cos()

@@ -8,6 +8,7 @@ mod zone;
 
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
+pub(crate) use wave_vectors::opposite;
 pub use wave_vectors::{WaveGrid, WaveGrids};
 pub use zone::BrillouinZone;
 

@@ -59,11 +59,7 @@ impl<const D: usize> WaveGrid<D> {
     fn folded(&self, folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>) -> Self {
         let mut wave_vectors = self.wave_vectors.clone();
         for index in 0..wave_vectors.len() {
-            let opposite = coordinates::<D>(index, self.resolution)
-                .into_iter()
-                .fold(0, |sum, j| {
-                    sum * self.resolution + (self.resolution - j) % self.resolution
-                });
+            let opposite = opposite::<D>(index, self.resolution);
             wave_vectors[index] = if opposite < index {
                 -wave_vectors[opposite]
             } else {
@@ -214,4 +210,11 @@ fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D
             })
             .sum()
     })
+}
+
+/// The index of `-k` in a grid.
+pub(crate) fn opposite<const D: usize>(index: usize, resolution: usize) -> usize {
+    coordinates::<D>(index, resolution)
+        .into_iter()
+        .fold(0, |sum, j| sum * resolution + (resolution - j) % resolution)
 }

@@ -127,7 +127,7 @@ impl<const D: usize> Survey<D> {
         f: &DeformationGradient,
     ) -> Result<SurveyedState<D>, MethodError> {
         let tangent = self.material.plane_tangent(f)?;
-        let stiffness = Stiffness::<D>::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l]);
+        let stiffness = Stiffness::<D>::of_plane(&tangent);
         let MomentExtremes {
             scaled_minimum,
             wave_vector,

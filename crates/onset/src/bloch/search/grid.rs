@@ -5,7 +5,7 @@ use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
-use crate::lattice::{WaveGrid, grid_coordinates};
+use crate::lattice::{WaveGrid, opposite};
 use nalgebra::SVector;
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
@@ -102,7 +102,7 @@ impl GridSpectrum {
                 .iter()
                 .flat_map(|line| line * width..(line + 1) * width)
             {
-                values[index] = values[opposite_index::<D>(index, n)];
+                values[index] = values[opposite::<D>(index, n)];
             }
         }
     }
@@ -333,10 +333,4 @@ pub(super) fn complex_growth(omega_squared: &[Complex]) -> f64 {
         .filter(|value| value.im != 0.0)
         .map(|value| growth_rate(*value))
         .fold(0.0, f64::max)
-}
-
-fn opposite_index<const D: usize>(index: usize, resolution: usize) -> usize {
-    grid_coordinates::<D>(index, resolution)
-        .into_iter()
-        .fold(0, |sum, j| sum * resolution + (resolution - j) % resolution)
 }
