@@ -1,9 +1,11 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
 mod eigen;
+mod pack;
 mod trigonometric;
 
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
+pub(crate) use pack::{Mask, Pack, WIDEST};
 pub use trigonometric::TrigonometricPolynomial;
 
 /// Complex numbers of the whole crate.

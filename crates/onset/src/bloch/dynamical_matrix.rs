@@ -328,6 +328,11 @@ impl<const D: usize> DynamicalMatrix<D> {
         self.rows.as_ref()
     }
 
+    /// The force constants of pairs of opposite vectors.
+    pub(super) fn terms(&self) -> &[Term<D>] {
+        &self.terms
+    }
+
     /// Where in its cell a vector ends.
     pub(super) fn sites(&self) -> &[SVector<f64, D>] {
         &self.sites

@@ -193,6 +193,12 @@ impl DeformationGradient {
 
     /// The principal stretches, largest first: the singular values of `F`.
     pub fn principal_stretches(&self) -> [f64; 3] {
+        let [[f11, f12, f13], [f21, f22, f23], [f31, f32, f33]] = self.0;
+        if [f12, f13, f21, f23, f31, f32] == [0.0; 6] {
+            let mut stretches = [f11.abs(), f22.abs(), f33.abs()];
+            stretches.sort_by(|a, b| b.total_cmp(a));
+            return stretches;
+        }
         // Scaled, so that no square over- or underflows.
         let scale = self.matrix().amax();
         let svd = (self.matrix() / scale).try_svd(false, false, f64::EPSILON, 200);

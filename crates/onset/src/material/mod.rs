@@ -14,7 +14,7 @@ pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
 pub use tensors::FourthOrder;
 
 use crate::kinematics::DeformationGradient;
-use crate::real::{Interval, Jet, Real};
+use crate::real::{Interval, Jet, Mirrored, Real};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -99,6 +99,14 @@ pub trait Hyperelastic: Send + Sync {
         }))
     }
 
+    /// [`Hyperelastic::plane_tangent`] of many states, each to the last digit the same in any company.
+    fn plane_tangents(
+        &self,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<PlaneTangent, MaterialError>> {
+        states.iter().map(|f| self.plane_tangent(f)).collect()
+    }
+
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.
     ///
     /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.
@@ -158,6 +166,24 @@ fn energy_jet<R: Real>(law: &impl StrainEnergy, f: &DeformationGradient<R>) -> J
     law.energy(&DeformationGradient::from_components(jets))
 }
 
+/// The tangent within the plane at a diagonal state, if the law has its mirror symmetry there; only if it is finite.
+fn mirrored_tangent(law: &impl StrainEnergy, f: &DeformationGradient) -> Option<PlaneTangent> {
+    let [[f11, f12, f13], [f21, f22, f23], [f31, f32, f33]] = *f.components();
+    if [f12, f13, f21, f23, f31, f32] != [0.0; 6] {
+        return None;
+    }
+    let [f11, f12, f21, f22] = Mirrored::variables(f11, f22);
+    let zero = Mirrored::Zero;
+    let energy = law.energy(&DeformationGradient::from_components([
+        [f11, f12, zero],
+        [f21, f22, zero],
+        [zero, zero, Mirrored::constant(f33)],
+    ]));
+    let tangent = energy.hessian()?;
+    let is_finite = tangent.as_flattened().iter().all(|value| value.is_finite());
+    is_finite.then_some(tangent)
+}
+
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {
         let energy = energy_jet(self, f);
@@ -176,8 +202,11 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
-        // The other components are constants: four variables instead of nine.
         let components = f.components();
+        if let Some(tangent) = mirrored_tangent(self, f) {
+            return Ok(tangent);
+        }
+        // The other components are constants: four variables instead of nine.
         let variables = Jet::<4>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
         let jets = std::array::from_fn(|i| {
             std::array::from_fn(|j| match (i, j) {

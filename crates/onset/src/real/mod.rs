@@ -6,9 +6,11 @@
 
 mod interval;
 mod jet;
+mod mirrored;
 
 pub use interval::Interval;
 pub use jet::Jet;
+pub use mirrored::{Even, Mirrored};
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};

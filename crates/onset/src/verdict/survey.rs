@@ -8,7 +8,7 @@ use crate::bloch::{
 };
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::{Hyperelastic, MaterialError, PlaneTangent};
 use crate::method::{Method, MethodError};
 use nalgebra::SVector;
 
@@ -116,50 +116,56 @@ impl<const D: usize> Survey<D> {
     /// [`MethodError`] when the method or the material cannot be evaluated there.
     pub fn state(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
         match &self.moments {
-            Some(moments) if f.is_block_diagonal::<D>() => self.contracted(moments, f),
+            Some(_) if f.is_block_diagonal::<D>() => self
+                .states(std::slice::from_ref(f))
+                .pop()
+                .unwrap_or(Err(MethodError::NotFinite)),
             _ => self.searched(f),
         }
+    }
+
+    /// What a map shows of many states, each as [`Survey::state`] says: to the last digit the same in any company, and with
+    /// Lagrangian kernels in the plane many times faster than one by one.
+    pub fn states(
+        &self,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<SurveyedState<D>, MethodError>> {
+        let Some(moments) = &self.moments else {
+            return states.iter().map(|f| self.searched(f)).collect();
+        };
+        let mut surveyed = Vec::with_capacity(states.len());
+        let mut rest = states;
+        while let Some(first) = rest.first() {
+            let is_planar = first.is_block_diagonal::<D>();
+            let alike = |f: &&DeformationGradient| f.is_block_diagonal::<D>() == is_planar;
+            let (run, others) = rest.split_at(rest.iter().take_while(alike).count());
+            if is_planar {
+                self.contracted(moments, run, &mut surveyed);
+            } else {
+                surveyed.extend(run.iter().map(|f| self.searched(f)));
+            }
+            rest = others;
+        }
+        surveyed
     }
 
     fn contracted(
         &self,
         moments: &GradientMoments<D>,
-        f: &DeformationGradient,
-    ) -> Result<SurveyedState<D>, MethodError> {
-        let tangent = self.material.plane_tangent(f)?;
-        let stiffness = Stiffness::<D>::of_plane(&tangent);
-        let MomentExtremes {
-            scaled_minimum,
-            wave_vector,
-            is_long_wave,
-            has_zero_mode,
-            long_wave_minimum,
-            lowest,
-            highest,
-            tolerance,
-        } = moments.extremes(&tangent);
-        let stability = if scaled_minimum < -tolerance {
-            Stability::Divergence
-        } else {
-            Stability::Stable
-        };
-        let is_elliptic = stiffness.is_strongly_elliptic();
-        let long_waves_grow = long_wave_minimum < -tolerance;
-        let is_stable = stability == Stability::Stable;
-        Ok(SurveyedState {
-            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
-            stability,
-            is_elliptic,
-            acoustic: stiffness.minimum(),
-            scaled_minimum,
-            wave_vector,
-            is_long_wave,
-            long_wave_minimum,
-            long_waves_grow,
-            lowest_omega_squared: lowest,
-            growth_rate: (-lowest).max(0.0).sqrt(),
-            maximum_omega: highest.max(0.0).sqrt(),
-        })
+        states: &[DeformationGradient],
+        surveyed: &mut Vec<Result<SurveyedState<D>, MethodError>>,
+    ) {
+        let tangents = self.material.plane_tangents(states);
+        let known: Vec<PlaneTangent> = tangents
+            .iter()
+            .filter_map(|tangent| tangent.as_ref().ok().copied())
+            .collect();
+        let mut extremes = moments.extremes(&known).into_iter();
+        surveyed.extend(tangents.into_iter().map(|tangent| {
+            let stiffness = Stiffness::<D>::of_plane(&tangent.map_err(MethodError::from)?);
+            let extremes = extremes.next().ok_or(MethodError::NotFinite)?;
+            Ok(SurveyedState::of_extremes(&stiffness, &extremes))
+        }));
     }
 
     fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
@@ -176,6 +182,32 @@ impl<const D: usize> Survey<D> {
 }
 
 impl<const D: usize> SurveyedState<D> {
+    fn of_extremes(stiffness: &Stiffness<D>, extremes: &MomentExtremes<D>) -> Self {
+        let tolerance = extremes.tolerance;
+        let is_stable = extremes.scaled_minimum >= -tolerance;
+        let is_elliptic = stiffness.is_strongly_elliptic();
+        let long_waves_grow = extremes.long_wave_minimum < -tolerance;
+        let has_zero_mode = extremes.has_zero_mode;
+        Self {
+            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
+            stability: if is_stable {
+                Stability::Stable
+            } else {
+                Stability::Divergence
+            },
+            is_elliptic,
+            acoustic: stiffness.minimum(),
+            scaled_minimum: extremes.scaled_minimum,
+            wave_vector: extremes.wave_vector,
+            is_long_wave: extremes.is_long_wave,
+            long_wave_minimum: extremes.long_wave_minimum,
+            long_waves_grow,
+            lowest_omega_squared: extremes.lowest,
+            growth_rate: (-extremes.lowest).max(0.0).sqrt(),
+            maximum_omega: extremes.highest.max(0.0).sqrt(),
+        }
+    }
+
     fn new(
         continuum: &MaterialAssessment<D>,
         spectrum: &SpectrumSummary<D>,

@@ -1,0 +1,102 @@
+//! `D = A : H` of many tangents at once.
+
+use crate::algebra::{Pack, WIDEST};
+use crate::material::PlaneTangent;
+use pulp::Simd;
+
+/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents: a
+/// column for each coefficient, padded with zeros to a multiple of [`WIDEST`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Columns {
+    coefficients: [[Vec<f64>; 3]; 3],
+}
+
+/// The coefficients of one tangent.
+pub(super) type Coefficients = [[f64; 3]; 3];
+
+/// The coefficients of a tangent.
+pub(super) fn coefficients(a: &PlaneTangent) -> Coefficients {
+    let entry = |i: usize, k: usize| {
+        [
+            a[2 * i][2 * k],
+            a[2 * i][2 * k + 1] + a[2 * i + 1][2 * k],
+            a[2 * i + 1][2 * k + 1],
+        ]
+    };
+    let (d11, d12, d22) = (entry(0, 0), entry(0, 1), entry(1, 1));
+    [
+        [0, 1, 2].map(|e| 0.5 * (d11[e] + d22[e])),
+        [0, 1, 2].map(|e| 0.5 * (d11[e] - d22[e])),
+        d12,
+    ]
+}
+
+/// Whether the coordinate axes are mirror axes of the tangent: `D` then depends on `H_12` through its square alone.
+pub(super) fn is_mirrored([mean, half, mixed]: &Coefficients) -> bool {
+    mean[1] == 0.0 && half[1] == 0.0 && mixed[0] == 0.0 && mixed[2] == 0.0
+}
+
+impl Columns {
+    pub(super) fn new(rows: &[Coefficients]) -> Self {
+        let length = rows.len().next_multiple_of(WIDEST);
+        let column = |q: usize, e: usize| {
+            let mut column = vec![0.0; length];
+            for (value, row) in column.iter_mut().zip(rows) {
+                *value = row[q][e];
+            }
+            column
+        };
+        Self {
+            coefficients: [0, 1, 2].map(|q| [0, 1, 2].map(|e| column(q, e))),
+        }
+    }
+
+    /// The length of a column.
+    pub(super) fn length(&self) -> usize {
+        self.coefficients[0][0].len()
+    }
+}
+
+/// The coefficients of as many tangents as a register has lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Contraction<S: Simd, const MIRRORED: bool>([[Pack<S>; 3]; 3]);
+
+impl<S: Simd, const MIRRORED: bool> Contraction<S, MIRRORED> {
+    #[inline(always)]
+    pub(super) fn of(simd: S, columns: &Columns, group: usize) -> Self {
+        let mut packs = [[Pack::splat(simd, 0.0); 3]; 3];
+        for q in 0..3 {
+            for e in 0..3 {
+                packs[q][e] = Pack::of(simd, &columns.coefficients[q][e], group);
+            }
+        }
+        Self(packs)
+    }
+
+    /// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
+    #[inline(always)]
+    pub(super) fn parts(&self, h: [Pack<S>; 3]) -> [Pack<S>; 3] {
+        let [mean, half, mixed] = &self.0;
+        if MIRRORED {
+            return [
+                mean[0].times_plus(h[0], mean[2] * h[2]),
+                half[0].times_plus(h[0], half[2] * h[2]),
+                mixed[1] * h[1],
+            ];
+        }
+        let mut parts = [h[0]; 3];
+        for q in 0..3 {
+            let c = &self.0[q];
+            parts[q] = c[0].times_plus(h[0], c[1].times_plus(h[1], c[2] * h[2]));
+        }
+        parts
+    }
+
+    /// `sign * (D_11 + D_22) / 2 - root`: the smaller eigenvalue, or minus the larger one.
+    #[inline(always)]
+    pub(super) fn branch(&self, h: [Pack<S>; 3], sign: Pack<S>) -> Pack<S> {
+        let [mean, half, mixed] = self.parts(h);
+        let root = half.times_plus(half, mixed * mixed).sqrt();
+        mean * sign - root
+    }
+}

@@ -1,0 +1,183 @@
+//! The limit of long waves: the smallest eigenvalue over all directions.
+
+use super::contraction::{Columns, Contraction};
+use crate::algebra::Pack;
+use pulp::{Simd, WithSimd};
+
+/// Directions in which the minimum is first looked for.
+const RAYS: usize = 16;
+/// Steps of Newton's method.
+const STEPS: usize = 6;
+/// A second well whose sample is this fraction above the first one is descended too.
+const RIVAL: f64 = 0.2;
+/// The last step of a descent that is settled.
+const SETTLED: f64 = 1e-6;
+/// A slope that is this fraction of the value vanishes.
+const FLAT: f64 = 1e-13;
+
+/// `H(k) / |k|_h^2` for long waves, `h0 + hc cos t + hs sin t` in the doubled angle `t`, for each entry.
+pub(super) type LongMoments = [[f64; 3]; 3];
+
+/// The minima, and the cosine and sine of the doubled angle; settled where the last is zero.
+pub(super) struct LongMinima {
+    pub(super) values: Vec<f64>,
+    pub(super) turns: [Vec<f64>; 2],
+    pub(super) unsettled: Vec<f64>,
+}
+
+/// Work for the widest vectors of the machine.
+pub(super) struct LongWaves<'a> {
+    pub(super) moments: &'a LongMoments,
+    pub(super) columns: &'a Columns,
+}
+
+impl WithSimd for LongWaves<'_> {
+    type Output = LongMinima;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> LongMinima {
+        let length = self.columns.length();
+        let mut minima = LongMinima {
+            values: vec![0.0; length],
+            turns: [vec![0.0; length], vec![0.0; length]],
+            unsettled: vec![0.0; length],
+        };
+        let number = |value: f64| Pack::splat(simd, value);
+        let zero = number(0.0);
+        let circle = circle();
+        for group in 0..length / S::F64_LANES {
+            let contraction = Contraction::<S, false>::of(simd, self.columns, group);
+            let mut parts = [[zero; 3]; 3];
+            for p in 0..3 {
+                parts[p] = contraction.parts([
+                    number(self.moments[0][p]),
+                    number(self.moments[1][p]),
+                    number(self.moments[2][p]),
+                ]);
+            }
+            let ring = Ring { parts };
+            let mut samples = [zero; RAYS];
+            for n in 0..RAYS {
+                samples[n] = ring.at(number(circle[n][0]), number(circle[n][1])).value;
+            }
+            let infinite = number(f64::INFINITY);
+            let (mut best, mut second) = ([infinite, zero, zero], [infinite, zero, zero]);
+            for n in 0..RAYS {
+                let (left, right) = (samples[(n + RAYS - 1) % RAYS], samples[(n + 1) % RAYS]);
+                let value = samples[n];
+                let is_well = value.is_below(left).and(value.is_at_most(right));
+                let is_best = is_well.and(value.is_below(best[0]));
+                let is_second = is_well.and(value.is_below(second[0]));
+                let here = [value, number(circle[n][0]), number(circle[n][1])];
+                for p in 0..3 {
+                    second[p] = is_best.select(best[p], is_second.select(here[p], second[p]));
+                    best[p] = is_best.select(here[p], best[p]);
+                }
+            }
+            // No well where all directions are alike.
+            let is_flat = best[0].is_at_most(samples[0]).not();
+            best[0] = is_flat.select(samples[0], best[0]);
+            best[1] = is_flat.select(number(1.0), best[1]);
+            let rival = best[0].abs().times_plus(number(RIVAL), best[0]);
+            let (mut found, mut moved) = ring.descended(best);
+            let has_rival = second[0].is_at_most(rival);
+            if has_rival.any() {
+                let (other, other_moved) = ring.descended(second);
+                let is_lower = has_rival.and(other[0].is_below(found[0]));
+                for p in 0..3 {
+                    found[p] = is_lower.select(other[p], found[p]);
+                }
+                moved = has_rival.select(moved.max(other_moved), moved);
+            }
+            found[0].write(&mut minima.values, group);
+            found[1].write(&mut minima.turns[0], group);
+            found[2].write(&mut minima.turns[1], group);
+            let unsettled = moved.is_at_most(number(SETTLED)).not();
+            unsettled
+                .select(number(1.0), zero)
+                .write(&mut minima.unsettled, group);
+        }
+        minima
+    }
+}
+
+/// Cosines and sines of the rays.
+fn circle() -> [[f64; 2]; RAYS] {
+    std::array::from_fn(|n| {
+        let (sine, cosine) = (std::f64::consts::TAU * n as f64 / RAYS as f64).sin_cos();
+        [cosine, sine]
+    })
+}
+
+/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as polynomials of first order in the doubled angle.
+struct Ring<S: Simd> {
+    parts: [[Pack<S>; 3]; 3],
+}
+
+/// The smaller eigenvalue with its derivatives by the angle.
+struct OnRing<S: Simd> {
+    value: Pack<S>,
+    slope: Pack<S>,
+    curvature: Pack<S>,
+}
+
+impl<S: Simd> Ring<S> {
+    #[inline(always)]
+    fn at(&self, cosine: Pack<S>, sine: Pack<S>) -> OnRing<S> {
+        let [constant, c, s] = self.parts;
+        let mut turning = [cosine; 3];
+        let mut slope = [cosine; 3];
+        for q in 0..3 {
+            turning[q] = c[q].times_plus(cosine, s[q] * sine);
+            slope[q] = s[q].times_plus(cosine, -(c[q] * sine));
+        }
+        let half = constant[1] + turning[1];
+        let mixed = constant[2] + turning[2];
+        let root = half.times_plus(half, mixed * mixed).sqrt();
+        let inverse = cosine.constant(1.0) / root;
+        let turn = half.times_plus(slope[1], mixed * slope[2]) * inverse;
+        // The second derivative of what turns is its negative.
+        let bend = slope[1].times_plus(slope[1], slope[2] * slope[2])
+            - half.times_plus(turning[1], mixed * turning[2]);
+        OnRing {
+            value: constant[0] + turning[0] - root,
+            slope: slope[0] - turn,
+            curvature: -turning[0] - (bend - turn * turn) * inverse,
+        }
+    }
+
+    /// Value, cosine and sine after steps of Newton's method, as long as they lead down; and the square of the last step.
+    #[inline(always)]
+    fn descended(&self, start: [Pack<S>; 3]) -> ([Pack<S>; 3], Pack<S>) {
+        let [_, mut cosine, mut sine] = start;
+        let zero = cosine.constant(0.0);
+        let mut here = self.at(cosine, sine);
+        let mut moved = zero;
+        for _ in 0..STEPS {
+            let is_convex = zero.is_below(here.curvature);
+            let is_flat = here
+                .slope
+                .abs()
+                .is_at_most(here.value.abs() * zero.constant(FLAT));
+            let step = -(here.slope / here.curvature);
+            moved = is_convex.select(step.abs(), is_flat.select(zero, zero.constant(1.0)));
+            // Along the tangent and back to the circle, which for short steps is the same as turning.
+            let length = zero.constant(1.0) / step.times_plus(step, zero.constant(1.0)).sqrt();
+            let there = [
+                (-step).times_plus(sine, cosine) * length,
+                step.times_plus(cosine, sine) * length,
+            ];
+            let next = self.at(there[0], there[1]);
+            let is_lower = is_convex.and(next.value.is_below(here.value));
+            here = OnRing {
+                value: is_lower.select(next.value, here.value),
+                slope: is_lower.select(next.slope, here.slope),
+                curvature: is_lower.select(next.curvature, here.curvature),
+            };
+            cosine = is_lower.select(there[0], cosine);
+            sine = is_lower.select(there[1], sine);
+        }
+        let value = here.value;
+        ([value, cosine, sine], moved)
+    }
+}

@@ -1,0 +1,530 @@
+//! Lagrangian kernels: what of the dynamical matrix no state changes.
+//!
+//! Where all quadrature points carry the same deformation, `D(k) = A : H(k)` with the gradient moments
+//! `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL`, which know neither material nor state. In the plane, and real, they are a
+//! point in three dimensions. The smallest eigenvalue of `A : H` is concave and the largest one convex in `H`, so that
+//! only extreme points of the set of all `H(k)` decide either; few points of a grid remain, and Newton's method leads from
+//! the best of them to the extreme itself.
+
+mod candidates;
+mod contraction;
+mod long_waves;
+mod refine;
+mod scan;
+mod sums;
+
+use super::branches::Taylor;
+use super::dynamical_matrix::Expansion;
+use super::search::Objective;
+use super::{DynamicalMatrix, ZoneSearch, moment_matrix};
+use crate::algebra::Complex;
+use crate::continuum::direction;
+use crate::kinematics::DeformationGradient;
+use crate::material::PlaneTangent;
+use crate::method::{Background, Frame, Method, MethodError};
+use candidates::{Candidates, NEAR, SOFT};
+use contraction::{Coefficients, Columns, coefficients, is_mirrored};
+use long_waves::{LongMoments, LongWaves};
+use nalgebra::{SMatrix, SVector};
+use pulp::Arch;
+use refine::{BEATEN, Descents, HARD, Refine};
+use scan::Scan;
+use std::f64::consts::TAU;
+use sums::Sums;
+
+/// Grid points per period of the fastest phase.
+const DENSITY: usize = 12;
+/// Directions of long waves in which their minimum is first looked for where the first search did not settle.
+const RAYS: usize = 32;
+/// Steps of Newton's method to the minimum over directions.
+const TURNS: usize = 12;
+/// Below this a scaled moment counts as that of a mode without energy.
+const ZERO_ENERGY: f64 = 1e-10;
+/// States that are worked on at a time: their columns stay in the cache.
+const BATCH: usize = 256;
+
+/// The gradient moments of a planar Lagrangian method over the zone.
+#[derive(Clone, Debug)]
+pub struct GradientMoments<const D: usize> {
+    matrix: DynamicalMatrix<D>,
+    search: ZoneSearch<D>,
+    sums: Sums,
+    /// Extreme points of `H(k) / |k|_h^2`.
+    scaled: Wells<D>,
+    /// Extreme points of `H(k)`.
+    plain: Wells<D>,
+    /// `H(k) / |k|_h^2` for long waves, `h0 + hc cos t + hs sin t` in the doubled angle `t` of `G^1/2 k`.
+    long: LongMoments,
+    /// Rounding error to expect in the scaled moments of long waves.
+    long_noise: f64,
+}
+
+/// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes.
+#[derive(Clone, Debug)]
+struct Wells<const D: usize> {
+    any: Candidates<D>,
+    mirrored: Candidates<D>,
+}
+
+/// The extremes of `D(k) = A : H(k)` over the zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MomentExtremes<const D: usize> {
+    /// The smallest `omega^2 / (c^2 |k|_h^2)`, long waves included.
+    pub scaled_minimum: f64,
+    /// Its wave vector; the unit direction for long waves.
+    pub wave_vector: SVector<f64, D>,
+    /// Whether it is the limit of long waves.
+    pub is_long_wave: bool,
+    /// Whether the softest mode has no energy at any state.
+    pub has_zero_mode: bool,
+    /// The smallest limit of long waves.
+    pub long_wave_minimum: f64,
+    /// The smallest `omega^2`, zero where none is below. 1/time^2.
+    pub lowest: f64,
+    /// The largest `omega^2`. 1/time^2.
+    pub highest: f64,
+    /// Scaled measures of smaller magnitude are zero to rounding.
+    pub tolerance: f64,
+}
+
+/// A bottom: the objective and its wave vector.
+type Bottom<const D: usize> = (f64, SVector<f64, D>);
+
+impl<const D: usize> GradientMoments<D> {
+    /// The moments of a method; `None` where `D(k)` is no contraction with one tangent, or not planar and real: Eulerian
+    /// kernels, an interpolated background, quadrature points without an inversion center. `speed_squared` is the `c^2`
+    /// of the scaled measure.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method cannot be evaluated.
+    pub fn new(method: &Method<D>, speed_squared: f64) -> Result<Option<Self>, MethodError> {
+        let discretization = method.discretization();
+        if D != 2
+            || discretization.frame != Frame::Lagrangian
+            || discretization.background != Background::Imposed
+        {
+            return Ok(None);
+        }
+        let rest = DeformationGradient::identity();
+        let matrix = moment_matrix(method, &rest)?;
+        let search = ZoneSearch::new(method, &rest, speed_squared).ok_or(MethodError::NotFinite)?;
+        let lattice = search.reference();
+        let grid = method
+            .wave_grids()
+            .grid((DENSITY * matrix.effective_reach().clamp(4, 16)).next_multiple_of(6));
+        let (Some(sums), Some(entries)) = (
+            Sums::new(&matrix, lattice),
+            matrix.planar_entries(&grid),
+        ) else {
+            return Ok(None);
+        };
+        let [h11, h12, _, h22] = &entries;
+        let moments: Vec<[f64; 3]> = (0..h11.len())
+            .map(|n| [h11[n], h12[n], h22[n]])
+            .collect();
+        let laplacian = grid.laplacian();
+        let scaled: Vec<[f64; 3]> = moments
+            .iter()
+            .zip(laplacian)
+            .map(|(h, laplacian)| h.map(|entry| entry / laplacian))
+            .collect();
+        let wells = |moments: &[[f64; 3]]| Wells {
+            any: Candidates::new(lattice, &grid, moments, false),
+            mirrored: Candidates::new(lattice, &grid, moments, true),
+        };
+        let (scaled, plain) = (wells(&scaled), wells(&moments));
+        let long = long_moments(method, &matrix);
+        let long_noise = matrix.long_wave_noise();
+        Ok(Some(Self {
+            matrix,
+            sums,
+            scaled,
+            plain,
+            long,
+            long_noise,
+            search,
+        }))
+    }
+
+    #[doc(hidden)]
+    pub fn shape(&self) -> String {
+        let of = |w: &Candidates<D>| {
+            let mut sizes = Vec::new();
+            let mut first = 0;
+            for end in &w.ends {
+                sizes.push(end - first);
+                first = *end;
+            }
+            format!("{} {:?}", w.moments.len(), sizes)
+        };
+        format!(
+            "scaled any {} mirrored {}; plain any {} mirrored {}",
+            of(&self.scaled.any),
+            of(&self.scaled.mirrored),
+            of(&self.plain.any),
+            of(&self.plain.mirrored)
+        )
+    }
+
+    /// The extremes for materials with the given tangents in the plane.
+    pub fn extremes(&self, tangents: &[PlaneTangent]) -> Vec<MomentExtremes<D>> {
+        let mut extremes = Vec::with_capacity(tangents.len());
+        for tangents in tangents.chunks(BATCH) {
+            let rows: Vec<Coefficients> = tangents.iter().map(coefficients).collect();
+            let is_mirrored: Vec<bool> = rows.iter().map(is_mirrored).collect();
+            if is_mirrored.iter().all(|is| *is) {
+                self.of_batch::<true>(&rows, &mut extremes);
+            } else {
+                self.of_batch::<false>(&rows, &mut extremes);
+            }
+        }
+        extremes
+    }
+
+    fn of_batch<const MIRRORED: bool>(
+        &self,
+        rows: &[Coefficients],
+        extremes: &mut Vec<MomentExtremes<D>>,
+    ) {
+        let c2 = self.search.speed_squared();
+        let columns = Columns::new(rows);
+        let long = Arch::new().dispatch(LongWaves {
+            moments: &self.long,
+            columns: &columns,
+        });
+        let long_waves: Vec<(f64, [f64; 2])> = (0..rows.len())
+            .map(|n| {
+                if long.unsettled[n] == 0.0 {
+                    (long.values[n], [long.turns[0][n], long.turns[1][n]])
+                } else {
+                    let (t, value) = self.long_wave_minimum(&rows[n]);
+                    (value, [t.cos(), t.sin()])
+                }
+            })
+            .collect();
+        let batch = Batch {
+            moments: self,
+            rows,
+            columns: &columns,
+        };
+        let limits: Vec<f64> = long_waves.iter().map(|(value, _)| *value).collect();
+        let finite = batch.bottoms::<MIRRORED>(Objective::Scaled, &limits);
+        let none = vec![f64::INFINITY; rows.len()];
+        let highest = batch.bottoms::<MIRRORED>(Objective::Highest, &none);
+        let first = extremes.len();
+        let mut growing = Vec::new();
+        for n in 0..rows.len() {
+            let tolerance = 16.0 * magnitude(&rows[n]) * self.long_noise / c2;
+            let (limit, turn) = long_waves[n];
+            let is_long_wave = finite[n].0 >= limit || finite[n].0.is_nan();
+            let (value, wave_vector) = if is_long_wave {
+                let map = self.search.long_wave_map();
+                (limit, (map * half_turned(turn)).normalize())
+            } else {
+                (finite[n].0, self.folded(finite[n].1))
+            };
+            let scaled_minimum = value / c2;
+            if scaled_minimum < -tolerance {
+                growing.push(n);
+            }
+            let has_zero_mode = !is_long_wave && scaled_minimum.abs() <= tolerance && {
+                let h = self.matrix.at(&wave_vector);
+                let trace = (h[(0, 0)] + h[(1, 1)]).re / self.search.reference().laplacian(&wave_vector);
+                trace <= ZERO_ENERGY * self.long.iter().map(|h| h[0].abs()).sum::<f64>()
+            };
+            extremes.push(MomentExtremes {
+                scaled_minimum,
+                wave_vector,
+                is_long_wave,
+                has_zero_mode,
+                long_wave_minimum: limit / c2,
+                lowest: 0.0,
+                highest: -highest[n].0,
+                tolerance,
+            });
+        }
+        if growing.is_empty() {
+            return;
+        }
+        let rows: Vec<Coefficients> = growing.iter().map(|n| rows[*n]).collect();
+        let batch = Batch {
+            moments: self,
+            rows: &rows,
+            columns: &Columns::new(&rows),
+        };
+        let lowest = batch.bottoms::<MIRRORED>(Objective::Lowest, &none);
+        for (n, (value, _)) in growing.iter().zip(lowest) {
+            extremes[first + n].lowest = value.min(0.0);
+        }
+    }
+
+    /// The equivalent wave vector in the zone.
+    fn folded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
+        if self.search.is_in_zone(&k) {
+            k
+        } else {
+            self.search.folded(&k)
+        }
+    }
+
+    /// A descent that takes its time, for the few that need it.
+    fn careful(
+        &self,
+        row: &Coefficients,
+        objective: Objective,
+        start: &SVector<f64, D>,
+    ) -> Bottom<D> {
+        let expansion = |k: &SVector<f64, D>| self.expansion(row, objective, k);
+        let value = self.exact(row, objective, start);
+        let ((_, k), _) = self
+            .search
+            .newton(&expansion, (value, *start), f64::INFINITY);
+        (self.exact(row, objective, &k), k)
+    }
+
+    fn expansion(
+        &self,
+        row: &Coefficients,
+        objective: Objective,
+        k: &SVector<f64, D>,
+    ) -> Option<Taylor<f64, D>> {
+        if !self.search.is_sought(objective, k) {
+            return None;
+        }
+        let d = contracted(row, &self.matrix.planar_expansion(k)?);
+        Some(match objective {
+            Objective::Highest => d.branch(1.0).map(|x| -x),
+            Objective::Scaled => {
+                let c2 = self.search.speed_squared();
+                self.search.scaled(&d.branch(-1.0), k).map(|x| c2 * x)
+            }
+            _ => d.branch(-1.0),
+        })
+    }
+
+    /// The objective, the scaled measure times `c^2`, with full relative accuracy also for long waves.
+    fn exact(&self, row: &Coefficients, objective: Objective, k: &SVector<f64, D>) -> f64 {
+        let h = self.matrix.at(k).map(|entry: Complex| entry.re);
+        let h = [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]];
+        let [mean, half, mixed] = parts(row, h);
+        let root = (half * half + mixed * mixed).sqrt();
+        match objective {
+            Objective::Highest => -mean - root,
+            Objective::Scaled => (mean - root) / self.search.reference().laplacian(k),
+            _ => mean - root,
+        }
+    }
+
+    /// The smallest scaled limit of long waves times `c^2`, and the doubled angle of its direction.
+    fn long_wave_minimum(&self, row: &Coefficients) -> (f64, f64) {
+        let d = [0, 1, 2].map(|p| {
+            let [mean, half, mixed] = parts(row, self.long.map(|h| h[p]));
+            [mean + half, mixed, mean - half]
+        });
+        let at = |t: f64| {
+            let (sine, cosine) = t.sin_cos();
+            let value = |e: usize| d[0][e] + d[1][e] * cosine + d[2][e] * sine;
+            let slope = |e: usize| -d[1][e] * sine + d[2][e] * cosine;
+            let (x, xs) = ([0, 1, 2].map(value), [0, 1, 2].map(slope));
+            let (half, half1) = (0.5 * (x[0] - x[2]), 0.5 * (xs[0] - xs[2]));
+            let root = (half * half + x[1] * x[1]).sqrt();
+            // Derivatives of h - sqrt(p); each entry obeys f'' = -(f - f0).
+            let half2 = 0.5 * (d[0][0] - d[0][2]) - half;
+            let mixed2 = d[0][1] - x[1];
+            let trace2 = 0.5 * (d[0][0] + d[0][2]) - 0.5 * (x[0] + x[2]);
+            let p1 = half * half1 + x[1] * xs[1];
+            let p2 = half1 * half1 + half * half2 + xs[1] * xs[1] + x[1] * mixed2;
+            let first = 0.5 * (xs[0] + xs[2]) - p1 / root;
+            let second = trace2 - p2 / root + p1 * p1 / (root * root * root);
+            (0.5 * (x[0] + x[2]) - root, first, second)
+        };
+        let step = std::f64::consts::TAU / RAYS as f64;
+        let sampled: [f64; RAYS] = std::array::from_fn(|n| at(n as f64 * step).0);
+        let mut best = (0.0, f64::INFINITY);
+        for n in 0..RAYS {
+            let (left, right) = (sampled[(n + RAYS - 1) % RAYS], sampled[(n + 1) % RAYS]);
+            if sampled[n] > left || sampled[n] > right {
+                continue;
+            }
+            let mut t = n as f64 * step;
+            let mut value = sampled[n];
+            for _ in 0..TURNS {
+                let (_, first, second) = at(t);
+                let next = t - first / second;
+                let there = at(next).0;
+                if !(second > 0.0 && there < value) {
+                    break;
+                }
+                (t, value) = (next, there);
+            }
+            if value < best.1 {
+                best = (t, value);
+            }
+        }
+        best
+    }
+}
+
+/// Tangents that are worked on together.
+struct Batch<'a, const D: usize> {
+    moments: &'a GradientMoments<D>,
+    rows: &'a [Coefficients],
+    columns: &'a Columns,
+}
+
+impl<const D: usize> Batch<'_, D> {
+    /// The lowest bottom of each tangent, infinite where it is not below a limit.
+    fn bottoms<const MIRRORED: bool>(&self, objective: Objective, limits: &[f64]) -> Vec<Bottom<D>> {
+        let moments = self.moments;
+        let wells = if objective == Objective::Scaled {
+            &moments.scaled
+        } else {
+            &moments.plain
+        };
+        let candidates = if MIRRORED { &wells.mirrored } else { &wells.any };
+        let sign = if objective == Objective::Highest {
+            -1.0
+        } else {
+            1.0
+        };
+        let found = Arch::new().dispatch(Scan::<D, MIRRORED> {
+            candidates,
+            columns: self.columns,
+            sign,
+        });
+        let mut bottoms = vec![(f64::INFINITY, SVector::zeros()); self.rows.len()];
+        let (mut first, mut rivals) = (Vec::new(), Vec::new());
+        for n in 0..self.rows.len() {
+            let best = found.best[n];
+            let soft = 2.0 * SOFT * candidates.scale * magnitude(&self.rows[n]);
+            let near = best + 1.5 * NEAR * best.abs() + soft;
+            let margin = near - best;
+            if best - margin > limits[n] {
+                continue;
+            }
+            let mut is_first = true;
+            for region in 0..candidates.ends.len() {
+                let place = region * self.columns.length() + n;
+                let value = found.values[place];
+                if value > near {
+                    continue;
+                }
+                let start = (n, found.indices[place] as usize);
+                // The best is descended from first.
+                if value == best && is_first {
+                    is_first = false;
+                    first.push(start);
+                } else {
+                    rivals.push(start);
+                }
+            }
+        }
+        for starts in [first, rivals] {
+            self.descend::<MIRRORED>(objective, candidates, &starts, limits, &mut bottoms);
+        }
+        bottoms
+    }
+
+    /// Descends from candidates of some tangents, and keeps what is lower.
+    fn descend<const MIRRORED: bool>(
+        &self,
+        objective: Objective,
+        candidates: &Candidates<D>,
+        starts: &[(usize, usize)],
+        limits: &[f64],
+        bottoms: &mut [Bottom<D>],
+    ) {
+        let rows: Vec<Coefficients> = starts.iter().map(|(n, _)| self.rows[*n]).collect();
+        let mut descents = Descents::new(starts.iter().map(|(n, candidate)| {
+            (
+                candidates.phases[*candidate],
+                limits[*n].min(bottoms[*n].0),
+            )
+        }));
+        Arch::new().dispatch(Refine::<MIRRORED> {
+            sums: &self.moments.sums,
+            columns: &Columns::new(&rows),
+            sign: if objective == Objective::Highest {
+                -1.0
+            } else {
+                1.0
+            },
+            scaled: objective == Objective::Scaled,
+            descents: &mut descents,
+        });
+        for (place, (n, candidate)) in starts.iter().enumerate() {
+            let end = descents.ends[place];
+            if end == BEATEN {
+                continue;
+            }
+            let (value, k) = if end == HARD {
+                let start = &candidates.wave_vectors[*candidate];
+                self.moments.careful(&rows[place], objective, start)
+            } else {
+                let phases = [descents.phases[0][place], descents.phases[1][place]];
+                let reciprocal = self.moments.search.reference().reciprocal();
+                let k = SVector::from_fn(|i, _| {
+                    (reciprocal[(i, 0)] * phases[0] + reciprocal[(i, 1)] * phases[1]) / TAU
+                });
+                (descents.values[place], k + candidates.shifts[*candidate])
+            };
+            if value < bottoms[*n].0 {
+                bottoms[*n] = (value, k);
+            }
+        }
+    }
+}
+
+/// The largest entry of the linear map from `H` to `D`.
+fn magnitude([mean, half, mixed]: &Coefficients) -> f64 {
+    (0..3)
+        .map(|e| f64::max(mean[e].abs() + half[e].abs(), mixed[e].abs()))
+        .fold(0.0, f64::max)
+}
+
+/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
+fn parts(row: &Coefficients, h: [f64; 3]) -> [f64; 3] {
+    row.map(|c| c[0] * h[0] + c[1] * h[1] + c[2] * h[2])
+}
+
+/// `D(k)` from `H(k)`.
+fn contracted<const D: usize>(row: &Coefficients, h: &Expansion<f64, D>) -> Expansion<f64, D> {
+    let map = |h: &SMatrix<f64, D, D>| {
+        let h = [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]];
+        let [mean, half, mixed] = parts(row, h);
+        SMatrix::from_fn(|i, k| [mean + half, mixed, mean - half][i + k])
+    };
+    Expansion {
+        value: map(&h.value),
+        gradient: std::array::from_fn(|a| map(&h.gradient[a])),
+        hessian: std::array::from_fn(|a| std::array::from_fn(|b| map(&h.hessian[a][b]))),
+    }
+}
+
+/// `H(k) / |k|_h^2` in the limit of long waves.
+fn long_moments<const D: usize>(method: &Method<D>, matrix: &DynamicalMatrix<D>) -> LongMoments {
+    let stiffness = matrix
+        .long_wave_stiffness()
+        .with_directions_mapped(method.wave_grids().long_wave_map());
+    let along = |t: f64| {
+        let h = stiffness.acoustic_tensor(&direction(t));
+        [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]]
+    };
+    let (east, north, west) = (along(0.0), along(0.25 * TAU), along(0.5 * TAU));
+    std::array::from_fn(|e| {
+        let mean = 0.5 * (east[e] + west[e]);
+        [mean, 0.5 * (east[e] - west[e]), north[e] - mean]
+    })
+}
+
+/// The unit vector at half of the angle of which cosine and sine are given.
+fn half_turned<const D: usize>([cosine, sine]: [f64; 2]) -> SVector<f64, D> {
+    // Of the two forms the one without cancellation.
+    let (x, y) = if cosine > 0.0 {
+        (1.0 + cosine, sine)
+    } else {
+        (sine.abs(), (1.0 - cosine).copysign(sine))
+    };
+    let length = (x * x + y * y).sqrt();
+    SVector::from_fn(|i, _| [x, y][i] / length)
+}

@@ -1,0 +1,312 @@
+//! From candidates to the bottoms of their wells, several at once: Newton's method on the exact sums.
+
+use super::contraction::{Columns, Contraction};
+use super::sums::{LARGEST, Local, Sums, Workspace};
+use crate::algebra::{Mask, Pack, WIDEST};
+use pulp::{Simd, WithSimd};
+use std::f64::consts::TAU;
+
+/// Evaluations at most.
+const STEPS: usize = 24;
+/// The longest step, as a phase.
+const LONGEST: f64 = 0.6;
+/// After a step this short and a decrease this small, relative to the value, quadratic convergence leaves less than rounding.
+const SHORT: f64 = 1e-4;
+const SMALL: f64 = 1e-8;
+/// Waves longer than this phase are left to their limit.
+const LONG_WAVE: f64 = 1e-3 * TAU;
+/// Up to this phase the limit of long waves is the nearest bottom if the objective falls towards it.
+const NEAR_LIMIT: f64 = 0.6;
+
+/// How a descent ended.
+pub(super) const SETTLED: f64 = 0.0;
+/// It cannot reach below its floor.
+pub(super) const BEATEN: f64 = 1.0;
+/// It needs more care.
+pub(super) const HARD: f64 = 2.0;
+
+/// Where descents start and what they are to beat; then where they end. Padded to a multiple of [`WIDEST`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Descents {
+    /// `k.a_1` and `k.a_2`.
+    pub(super) phases: [Vec<f64>; 2],
+    /// What is to be beaten.
+    pub(super) floors: Vec<f64>,
+    /// The objective at the end.
+    pub(super) values: Vec<f64>,
+    /// How it ended.
+    pub(super) ends: Vec<f64>,
+}
+
+impl Descents {
+    pub(super) fn new(starts: impl ExactSizeIterator<Item = ([f64; 2], f64)>) -> Self {
+        let length = starts.len().next_multiple_of(WIDEST);
+        let mut result = Self {
+            phases: [vec![1.0; length], vec![1.0; length]],
+            // What fills up is beaten at once.
+            floors: vec![f64::NEG_INFINITY; length],
+            values: vec![f64::INFINITY; length],
+            ends: vec![BEATEN; length],
+        };
+        for (n, (phases, floor)) in starts.enumerate() {
+            result.phases[0][n] = phases[0];
+            result.phases[1][n] = phases[1];
+            result.floors[n] = floor;
+        }
+        result
+    }
+}
+
+/// Work for the widest vectors of the machine.
+pub(super) struct Refine<'a, const MIRRORED: bool> {
+    pub(super) sums: &'a Sums,
+    pub(super) columns: &'a Columns,
+    /// One for the smaller eigenvalue, minus one for minus the larger.
+    pub(super) sign: f64,
+    /// Whether it is divided by the lattice Laplacian.
+    pub(super) scaled: bool,
+    pub(super) descents: &'a mut Descents,
+}
+
+impl<const MIRRORED: bool> WithSimd for Refine<'_, MIRRORED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut workspace = Workspace::new(simd);
+        for group in 0..self.columns.length() / S::F64_LANES {
+            let objective = Objective::<S, MIRRORED> {
+                simd,
+                sums: self.sums,
+                contraction: Contraction::of(simd, self.columns, group),
+                sign: Pack::splat(simd, self.sign),
+                scaled: self.scaled,
+            };
+            objective.descend(group, self.descents, &mut workspace);
+        }
+    }
+}
+
+struct Objective<'a, S: Simd, const MIRRORED: bool> {
+    simd: S,
+    sums: &'a Sums,
+    contraction: Contraction<S, MIRRORED>,
+    sign: Pack<S>,
+    scaled: bool,
+}
+
+impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
+    #[inline(always)]
+    fn descend(&self, group: usize, descents: &mut Descents, workspace: &mut Workspace<S>) {
+        let number = |value: f64| Pack::splat(self.simd, value);
+        let zero = number(0.0);
+        let floor = Pack::of(self.simd, &descents.floors, group);
+        let mut base = [
+            Pack::of(self.simd, &descents.phases[0], group),
+            Pack::of(self.simd, &descents.phases[1], group),
+        ];
+        let mut step = [zero; 2];
+        let mut last = number(f64::INFINITY);
+        let mut end = number(HARD);
+        let mut active = zero.is_at_most(zero);
+        for _ in 0..STEPS {
+            let at = [base[0] + step[0], base[1] + step[1]];
+            let local = self.local(at, workspace);
+            let lower = local.value.is_at_most(last).and(active);
+            let short = step[0].times_plus(step[0], step[1] * step[1]);
+            let stuck = active
+                .and(lower.not())
+                .and(short.is_below(number(1e-8 * LONGEST * LONGEST)));
+            for a in 0..2 {
+                base[a] = lower.select(at[a], base[a]);
+            }
+            last = lower.select(local.value, last);
+            let newton = newton_step(&local);
+            for a in 0..2 {
+                step[a] = lower.select(newton.step[a], step[a] * number(0.25));
+            }
+            let decrease =
+                -(local.slope[0].times_plus(newton.step[0], local.slope[1] * newton.step[1]));
+            let size = local.value.abs();
+            let quiet = newton
+                .square
+                .is_at_most(number(SHORT * SHORT))
+                .and(decrease.is_at_most(size * number(SMALL)))
+                .or(decrease.is_at_most(size * number(1e-15)));
+            let settled = lower.and(newton.is_convex).and(quiet);
+            let beaten = lower
+                .and(newton.is_convex)
+                .and(floor.is_below(decrease.times_plus(number(-4.0), local.value)))
+                .or(self.falls_to_the_limit(&local, at, floor).and(lower));
+            // On a crest, or out of the range of the series.
+            let crest = lower.and(newton.is_convex.not()).and(quiet);
+            let far = (base[0] + step[0])
+                .abs()
+                .max((base[1] + step[1]).abs());
+            let lost = crest
+                .or(stuck)
+                .or(active.and(far.is_at_most(number(2.0 * LARGEST)).not()));
+            end = settled.select(number(SETTLED), end);
+            end = beaten.select(number(BEATEN), end);
+            active = active.and(settled.or(beaten).or(lost).not());
+            // The last step of a settled descent is taken; others that ended stay.
+            for a in 0..2 {
+                base[a] = settled.select(at[a] + step[a], base[a]);
+                step[a] = active.select(step[a], zero);
+            }
+            if !active.any() {
+                break;
+            }
+        }
+        let half = [base[0] * number(0.5), base[1] * number(0.5)];
+        let (moments, laplacian) = self.sums.at(self.simd, half, workspace);
+        let branch = self.contraction.branch(moments, self.sign);
+        let value = if self.scaled { branch / laplacian } else { branch };
+        base[0].write(&mut descents.phases[0], group);
+        base[1].write(&mut descents.phases[1], group);
+        value.write(&mut descents.values, group);
+        end.write(&mut descents.ends, group);
+    }
+
+    /// Whether the objective falls towards long waves, whose limit is known to be lower.
+    #[inline(always)]
+    fn falls_to_the_limit(
+        &self,
+        local: &Local<Pack<S>>,
+        at: [Pack<S>; 2],
+        floor: Pack<S>,
+    ) -> Mask<S> {
+        let number = |value: f64| Pack::splat(self.simd, value);
+        let square = at[0].times_plus(at[0], at[1] * at[1]);
+        let radial = at[0].times_plus(local.slope[0], at[1] * local.slope[1]);
+        let reach = if self.scaled { NEAR_LIMIT } else { 0.0 };
+        let near = square.is_below(number(reach * reach));
+        let too_long = square.is_below(number(if self.scaled {
+            LONG_WAVE * LONG_WAVE
+        } else {
+            0.0
+        }));
+        near.and(floor.is_at_most(local.value))
+            .and(number(0.0).is_at_most(radial))
+            .or(too_long)
+    }
+
+    /// The objective with its derivatives.
+    #[inline(always)]
+    fn local(&self, at: [Pack<S>; 2], workspace: &mut Workspace<S>) -> Local<Pack<S>> {
+        let number = |value: f64| Pack::splat(self.simd, value);
+        let half = number(0.5);
+        let (h, laplacian) =
+            self.sums
+                .local_at(self.simd, [at[0] * half, at[1] * half], workspace);
+        let value = self
+            .contraction
+            .parts([h[0].value, h[1].value, h[2].value]);
+        let mut slope = [value; 2];
+        for a in 0..2 {
+            slope[a] = self
+                .contraction
+                .parts([h[0].slope[a], h[1].slope[a], h[2].slope[a]]);
+        }
+        let mut curvature = [value; 3];
+        for a in 0..3 {
+            curvature[a] = self.contraction.parts([
+                h[0].curvature[a],
+                h[1].curvature[a],
+                h[2].curvature[a],
+            ]);
+        }
+        // sign * mean - root with root^2 = half^2 + mixed^2.
+        let root = value[1].times_plus(value[1], value[2] * value[2]).sqrt();
+        let inverse = number(1.0) / root;
+        let mut turn = [root; 2];
+        for a in 0..2 {
+            turn[a] = value[1].times_plus(slope[a][1], value[2] * slope[a][2]) * inverse;
+        }
+        let mut branch = Local {
+            value: self.sign.times_plus(value[0], -root),
+            slope: [root; 2],
+            curvature: [root; 3],
+        };
+        for a in 0..2 {
+            branch.slope[a] = self.sign.times_plus(slope[a][0], -turn[a]);
+        }
+        for (p, (a, b)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            let bend = slope[a][1].times_plus(
+                slope[b][1],
+                slope[a][2].times_plus(
+                    slope[b][2],
+                    value[1].times_plus(curvature[p][1], value[2] * curvature[p][2]),
+                ),
+            );
+            let root_curvature = (bend - turn[a] * turn[b]) * inverse;
+            branch.curvature[p] = self.sign.times_plus(curvature[p][0], -root_curvature);
+        }
+        if !self.scaled {
+            return branch;
+        }
+        let inverse = number(1.0) / laplacian.value;
+        let quotient = branch.value * inverse;
+        let mut scaled = Local {
+            value: quotient,
+            ..branch
+        };
+        for a in 0..2 {
+            scaled.slope[a] =
+                (-quotient).times_plus(laplacian.slope[a], branch.slope[a]) * inverse;
+        }
+        for (p, (a, b)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            let rest = scaled.slope[a].times_plus(
+                laplacian.slope[b],
+                scaled.slope[b].times_plus(
+                    laplacian.slope[a],
+                    quotient * laplacian.curvature[p],
+                ),
+            );
+            scaled.curvature[p] = (branch.curvature[p] - rest) * inverse;
+        }
+        scaled
+    }
+}
+
+struct NewtonStep<S: Simd> {
+    step: [Pack<S>; 2],
+    /// The square of its length.
+    square: Pack<S>,
+    is_convex: Mask<S>,
+}
+
+/// The step of Newton's method with the magnitudes of the principal curvatures, so that it leads down; at most `LONGEST`.
+#[inline(always)]
+fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
+    let number = |value: f64| local.value.constant(value);
+    let [xx, xy, yy] = local.curvature;
+    let [x, y] = local.slope;
+    let half = number(0.5);
+    let (mean, difference) = ((xx + yy) * half, (xx - yy) * half);
+    let radius = difference.times_plus(difference, xy * xy).sqrt();
+    let (low, high) = (mean - radius, mean + radius);
+    let tiny = low.abs().max(high.abs()) * number(1e-12);
+    let (small, large) = (low.abs().max(tiny), high.abs().max(tiny));
+    // |C|^-1 = a + b C on both principal axes; where both curvatures are positive, (tr C - C) / det C.
+    let is_convex = tiny.is_below(low);
+    let product = number(1.0) / (small * large);
+    let spread = number(1.0) / (radius + radius);
+    let b = is_convex.select(-product, (small - large) * product * spread);
+    let a = is_convex.select(
+        (mean + mean) * product,
+        number(1.0) / large - b * high,
+    );
+    let step = [
+        -(a * x + b * xx.times_plus(x, xy * y)),
+        -(a * y + b * xy.times_plus(x, yy * y)),
+    ];
+    let square = step[0].times_plus(step[0], step[1] * step[1]);
+    let limit = number(LONGEST);
+    let factor = number(1.0).min(limit / square.sqrt());
+    NewtonStep {
+        step: [step[0] * factor, step[1] * factor],
+        square,
+        is_convex,
+    }
+}

@@ -1,0 +1,233 @@
+//! `H(k)` and its derivatives at several wave vectors at once, by the exact sums.
+
+use crate::algebra::Pack;
+use crate::bloch::DynamicalMatrix;
+use crate::lattice::BravaisLattice;
+use pulp::Simd;
+
+/// Multiples of a primitive vector whose phases are tabulated.
+const REACH: usize = 16;
+const TABLE: usize = 2 * REACH + 1;
+
+/// The sum over pairs of opposite lattice vectors, `H(k) = H(0) + sum even (cos k.R - 1)`.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    terms: Vec<Term>,
+    reach: usize,
+    /// `H(0)`.
+    rigid: [f64; 3],
+    /// `H(0) - sum even`.
+    constant: [f64; 3],
+    /// `1 / |a_i|^2` of the lattice Laplacian.
+    laplacian: [f64; 2],
+}
+
+/// The vectors `R = m a_1 + n a_2` and `-R`.
+#[derive(Clone, Debug)]
+struct Term {
+    /// Places in the tables of phases.
+    places: [usize; 2],
+    /// `H_11`, `H_12`, `H_22`.
+    even: [f64; 3],
+    /// Times `m`, `n`.
+    slopes: [[f64; 3]; 2],
+    /// Times `m^2`, `m n`, `n^2`.
+    curvatures: [[f64; 3]; 3],
+}
+
+/// `cos` and `sin` of multiples of a phase, from `-REACH`.
+type Phases<S> = [[Pack<S>; 2]; TABLE];
+
+/// Room for the phases of both primitive vectors.
+pub(super) struct Workspace<S: Simd>([Phases<S>; 2]);
+
+impl<S: Simd> Workspace<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S) -> Self {
+        Self([[[Pack::splat(simd, 0.0); 2]; TABLE]; 2])
+    }
+}
+
+/// A function of the two phases with its first and its second derivatives, `11`, `12`, `22`.
+#[derive(Clone, Copy)]
+pub(super) struct Local<T> {
+    pub(super) value: T,
+    pub(super) slope: [T; 2],
+    pub(super) curvature: [T; 3],
+}
+
+impl Sums {
+    /// Of a matrix of moments; `None` where it is not planar and real, where vectors do not end at lattice points, or
+    /// of ranges that no method in use has.
+    pub(super) fn new<const D: usize>(
+        matrix: &DynamicalMatrix<D>,
+        lattice: &BravaisLattice<D>,
+    ) -> Option<Self> {
+        if D != 2 || !matrix.is_centrosymmetric() || matrix.sites().len() > 1 || matrix.reach() > REACH
+        {
+            return None;
+        }
+        let entries = |m: &nalgebra::SMatrix<f64, D, D>| {
+            [m[(0, 0)], 0.5 * (m[(0, 1)] + m[(1, 0)]), m[(1, 1)]]
+        };
+        let mut constant = entries(matrix.rigid_translation());
+        let mut terms = Vec::new();
+        for term in matrix.terms() {
+            let even = entries(&term.even);
+            let cell = [term.cell[0], term.cell[1]];
+            let [m, n] = cell.map(f64::from);
+            for e in 0..3 {
+                constant[e] -= even[e];
+            }
+            terms.push(Term {
+                places: cell.map(|n| (n + REACH as i32) as usize),
+                even,
+                slopes: [m, n].map(|x| even.map(|value| x * value)),
+                curvatures: [m * m, m * n, n * n].map(|x| even.map(|value| x * value)),
+            });
+        }
+        Some(Self {
+            terms,
+            reach: matrix.reach(),
+            rigid: entries(matrix.rigid_translation()),
+            constant,
+            laplacian: [0, 1].map(|i| 1.0 / lattice.vectors().column(i).norm_squared()),
+        })
+    }
+
+    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with full relative accuracy also for
+    /// long waves.
+    #[inline(always)]
+    pub(super) fn at<S: Simd>(
+        &self,
+        simd: S,
+        half: [Pack<S>; 2],
+        workspace: &mut Workspace<S>,
+    ) -> ([Pack<S>; 3], Pack<S>) {
+        let (first, second) = (sin_cos(half[0]), sin_cos(half[1]));
+        fill(&mut workspace.0[0], first, self.reach);
+        fill(&mut workspace.0[1], second, self.reach);
+        let mut sums = [Pack::splat(simd, 0.0); 3];
+        for term in &self.terms {
+            let [c1, s1] = workspace.0[0][term.places[0]];
+            let [c2, s2] = workspace.0[1][term.places[1]];
+            let sine = s1.times_plus(c2, c1 * s2);
+            let square = sine * sine;
+            for e in 0..3 {
+                sums[e] = square.times_plus(Pack::splat(simd, term.even[e]), sums[e]);
+            }
+        }
+        let two = Pack::splat(simd, -2.0);
+        for e in 0..3 {
+            sums[e] = sums[e].times_plus(two, Pack::splat(simd, self.rigid[e]));
+        }
+        let weight = [0, 1].map(|i| Pack::splat(simd, 4.0 * self.laplacian[i]));
+        let laplacian =
+            (first[1] * first[1]).times_plus(weight[0], second[1] * second[1] * weight[1]);
+        (sums, laplacian)
+    }
+
+    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with derivatives by the phases.
+    #[inline(always)]
+    pub(super) fn local_at<S: Simd>(
+        &self,
+        simd: S,
+        half: [Pack<S>; 2],
+        workspace: &mut Workspace<S>,
+    ) -> ([Local<Pack<S>>; 3], Local<Pack<S>>) {
+        let zero = Pack::splat(simd, 0.0);
+        let (first, second) = (doubled(sin_cos(half[0])), doubled(sin_cos(half[1])));
+        fill(&mut workspace.0[0], first, self.reach);
+        fill(&mut workspace.0[1], second, self.reach);
+        let mut sums = [Local {
+            value: zero,
+            slope: [zero; 2],
+            curvature: [zero; 3],
+        }; 3];
+        for e in 0..3 {
+            sums[e].value = Pack::splat(simd, self.constant[e]);
+        }
+        for term in &self.terms {
+            let [c1, s1] = workspace.0[0][term.places[0]];
+            let [c2, s2] = workspace.0[1][term.places[1]];
+            let cosine = c1.times_plus(c2, -(s1 * s2));
+            let sine = s1.times_plus(c2, c1 * s2);
+            for e in 0..3 {
+                let sum = &mut sums[e];
+                sum.value = cosine.times_plus(Pack::splat(simd, term.even[e]), sum.value);
+                for a in 0..2 {
+                    sum.slope[a] =
+                        sine.times_plus(Pack::splat(simd, -term.slopes[a][e]), sum.slope[a]);
+                }
+                for a in 0..3 {
+                    sum.curvature[a] = cosine
+                        .times_plus(Pack::splat(simd, -term.curvatures[a][e]), sum.curvature[a]);
+                }
+            }
+        }
+        let weight = [0, 1].map(|i| Pack::splat(simd, 2.0 * self.laplacian[i]));
+        let one = Pack::splat(simd, 1.0);
+        let laplacian = Local {
+            value: (one - first[0]).times_plus(weight[0], (one - second[0]) * weight[1]),
+            slope: [first[1] * weight[0], second[1] * weight[1]],
+            curvature: [first[0] * weight[0], zero, second[0] * weight[1]],
+        };
+        (sums, laplacian)
+    }
+}
+
+/// `cos` and `sin` of the doubled angle.
+#[inline(always)]
+fn doubled<S: Simd>([cosine, sine]: [Pack<S>; 2]) -> [Pack<S>; 2] {
+    let twice = sine + sine;
+    [
+        (-twice).times_plus(sine, sine.constant(1.0)),
+        twice * cosine,
+    ]
+}
+
+/// `cos` and `sin` of all multiples up to a reach.
+#[inline(always)]
+fn fill<S: Simd>(phases: &mut Phases<S>, [cosine, sine]: [Pack<S>; 2], reach: usize) {
+    let (mut c, mut s) = (cosine.constant(1.0), cosine.constant(0.0));
+    phases[REACH] = [c, s];
+    for n in 1..=reach {
+        (c, s) = (
+            c.times_plus(cosine, -(s * sine)),
+            s.times_plus(cosine, c * sine),
+        );
+        phases[REACH + n] = [c, s];
+        phases[REACH - n] = [c, -s];
+    }
+}
+
+/// Half phases up to this one are admitted.
+pub(super) const LARGEST: f64 = 2.2;
+
+/// `cos x` and `sin x`, `|x| <= LARGEST`, by their series: the first term that is left out is below rounding.
+#[inline(always)]
+fn sin_cos<S: Simd>(x: Pack<S>) -> [Pack<S>; 2] {
+    let square = x * x;
+    let (mut cosine, mut sine) = (x.constant(0.0), x.constant(0.0));
+    for n in (0..SERIES).rev() {
+        cosine = cosine.times_plus(square, x.constant(COSINE[n]));
+        sine = sine.times_plus(square, x.constant(SINE[n]));
+    }
+    [cosine, sine * x]
+}
+
+const SERIES: usize = 13;
+const COSINE: [f64; SERIES] = series(0);
+const SINE: [f64; SERIES] = series(1);
+
+/// `(-1)^n / (2 n + odd)!`.
+const fn series(odd: usize) -> [f64; SERIES] {
+    let mut coefficients = [1.0; SERIES];
+    let mut n = 1;
+    while n < SERIES {
+        let last = 2 * n + odd;
+        coefficients[n] = -coefficients[n - 1] / ((last * (last - 1)) as f64);
+        n += 1;
+    }
+    coefficients
+}
