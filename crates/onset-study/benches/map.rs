@@ -15,6 +15,9 @@ use std::time::Instant;
 /// The range of both stretches.
 const RANGE: (f64, f64) = (0.5, 2.5);
 
+/// States that are computed together.
+const PART: usize = 1024;
+
 /// What is to be done.
 struct Arguments {
     frame: Frame,
@@ -70,11 +73,19 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The extremes of all states; `None` where the support is lost.
 fn map(survey: &Survey<2>, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
-    let extremes = |[first, second]: &[f64; 2]| {
-        let f = DeformationGradient::from_stretches([*first, *second, 1.0]).ok()?;
-        survey.state(&f).ok().map(|state| Extremes::of(&state))
+    let extremes = |part: &[[f64; 2]]| -> Vec<Option<Extremes>> {
+        let deformations = part
+            .iter()
+            .map(|[first, second]| DeformationGradient::from_stretches([*first, *second, 1.0]))
+            .collect::<Result<Vec<_>, _>>();
+        let found = survey.states(&deformations.unwrap_or_default());
+        found
+            .into_iter()
+            .map(|state| state.ok().map(|state| Extremes::of(&state)))
+            .collect()
     };
-    states.par_iter().map(extremes).collect()
+    let parts: Vec<Vec<Option<Extremes>>> = states.par_chunks(PART).map(extremes).collect();
+    parts.into_iter().flatten().collect()
 }
 
 impl Extremes {

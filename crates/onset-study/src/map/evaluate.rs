@@ -55,26 +55,39 @@ impl Evaluator {
         })
     }
 
-    /// Computes a state.
+    /// Computes states, each as it would be computed alone.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material or the method cannot be evaluated there for another reason than its support.
-    pub fn record(&self, f: &DeformationGradient) -> Result<Record, ProblemError> {
+    /// [`ProblemError`] when the material or the method cannot be evaluated at one for another reason than its support.
+    pub fn records(&self, states: &[DeformationGradient]) -> Vec<Result<Record, ProblemError>> {
         match &self.method {
-            None => Ok(Record::UNDEFINED),
-            Some(AnyMethod::Chain(method)) => self.evaluate(method, f),
-            Some(AnyMethod::Planar(method)) => self.evaluate(method, f),
+            None => states.iter().map(|_| Ok(Record::UNDEFINED)).collect(),
+            Some(AnyMethod::Chain(method)) => self.evaluate(method, states),
+            Some(AnyMethod::Planar(method)) => self.evaluate(method, states),
         }
     }
 
     fn evaluate<const D: usize>(
         &self,
         prepared: &Prepared<D>,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<Record, ProblemError>> {
+        let surveyed = prepared.survey.states(states);
+        let records = states.iter().zip(surveyed);
+        records
+            .map(|(f, surveyed)| self.record(prepared, f, surveyed))
+            .collect()
+    }
+
+    fn record<const D: usize>(
+        &self,
+        prepared: &Prepared<D>,
         f: &DeformationGradient,
+        surveyed: Result<SurveyedState<D>, MethodError>,
     ) -> Result<Record, ProblemError> {
         let survey = &prepared.survey;
         let (method, material) = (survey.method(), survey.material());
-        match survey.state(f) {
+        match surveyed {
             Ok(state) => {
                 let record = self.surveyed(&state);
                 let Some(foundation) = prepared.foundation else {

@@ -9,8 +9,13 @@ use super::run::{MapError, Watch};
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use crate::store::{Column, Layout, Tile, Tiling, ravel, unravel};
+use onset::kinematics::DeformationGradient;
 use rayon::prelude::*;
 use std::sync::OnceLock;
+
+/// States that are computed together: enough that what is shared among them costs little, and few enough to be shared out
+/// among cores.
+const PART: usize = 1024;
 
 /// A study made ready.
 pub struct Plan {
@@ -65,19 +70,20 @@ impl Plan {
     /// What is known about every state of a tile, last dimension running fastest.
     pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Vec<Outcome>, MapError> {
         let states = States::new(self, tile);
-        let record = |state: &usize| {
-            let record = states.record(*state);
+        let some = |part: &[usize]| {
+            let records = states.records(part);
             if !self.study.map.adaptive {
-                work.watch.advance(1);
+                work.watch.advance(part.len() as u64);
             }
-            record
+            records
         };
         let evaluate = |batch: &[usize]| -> Result<Vec<Record>, MapError> {
-            if work.by_state {
-                batch.par_iter().map(record).collect()
+            let parts: Vec<Vec<Record>> = if work.by_state {
+                batch.par_chunks(PART).map(some).collect::<Result<_, _>>()?
             } else {
-                batch.iter().map(record).collect()
-            }
+                batch.chunks(PART).map(some).collect::<Result<_, _>>()?
+            };
+            Ok(parts.concat())
         };
         if self.study.map.adaptive {
             let outcomes = refine(&tile.extent, self.study.map.refine_from, evaluate)?;
@@ -127,29 +133,58 @@ impl<'a> States<'a> {
         }
     }
 
-    /// Computes the state with a number in the tile.
-    fn record(&self, state: usize) -> Result<Record, MapError> {
-        let study = &self.plan.study;
-        let place = unravel(state, &self.tile.extent);
-        let coordinates = study.coordinates(self.tile.state(&place, &self.plan.tiling.shape));
-        let at = |source: ProblemError| MapError::State {
-            place: study
-                .axes
+    /// Computes the states with some numbers in the tile.
+    fn records(&self, states: &[usize]) -> Result<Vec<Record>, MapError> {
+        let deformations = states
+            .iter()
+            .map(|state| {
+                let coordinates = self.coordinates(*state);
+                let f = self.plan.study.deformation_at(&coordinates);
+                f.map_err(|error| self.at(&coordinates, error.into()))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let Some(evaluator) = &self.plan.evaluator else {
+            return states
                 .iter()
-                .zip(&coordinates)
+                .zip(&deformations)
+                .map(|(state, f)| self.varied_record(*state, f))
+                .collect();
+        };
+        let records = evaluator.records(&deformations);
+        states
+            .iter()
+            .zip(records)
+            .map(|(state, record)| record.map_err(|error| self.at(&self.coordinates(*state), error)))
+            .collect()
+    }
+
+    /// Computes a state with the material and the discretization that it has.
+    fn varied_record(&self, state: usize, f: &DeformationGradient) -> Result<Record, MapError> {
+        let place = unravel(state, &self.tile.extent);
+        let coordinates = self.coordinates(state);
+        let evaluator = self
+            .evaluator(&place, &coordinates)
+            .map_err(|error| self.at(&coordinates, error))?;
+        let mut records = evaluator.records(std::slice::from_ref(f));
+        let record = records.pop().unwrap_or(Ok(Record::UNDEFINED));
+        record.map_err(|error| self.at(&coordinates, error))
+    }
+
+    fn coordinates(&self, state: usize) -> Vec<f64> {
+        let place = unravel(state, &self.tile.extent);
+        let number = self.tile.state(&place, &self.plan.tiling.shape);
+        self.plan.study.coordinates(number)
+    }
+
+    fn at(&self, coordinates: &[f64], source: ProblemError) -> MapError {
+        let axes = self.plan.study.axes.iter().zip(coordinates);
+        MapError::State {
+            place: axes
                 .map(|(axis, value)| format!("{} = {value}", axis.name()))
                 .collect::<Vec<_>>()
                 .join(", "),
             source: Box::new(source),
-        };
-        let f = study
-            .deformation_at(&coordinates)
-            .map_err(|error| at(error.into()))?;
-        if let Some(evaluator) = &self.plan.evaluator {
-            return evaluator.record(&f).map_err(at);
         }
-        let evaluator = self.evaluator(&place, &coordinates).map_err(at)?;
-        evaluator.record(&f).map_err(at)
     }
 
     fn evaluator(&self, place: &[usize], coordinates: &[f64]) -> Result<&Evaluator, ProblemError> {

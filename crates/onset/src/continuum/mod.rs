@@ -195,6 +195,15 @@ impl<const D: usize> Stiffness<D> {
     }
 }
 
+/// Whether a tangent within the plane is strongly elliptic, and the smallest acoustic eigenvalue: what [`Stiffness`] says, faster
+/// where the coordinate axes are its mirror axes.
+pub(crate) fn plane_minimum<const D: usize>(tangent: &PlaneTangent) -> (bool, AcousticMinimum<D>) {
+    planar::mirrored_minimum(tangent).unwrap_or_else(|| {
+        let stiffness = Stiffness::of_plane(tangent);
+        (stiffness.is_strongly_elliptic(), stiffness.minimum())
+    })
+}
+
 /// Of `N` and `-N`, which are the same direction, the one whose first component that is not
 /// negligible is positive.
 fn oriented<const D: usize>(direction: SVector<f64, D>) -> SVector<f64, D> {

@@ -6,8 +6,9 @@
 //! points obey `4 d h'^2 = d'^2`, a polynomial of fourth order with at most eight zeros; where
 //! `d < 0` (possible without major symmetry) the real part is `h`, stationary where `h' = 0`.
 
-use super::Stiffness;
-use crate::algebra::TrigonometricPolynomial;
+use super::{AcousticMinimum, Stiffness};
+use crate::algebra::{Complex, TrigonometricPolynomial};
+use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
 
 /// Entries of `Q(t)` as polynomials of first order in `t`.
@@ -59,6 +60,8 @@ struct Orthotropic {
     a: [f64; 2],
     b: [f64; 2],
     c: f64,
+    /// `Q12 = mixed N1 N2`.
+    mixed: f64,
 }
 
 impl Orthotropic {
@@ -75,6 +78,25 @@ impl Orthotropic {
             a: linear(q11),
             b: linear(q22),
             c: 0.25 * (q12[1] + q12[2]) * (q21[1] + q21[2]),
+            mixed: q12[1] + q12[2],
+        })
+    }
+
+    /// Of a tangent within the plane, divided by a scale.
+    fn of_plane(tangent: &PlaneTangent, scale: f64) -> Option<Self> {
+        let t = |i: usize, j: usize, k: usize, l: usize| tangent[2 * i + j][2 * k + l] / scale;
+        let even = |i: usize| t(i, 0, i, 1) + t(i, 1, i, 0) == 0.0;
+        let odd = |i: usize, k: usize| t(i, 0, k, 0) == 0.0 && t(i, 1, k, 1) == 0.0;
+        let linear = |i: usize| {
+            let (xx, yy) = (t(i, 0, i, 0), t(i, 1, i, 1));
+            [0.5 * (xx + yy), 0.5 * (xx - yy)]
+        };
+        let mixed = |i: usize, k: usize| t(i, 0, k, 1) + t(i, 1, k, 0);
+        (even(0) && even(1) && odd(0, 1) && odd(1, 0)).then(|| Self {
+            a: linear(0),
+            b: linear(1),
+            c: 0.25 * mixed(0, 1) * mixed(1, 0),
+            mixed: mixed(0, 1),
         })
     }
 
@@ -93,8 +115,8 @@ impl Orthotropic {
         self.half_trace(x) - (d0 + x * (d1 + x * d2)).max(0.0).sqrt()
     }
 
-    /// The angle `t` of the smallest eigenvalue: an end, or where `4 d h'^2 = d'^2`.
-    fn minimizing_angle(&self) -> f64 {
+    /// The cosine of the angle `t` of the smallest eigenvalue: an end, or where `4 d h'^2 = d'^2`.
+    fn minimizing_cosine(&self) -> f64 {
         let [d0, d1, d2] = self.discriminant();
         // 4 h'^2.
         let square = (self.a[1] + self.b[1]).powi(2);
@@ -111,7 +133,35 @@ impl Orthotropic {
                 best = (x, value);
             }
         }
-        best.0.acos()
+        best.0
+    }
+
+    /// The smallest eigenvalue over all directions, with direction and polarization, by square roots alone.
+    fn minimum<const D: usize>(&self) -> AcousticMinimum<D> {
+        let x = self.minimizing_cosine();
+        let normal = [(0.5 * (1.0 + x)).sqrt(), (0.5 * (1.0 - x)).sqrt()];
+        let (q11, q22) = (self.a[0] + self.a[1] * x, self.b[0] + self.b[1] * x);
+        let half = 0.5 * (q11 - q22);
+        let square = half * half + self.c * (1.0 - x * x);
+        let root = square.max(0.0).sqrt();
+        // Of the two forms of the eigenvector the one without cancellation.
+        let q12 = self.mixed * normal[0] * normal[1];
+        let g = if half > 0.0 {
+            [-q12, half + root]
+        } else {
+            [half - root, q12]
+        };
+        let length = (g[0] * g[0] + g[1] * g[1]).sqrt();
+        let polarization = if length > 0.0 {
+            g.map(|component| component / length)
+        } else {
+            [1.0, 0.0]
+        };
+        AcousticMinimum {
+            eigenvalue: Complex::new(0.5 * (q11 + q22) - root, 0.0),
+            direction: SVector::from_fn(|i, _| normal[i]),
+            polarization: SVector::from_fn(|i, _| polarization[i]),
+        }
     }
 
     fn is_strongly_elliptic(&self) -> bool {
@@ -150,9 +200,26 @@ pub(super) fn is_strongly_elliptic<const D: usize>(stiffness: &Stiffness<D>) -> 
     is_positive(half_trace, entries.determinant().minimum().1)
 }
 
+/// Strong ellipticity and the smallest eigenvalue of a tangent within the plane, if its mirror axes are the coordinate axes.
+pub(super) fn mirrored_minimum<const D: usize>(
+    tangent: &PlaneTangent,
+) -> Option<(bool, AcousticMinimum<D>)> {
+    let entries = tangent.as_flattened().iter();
+    let scale = entries.fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+    let unit = Orthotropic::of_plane(tangent, scale).filter(|_| scale.is_normal())?;
+    let minimum = unit.minimum();
+    Some((
+        unit.is_strongly_elliptic(),
+        AcousticMinimum {
+            eigenvalue: minimum.eigenvalue * scale,
+            ..minimum
+        },
+    ))
+}
+
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
     if let Some(orthotropic) = Orthotropic::of(stiffness) {
-        return direction(orthotropic.minimizing_angle());
+        return direction(orthotropic.minimizing_cosine().acos());
     }
     let entries = Entries::of(stiffness);
     let (h, d) = (entries.half_trace(), entries.discriminant());

@@ -193,9 +193,8 @@ impl DeformationGradient {
 
     /// The principal stretches, largest first: the singular values of `F`.
     pub fn principal_stretches(&self) -> [f64; 3] {
-        let [[f11, f12, f13], [f21, f22, f23], [f31, f32, f33]] = self.0;
-        if [f12, f13, f21, f23, f31, f32] == [0.0; 6] {
-            let mut stretches = [f11.abs(), f22.abs(), f33.abs()];
+        if self.is_diagonal() {
+            let mut stretches = [0, 1, 2].map(|i| self.0[i][i].abs());
             stretches.sort_by(|a, b| b.total_cmp(a));
             return stretches;
         }
@@ -237,6 +236,11 @@ impl DeformationGradient {
     /// strain (`D = 2`) and uniaxial strain (`D = 1`) demand.
     pub fn is_block_diagonal<const D: usize>(&self) -> bool {
         (0..3).all(|i| (0..3).all(|j| (i < D) == (j < D) || self.0[i][j] == 0.0))
+    }
+
+    /// Whether all components off the diagonal are zero.
+    pub fn is_diagonal(&self) -> bool {
+        (0..3).all(|i| (0..3).all(|j| i == j || self.0[i][j] == 0.0))
     }
 
     /// `F` with its leading `D x D` block replaced.

@@ -14,7 +14,7 @@ pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
 pub use tensors::FourthOrder;
 
 use crate::kinematics::DeformationGradient;
-use crate::real::{Interval, Jet, Mirrored, Real};
+use crate::real::{Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -166,22 +166,53 @@ fn energy_jet<R: Real>(law: &impl StrainEnergy, f: &DeformationGradient<R>) -> J
     law.energy(&DeformationGradient::from_components(jets))
 }
 
-/// The tangent within the plane at a diagonal state, if the law has its mirror symmetry there; only if it is finite.
-fn mirrored_tangent(law: &impl StrainEnergy, f: &DeformationGradient) -> Option<PlaneTangent> {
-    let [[f11, f12, f13], [f21, f22, f23], [f31, f32, f33]] = *f.components();
-    if [f12, f13, f21, f23, f31, f32] != [0.0; 6] {
-        return None;
-    }
-    let [f11, f12, f21, f22] = Mirrored::variables(f11, f22);
+/// The tangent within the plane at diagonal states, if the law has its mirror symmetry there.
+fn mirrored_tangent<R: Real>(law: &impl StrainEnergy, diagonal: [R; 3]) -> Option<[[R; 4]; 4]> {
+    let [f11, f12, f21, f22] = Mirrored::variables(diagonal[0], diagonal[1]);
+    let [_, _, _, f33] = Mirrored::variables(diagonal[0], diagonal[2]);
+    // Waves in the plane do not change it.
+    let f33 = match f33 {
+        Mirrored::Even(even) => Mirrored::Even(Even {
+            gradient: [R::constant(0.0); 2],
+            ..even
+        }),
+        other => other,
+    };
     let zero = Mirrored::Zero;
     let energy = law.energy(&DeformationGradient::from_components([
         [f11, f12, zero],
         [f21, f22, zero],
-        [zero, zero, Mirrored::constant(f33)],
+        [zero, zero, f33],
     ]));
-    let tangent = energy.hessian()?;
-    let is_finite = tangent.as_flattened().iter().all(|value| value.is_finite());
-    is_finite.then_some(tangent)
+    energy.hessian()
+}
+
+/// The tangent within the plane at any states. The other components are constants: four variables instead of nine.
+fn plane_hessian<R: Real>(law: &impl StrainEnergy, components: &[[R; 3]; 3]) -> [[R; 4]; 4] {
+    let variables = Jet::<4, R>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
+    let jets = std::array::from_fn(|i| {
+        std::array::from_fn(|j| match (i, j) {
+            (0 | 1, 0 | 1) => variables[2 * i + j],
+            _ => Jet::fixed(components[i][j]),
+        })
+    });
+    let energy = law.energy(&DeformationGradient::from_components(jets));
+    energy.hessian
+}
+
+/// The tangents within the plane of up to [`LANES`] states.
+fn lane_tangents(law: &impl StrainEnergy, states: &[DeformationGradient]) -> [[Lanes; 4]; 4] {
+    // What fills up is one of them.
+    let state = |n: usize| states.get(n).unwrap_or(&states[0]).components();
+    let components: [[Lanes; 3]; 3] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| Lanes(std::array::from_fn(|n| state(n)[i][j])))
+    });
+    let mirrored = states
+        .iter()
+        .all(DeformationGradient::is_diagonal)
+        .then(|| mirrored_tangent(law, [0, 1, 2].map(|i| components[i][i])))
+        .flatten();
+    mirrored.unwrap_or_else(|| plane_hessian(law, &components))
 }
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
@@ -203,30 +234,39 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
         let components = f.components();
-        if let Some(tangent) = mirrored_tangent(self, f) {
-            return Ok(tangent);
-        }
-        // The other components are constants: four variables instead of nine.
-        let variables = Jet::<4>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
-        let jets = std::array::from_fn(|i| {
-            std::array::from_fn(|j| match (i, j) {
-                (0 | 1, 0 | 1) => variables[2 * i + j],
-                _ => Jet::constant(components[i][j]),
-            })
-        });
-        let energy = self.energy(&DeformationGradient::from_components(jets));
-        if energy
-            .hessian
-            .iter()
-            .flatten()
-            .all(|value| value.is_finite())
-        {
-            Ok(energy.hessian)
+        let mirrored = f
+            .is_diagonal()
+            .then(|| mirrored_tangent(self, [0, 1, 2].map(|i| components[i][i])))
+            .flatten();
+        let tangent = mirrored.unwrap_or_else(|| plane_hessian(self, components));
+        if tangent.as_flattened().iter().all(|value| value.is_finite()) {
+            Ok(tangent)
         } else {
             Err(MaterialError::NotFinite {
                 jacobian: f.jacobian(),
             })
         }
+    }
+
+    fn plane_tangents(
+        &self,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<PlaneTangent, MaterialError>> {
+        let mut tangents = Vec::with_capacity(states.len());
+        let runs = states.chunk_by(|a, b| a.is_diagonal() == b.is_diagonal());
+        for chunk in runs.flat_map(|run| run.chunks(LANES)) {
+            let lanes = lane_tangents(self, chunk);
+            tangents.extend(chunk.iter().enumerate().map(|(n, f)| {
+                let tangent = lanes.map(|row| row.map(|entry| entry.0[n]));
+                if tangent.as_flattened().iter().all(|value| value.is_finite()) {
+                    Ok(tangent)
+                } else {
+                    // A law may ask for what differs from lane to lane.
+                    self.plane_tangent(f)
+                }
+            }));
+        }
+        tangents
     }
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {

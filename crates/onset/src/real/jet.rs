@@ -27,7 +27,7 @@ pub struct Jet<const N: usize, R = f64> {
 
 impl<const N: usize, R: Real> Jet<N, R> {
     /// A number with vanishing derivatives.
-    fn fixed(value: R) -> Self {
+    pub(crate) fn fixed(value: R) -> Self {
         let zero = R::constant(0.0);
         Self {
             value,
@@ -86,6 +86,9 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     }
     fn hull(self, other: Self) -> Self {
         self.zip(other, R::hull)
+    }
+    fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
+        below.zip(above, |x, y| self.value.blended(threshold, x, y))
     }
     fn recip(self) -> Self {
         let r = self.value.recip();

@@ -1,6 +1,7 @@
 //! Second-order forward differentiation at states with mirror axes.
 
 use super::{Jet, Real, Side};
+use pulp::NullaryFnOnce;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A function of `F_11`, `F_22`, `F_12` and `F_21` with its first and second derivatives where `F_12 = F_21 = 0`, as long as it
@@ -21,149 +22,192 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// assert!((jacobian + shear).hessian().is_none());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mirrored {
+pub enum Mirrored<R = f64> {
     /// Zero for any state.
     Zero,
     /// The same for any state.
     Constant(f64),
     /// Even.
-    Even(Even),
+    Even(Even<R>),
     /// Odd, with its derivatives by `F_12` and `F_21`.
-    Odd([f64; 2]),
+    Odd([R; 2]),
     /// Neither even nor odd: nothing is known.
     Neither,
 }
 
 /// A function that is even in `F_12` and `F_21`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Even {
+pub struct Even<R = f64> {
     /// The value.
-    pub value: f64,
+    pub value: R,
     /// Derivatives by `F_11`, `F_22`.
-    pub gradient: [f64; 2],
+    pub gradient: [R; 2],
     /// Second derivatives by `F_11`, `F_22`: `11`, `12`, `22`.
-    pub along: [f64; 3],
+    pub along: [R; 3],
     /// Second derivatives by `F_12`, `F_21`, likewise.
-    pub across: [f64; 3],
+    pub across: [R; 3],
 }
 
-impl Even {
-    const ZERO: Self = Self {
-        value: 0.0,
-        gradient: [0.0; 2],
-        along: [0.0; 3],
-        across: [0.0; 3],
-    };
+impl<R: Real> Even<R> {
+    #[inline(always)]
+    fn constant(value: R) -> Self {
+        let zero = R::constant(0.0);
+        Self {
+            value,
+            gradient: [zero; 2],
+            along: [zero; 3],
+            across: [zero; 3],
+        }
+    }
 
-    #[inline]
-    fn scaled(self, factor: f64) -> Self {
+    #[inline(always)]
+    fn scaled(&self, factor: f64) -> Self {
+        let (u, v) = (&self.along, &self.across);
         Self {
             value: self.value * factor,
-            gradient: self.gradient.map(|x| x * factor),
-            along: self.along.map(|x| x * factor),
-            across: self.across.map(|x| x * factor),
+            gradient: [self.gradient[0] * factor, self.gradient[1] * factor],
+            along: [u[0] * factor, u[1] * factor, u[2] * factor],
+            across: [v[0] * factor, v[1] * factor, v[2] * factor],
         }
     }
 
-    #[inline]
-    fn plus(self, other: Self) -> Self {
+    #[inline(always)]
+    fn plus(&self, other: &Self) -> Self {
+        let sum = |a: &[R; 3], b: &[R; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         Self {
             value: self.value + other.value,
-            gradient: [0, 1].map(|a| self.gradient[a] + other.gradient[a]),
-            along: [0, 1, 2].map(|a| self.along[a] + other.along[a]),
-            across: [0, 1, 2].map(|a| self.across[a] + other.across[a]),
+            gradient: [
+                self.gradient[0] + other.gradient[0],
+                self.gradient[1] + other.gradient[1],
+            ],
+            along: sum(&self.along, &other.along),
+            across: sum(&self.across, &other.across),
         }
     }
 
-    #[inline]
-    fn times(self, other: Self) -> Self {
+    #[inline(always)]
+    fn times(&self, other: &Self) -> Self {
         let (x, y) = (self.value, other.value);
-        let [p, q] = self.gradient;
-        let [r, s] = other.gradient;
-        let cross = [2.0 * p * r, p * s + q * r, 2.0 * q * s];
+        let ([p, q], [r, s]) = (self.gradient, other.gradient);
+        let sum = |a: &[R; 3], b: &[R; 3], n: usize| x * b[n] + y * a[n];
+        let (u, v) = (&self.along, &other.along);
         Self {
             value: x * y,
             gradient: [p * y + x * r, q * y + x * s],
-            along: [0, 1, 2].map(|a| x * other.along[a] + y * self.along[a] + cross[a]),
-            across: [0, 1, 2].map(|a| x * other.across[a] + y * self.across[a]),
+            along: [
+                sum(u, v, 0) + p * r * 2.0,
+                sum(u, v, 1) + (p * s + q * r),
+                sum(u, v, 2) + q * s * 2.0,
+            ],
+            across: [
+                sum(&self.across, &other.across, 0),
+                sum(&self.across, &other.across, 1),
+                sum(&self.across, &other.across, 2),
+            ],
         }
     }
 
     /// The composition with a scalar function of which value and derivatives are given.
-    #[inline]
-    fn chain(self, value: f64, first: f64, second: f64) -> Self {
+    #[inline(always)]
+    fn chain(&self, [value, first, second]: &[R; 3]) -> Self {
+        let (first, second) = (*first, *second);
         let [p, q] = self.gradient;
-        let cross = [p * p, p * q, q * q];
+        let (u, v) = (&self.along, &self.across);
         Self {
-            value,
+            value: *value,
             gradient: [first * p, first * q],
-            along: [0, 1, 2].map(|a| first * self.along[a] + second * cross[a]),
-            across: self.across.map(|x| first * x),
+            along: [
+                first * u[0] + second * (p * p),
+                first * u[1] + second * (p * q),
+                first * u[2] + second * (q * q),
+            ],
+            across: [first * v[0], first * v[1], first * v[2]],
         }
     }
 }
 
-impl Mirrored {
+/// An operation on even functions, which numbers with several lanes do with vectors.
+enum Operation<'a, R> {
+    Scaled(&'a Even<R>, f64),
+    Plus(&'a Even<R>, &'a Even<R>),
+    Times(&'a Even<R>, &'a Even<R>),
+    Chain(&'a Even<R>, &'a [R; 3]),
+}
+
+impl<R: Real> NullaryFnOnce for Operation<'_, R> {
+    type Output = Even<R>;
+
+    #[inline(always)]
+    fn call(self) -> Even<R> {
+        match self {
+            Self::Scaled(x, factor) => x.scaled(factor),
+            Self::Plus(x, y) => x.plus(y),
+            Self::Times(x, y) => x.times(y),
+            Self::Chain(x, derivatives) => x.chain(derivatives),
+        }
+    }
+}
+
+impl<R: Real> Mirrored<R> {
     /// `F_11`, `F_12`, `F_21`, `F_22` at a state with the given diagonal.
-    pub fn variables(f11: f64, f22: f64) -> [Self; 4] {
+    pub fn variables(f11: R, f22: R) -> [Self; 4] {
+        let (zero, one) = (R::constant(0.0), R::constant(1.0));
         let along = |value, gradient| {
             Self::Even(Even {
-                value,
                 gradient,
-                ..Even::ZERO
+                ..Even::constant(value)
             })
         };
         [
-            along(f11, [1.0, 0.0]),
-            Self::Odd([1.0, 0.0]),
-            Self::Odd([0.0, 1.0]),
-            along(f22, [0.0, 1.0]),
+            along(f11, [one, zero]),
+            Self::Odd([one, zero]),
+            Self::Odd([zero, one]),
+            along(f22, [zero, one]),
         ]
     }
 
     /// All second derivatives by `F_11`, `F_12`, `F_21`, `F_22`, unless the function is not even.
-    pub fn hessian(&self) -> Option<[[f64; 4]; 4]> {
+    pub fn hessian(&self) -> Option<[[R; 4]; 4]> {
+        let zero = R::constant(0.0);
         let Even { along, across, .. } = match self {
-            Self::Zero | Self::Constant(_) => Even::ZERO,
+            Self::Zero | Self::Constant(_) => Even::constant(zero),
             Self::Even(even) => *even,
             Self::Odd(_) | Self::Neither => return None,
         };
         Some([
-            [along[0], 0.0, 0.0, along[1]],
-            [0.0, across[0], across[1], 0.0],
-            [0.0, across[1], across[2], 0.0],
-            [along[1], 0.0, 0.0, along[2]],
+            [along[0], zero, zero, along[1]],
+            [zero, across[0], across[1], zero],
+            [zero, across[1], across[2], zero],
+            [along[1], zero, zero, along[2]],
         ])
     }
 
-    /// The composition with a scalar function, which gives value and derivatives at a value.
-    #[inline]
-    fn composed(self, function: impl FnOnce(f64) -> [f64; 3]) -> Self {
-        match self {
-            Self::Zero => Self::constant(function(0.0)[0]),
-            Self::Constant(x) => Self::constant(function(x)[0]),
+    fn even(operation: Operation<'_, R>) -> Self {
+        Self::Even(R::vectorized(operation))
+    }
+
+    /// The composition with a scalar function through the jet of one variable, which knows the derivatives.
+    fn through(
+        self,
+        plain: impl FnOnce(f64) -> f64,
+        function: impl FnOnce(Jet<1, R>) -> Jet<1, R>,
+    ) -> Self {
+        match &self {
+            Self::Zero => Self::constant(plain(0.0)),
+            Self::Constant(x) => Self::constant(plain(*x)),
             Self::Even(even) => {
-                let [value, first, second] = function(even.value);
-                Self::Even(even.chain(value, first, second))
+                let [variable] = Jet::variables([even.value]);
+                let jet = function(variable);
+                let derivatives = [jet.value, jet.gradient[0], jet.hessian[0][0]];
+                Self::even(Operation::Chain(even, &derivatives))
             }
             // An even function of it could be told, but no law needs it.
             Self::Odd(_) | Self::Neither => Self::Neither,
         }
     }
-
-    /// The composition with a scalar function through the jet of one variable, which knows the derivatives.
-    #[inline]
-    fn through(self, function: impl FnOnce(Jet<1>) -> Jet<1>) -> Self {
-        self.composed(|x| {
-            let [variable] = Jet::variables([x]);
-            let jet = function(variable);
-            [jet.value, jet.gradient[0], jet.hessian[0][0]]
-        })
-    }
 }
 
-impl Real for Mirrored {
-    #[inline]
+impl<R: Real> Real for Mirrored<R> {
     fn constant(value: f64) -> Self {
         if value == 0.0 {
             Self::Zero
@@ -171,44 +215,62 @@ impl Real for Mirrored {
             Self::Constant(value)
         }
     }
-    #[inline]
     fn value(self) -> f64 {
         match self {
             Self::Zero | Self::Odd(_) => 0.0,
             Self::Constant(value) => value,
-            Self::Even(even) => even.value,
+            Self::Even(even) => even.value.value(),
             Self::Neither => f64::NAN,
         }
     }
-    #[inline]
     fn side(self, threshold: f64) -> Option<Side> {
-        self.value().side(threshold)
+        match self {
+            Self::Even(even) => even.value.side(threshold),
+            _ => self.value().side(threshold),
+        }
     }
-    #[inline]
+    fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
+        let even = |number: Self| match number {
+            Self::Zero => Some(Even::constant(R::constant(0.0))),
+            Self::Constant(value) => Some(Even::constant(R::constant(value))),
+            Self::Even(even) => Some(even),
+            Self::Odd(_) | Self::Neither => None,
+        };
+        let Self::Even(decisive) = self else {
+            return Self::Neither;
+        };
+        let blended = |x: R, y: R| decisive.value.blended(threshold, x, y);
+        match (even(below), even(above), below, above) {
+            (Some(x), Some(y), ..) => Self::Even(Even {
+                value: blended(x.value, y.value),
+                gradient: [0, 1].map(|a| blended(x.gradient[a], y.gradient[a])),
+                along: [0, 1, 2].map(|a| blended(x.along[a], y.along[a])),
+                across: [0, 1, 2].map(|a| blended(x.across[a], y.across[a])),
+            }),
+            (_, _, Self::Odd(x), Self::Odd(y)) => {
+                Self::Odd([0, 1].map(|a| blended(x[a], y[a])))
+            }
+            _ => Self::Neither,
+        }
+    }
     fn recip(self) -> Self {
-        self.through(Real::recip)
+        self.through(Real::recip, Real::recip)
     }
-    #[inline]
     fn sqrt(self) -> Self {
-        self.through(Real::sqrt)
+        self.through(Real::sqrt, Real::sqrt)
     }
-    #[inline]
     fn exp(self) -> Self {
-        self.through(Real::exp)
+        self.through(Real::exp, Real::exp)
     }
-    #[inline]
     fn ln(self) -> Self {
-        self.through(Real::ln)
+        self.through(Real::ln, Real::ln)
     }
-    #[inline]
     fn sin(self) -> Self {
-        self.through(Real::sin)
+        self.through(Real::sin, Real::sin)
     }
-    #[inline]
     fn cos(self) -> Self {
-        self.through(Real::cos)
+        self.through(Real::cos, Real::cos)
     }
-    #[inline]
     fn powi(self, exponent: i32) -> Self {
         match (self, exponent) {
             (Self::Odd(_), 0) => Self::Constant(1.0),
@@ -216,29 +278,28 @@ impl Real for Mirrored {
             (Self::Odd(_), 2) => self * self,
             // To second order.
             (Self::Odd(_), 3..) => Self::Zero,
-            _ => self.through(|x| x.powi(exponent)),
+            _ => self.through(|x| x.powi(exponent), |x| x.powi(exponent)),
         }
     }
-    #[inline]
     fn powf(self, exponent: f64) -> Self {
-        self.through(|x| x.powf(exponent))
+        self.through(|x| x.powf(exponent), |x| x.powf(exponent))
     }
 }
 
-impl Add for Mirrored {
+impl<R: Real> Add for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn add(self, other: Self) -> Self {
-        match (self, other) {
+        // By reference: such numbers are large.
+        match (&self, &other) {
             (Self::Neither, _) | (_, Self::Neither) => Self::Neither,
-            (Self::Zero, x) | (x, Self::Zero) => x,
-            (Self::Even(x), Self::Even(y)) => Self::Even(x.plus(y)),
+            (Self::Zero, x) | (x, Self::Zero) => *x,
+            (Self::Even(x), Self::Even(y)) => Self::even(Operation::Plus(x, y)),
             (Self::Odd(x), Self::Odd(y)) => Self::Odd([x[0] + y[0], x[1] + y[1]]),
             (Self::Constant(c), Self::Constant(d)) => Self::Constant(c + d),
             (Self::Constant(c), Self::Even(x)) | (Self::Even(x), Self::Constant(c)) => {
                 Self::Even(Even {
-                    value: x.value + c,
-                    ..x
+                    value: x.value + *c,
+                    ..*x
                 })
             }
             _ => Self::Neither,
@@ -246,33 +307,31 @@ impl Add for Mirrored {
     }
 }
 
-impl Mul for Mirrored {
+impl<R: Real> Mul for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn mul(self, other: Self) -> Self {
-        match (self, other) {
+        match (&self, &other) {
             (Self::Neither, _) | (_, Self::Neither) => Self::Neither,
             (Self::Zero, _) | (_, Self::Zero) => Self::Zero,
-            (Self::Even(x), Self::Even(y)) => Self::Even(x.times(y)),
-            (Self::Constant(c), x) | (x, Self::Constant(c)) => x * c,
+            (Self::Even(x), Self::Even(y)) => Self::even(Operation::Times(x, y)),
+            (Self::Constant(c), x) | (x, Self::Constant(c)) => *x * *c,
             (Self::Even(x), Self::Odd(y)) | (Self::Odd(y), Self::Even(x)) => {
-                Self::Odd(y.map(|slope| x.value * slope))
+                Self::Odd([x.value * y[0], x.value * y[1]])
             }
             (Self::Odd(x), Self::Odd(y)) => Self::Even(Even {
                 across: [
-                    2.0 * x[0] * y[0],
+                    x[0] * y[0] * 2.0,
                     x[0] * y[1] + x[1] * y[0],
-                    2.0 * x[1] * y[1],
+                    x[1] * y[1] * 2.0,
                 ],
-                ..Even::ZERO
+                ..Even::constant(R::constant(0.0))
             }),
         }
     }
 }
 
-impl Sub for Mirrored {
+impl<R: Real> Sub for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -282,54 +341,48 @@ impl Sub for Mirrored {
     clippy::suspicious_arithmetic_impl,
     reason = "a quotient is a product with the reciprocal"
 )]
-impl Div for Mirrored {
+impl<R: Real> Div for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn div(self, other: Self) -> Self {
         self * other.recip()
     }
 }
 
-impl Neg for Mirrored {
+impl<R: Real> Neg for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn neg(self) -> Self {
         self * -1.0
     }
 }
 
-impl Add<f64> for Mirrored {
+impl<R: Real> Add<f64> for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn add(self, constant: f64) -> Self {
         self + Self::constant(constant)
     }
 }
 
-impl Sub<f64> for Mirrored {
+impl<R: Real> Sub<f64> for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn sub(self, constant: f64) -> Self {
         self + Self::constant(-constant)
     }
 }
 
-impl Mul<f64> for Mirrored {
+impl<R: Real> Mul<f64> for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn mul(self, factor: f64) -> Self {
-        match self {
+        match &self {
             Self::Constant(c) => Self::Constant(c * factor),
-            Self::Even(x) => Self::Even(x.scaled(factor)),
-            Self::Odd(slopes) => Self::Odd(slopes.map(|slope| slope * factor)),
+            Self::Even(x) => Self::even(Operation::Scaled(x, factor)),
+            Self::Odd(slopes) => Self::Odd([slopes[0] * factor, slopes[1] * factor]),
             Self::Zero | Self::Neither => self,
         }
     }
 }
 
-impl Div<f64> for Mirrored {
+impl<R: Real> Div<f64> for Mirrored<R> {
     type Output = Self;
-    #[inline]
     fn div(self, divisor: f64) -> Self {
         self * (1.0 / divisor)
     }

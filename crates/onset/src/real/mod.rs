@@ -6,12 +6,15 @@
 
 mod interval;
 mod jet;
+mod lanes;
 mod mirrored;
 
 pub use interval::Interval;
 pub use jet::Jet;
+pub use lanes::{LANES, Lanes};
 pub use mirrored::{Even, Mirrored};
 
+use pulp::NullaryFnOnce;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -79,8 +82,19 @@ pub trait Real:
         match self.side(threshold) {
             Some(Side::Below) => below(),
             Some(Side::Above) => above(),
-            None => below().hull(above()),
+            None => self.blended(threshold, below(), above()),
         }
+    }
+
+    /// What stands for the numbers of both sides where this number is on both: the hull of intervals, lane by lane the one
+    /// of its side.
+    fn blended(self, _threshold: f64, below: Self, above: Self) -> Self {
+        below.hull(above)
+    }
+
+    /// Does work in the way that is best for such numbers: in the widest vectors of the machine for those with lanes.
+    fn vectorized<Work: NullaryFnOnce>(work: Work) -> Work::Output {
+        work.call()
     }
 
     /// The reciprocal, `1 / x`.

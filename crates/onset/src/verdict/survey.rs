@@ -6,7 +6,7 @@ use super::{
 use crate::bloch::{
     GradientMoments, MomentExtremes, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix,
 };
-use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::continuum::{AcousticMinimum, plane_minimum};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, PlaneTangent};
 use crate::method::{Method, MethodError};
@@ -162,9 +162,9 @@ impl<const D: usize> Survey<D> {
             .collect();
         let mut extremes = moments.extremes(&known).into_iter();
         surveyed.extend(tangents.into_iter().map(|tangent| {
-            let stiffness = Stiffness::<D>::of_plane(&tangent.map_err(MethodError::from)?);
+            let tangent = tangent.map_err(MethodError::from)?;
             let extremes = extremes.next().ok_or(MethodError::NotFinite)?;
-            Ok(SurveyedState::of_extremes(&stiffness, &extremes))
+            Ok(SurveyedState::of_extremes(&tangent, &extremes))
         }));
     }
 
@@ -182,10 +182,10 @@ impl<const D: usize> Survey<D> {
 }
 
 impl<const D: usize> SurveyedState<D> {
-    fn of_extremes(stiffness: &Stiffness<D>, extremes: &MomentExtremes<D>) -> Self {
+    fn of_extremes(tangent: &PlaneTangent, extremes: &MomentExtremes<D>) -> Self {
         let tolerance = extremes.tolerance;
         let is_stable = extremes.scaled_minimum >= -tolerance;
-        let is_elliptic = stiffness.is_strongly_elliptic();
+        let (is_elliptic, acoustic) = plane_minimum(tangent);
         let long_waves_grow = extremes.long_wave_minimum < -tolerance;
         let has_zero_mode = extremes.has_zero_mode;
         Self {
@@ -196,7 +196,7 @@ impl<const D: usize> SurveyedState<D> {
                 Stability::Divergence
             },
             is_elliptic,
-            acoustic: stiffness.minimum(),
+            acoustic,
             scaled_minimum: extremes.scaled_minimum,
             wave_vector: extremes.wave_vector,
             is_long_wave: extremes.is_long_wave,

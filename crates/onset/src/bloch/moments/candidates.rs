@@ -6,6 +6,8 @@
 
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
 /// Directions `w`, spread evenly over the sphere.
 const EVEN: usize = 3000;
@@ -13,11 +15,11 @@ const EVEN: usize = 3000;
 const TURNS: usize = 48;
 const RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
 /// A kept point comes this near to the extreme, as a fraction of it.
-pub(super) const NEAR: f64 = 4e-3;
+pub(super) const NEAR: f64 = 3e-4;
 /// The same in a valley of nearly no energy, as a fraction of the largest moment.
-pub(super) const SOFT: f64 = 1e-5;
+pub(super) const SOFT: f64 = 1e-6;
 /// Size of a region as a phase: wells usually are wider.
-const REGION: f64 = 0.8;
+const REGION: f64 = 0.55;
 /// Values that differ by less, relative to the largest moment, belong to images under a symmetry of the lattice.
 const IMAGE: f64 = 1e-10;
 
@@ -48,48 +50,50 @@ impl<const D: usize> Candidates<D> {
         moments: &[[f64; 3]],
         mirrored: bool,
     ) -> Self {
-        let points: Vec<usize> = (1..moments.len())
-            .filter(|n| moments[*n].iter().all(|x| x.is_finite()))
-            .collect();
-        let seen = |n: usize| {
-            let [h11, h12, h22] = moments[n];
-            [h11, if mirrored { h12.abs() } else { h12 }, h22]
-        };
-        let scale = points
-            .iter()
-            .flat_map(|n| moments[*n])
+        let count = moments.len();
+        let scale = (1..count)
+            .flat_map(|n| moments[n])
+            .filter(|x| x.is_finite())
             .fold(0.0, |m: f64, x| m.max(x.abs()));
-        let columns: [Vec<f64>; 3] = [0, 1, 2].map(|e| points.iter().map(|n| seen(*n)[e]).collect());
-        let along = |w: &[f64; 3], n: usize| (0..3).map(|e| w[e] * seen(n)[e]).sum::<f64>();
-        let mut values = vec![0.0; points.len()];
-        let mut kept: Vec<usize> = Vec::new();
+        let column = |e: usize| -> Vec<f64> {
+            let entry = |h: &[f64; 3]| if mirrored && e == 1 { h[e].abs() } else { h[e] };
+            moments.iter().map(entry).collect()
+        };
+        let columns = [0, 1, 2].map(column);
+        let is_own = own_points(&columns, scale);
+        let around: Vec<[usize; 8]> = (0..count).map(|n| neighbors(n, grid.resolution())).collect();
+        let phases: Vec<[f64; 2]> = grid.wave_vectors()[..count]
+            .iter()
+            .map(|k| {
+                let phases = lattice.vectors().transpose() * k;
+                [phases[0], phases[1]]
+            })
+            .collect();
+        let mut values = vec![0.0; count];
         let mut regions: Vec<(usize, Vec<usize>)> = Vec::new();
         for w in directions(mirrored) {
-            for (n, value) in values.iter_mut().enumerate() {
-                *value = w[0] * columns[0][n] + w[1] * columns[1][n] + w[2] * columns[2][n];
+            for n in 0..count {
+                values[n] = w[0] * columns[0][n] + w[1] * columns[1][n] + w[2] * columns[2][n];
             }
             let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-            // Of images the first, so that one region has them.
-            let first = values
-                .iter()
-                .position(|value| *value <= lowest + IMAGE * scale);
-            let Some(extreme) = first.map(|n| points[n]) else {
-                continue;
-            };
-            let k = &grid.wave_vectors()[extreme];
-            let is_home = |region: &&mut (usize, Vec<usize>)| {
-                distance(lattice, k, &grid.wave_vectors()[region.0]) < REGION
-            };
-            match regions.iter_mut().find(is_home) {
-                Some((_, members)) => {
-                    let near = lowest + NEAR * lowest.abs() + SOFT * scale;
-                    if members.iter().all(|n| along(&w, *n) > near) {
-                        members.push(extreme);
-                    }
+            let margin = NEAR * lowest.abs() + SOFT * scale;
+            for n in 0..count {
+                let value = values[n];
+                let is_well = value <= lowest + margin
+                    && is_own[n]
+                    && !around[n].iter().any(|m| values[*m] < value - IMAGE * scale);
+                let is_near = |m: &usize| distance(&phases[n], &phases[*m]) < REGION;
+                let mut kept = regions.iter().flat_map(|(_, members)| members);
+                if !is_well || kept.any(|m| values[*m] <= value + margin && is_near(m)) {
+                    continue;
                 }
-                None => regions.push((extreme, vec![extreme])),
+                match regions.iter_mut().find(|(center, _)| is_near(center)) {
+                    Some((_, members)) => members.push(n),
+                    None => regions.push((n, vec![n])),
+                }
             }
         }
+        let mut kept: Vec<usize> = Vec::new();
         let mut ends = Vec::new();
         for (_, mut members) in regions {
             kept.append(&mut members);
@@ -100,17 +104,13 @@ impl<const D: usize> Candidates<D> {
             .iter()
             .map(|n| zone.folded(&grid.wave_vectors()[*n]))
             .collect();
-        let phases = kept.iter().map(|n| {
-            let phases = lattice.vectors().transpose() * grid.wave_vectors()[*n];
-            [phases[0], phases[1]]
-        });
         let shifts = kept
             .iter()
             .zip(&wave_vectors)
             .map(|(n, k)| k - grid.wave_vectors()[*n]);
         Self {
             moments: kept.iter().map(|n| moments[*n]).collect(),
-            phases: phases.collect(),
+            phases: kept.iter().map(|n| phases[*n]).collect(),
             shifts: shifts.collect(),
             wave_vectors,
             ends,
@@ -119,17 +119,40 @@ impl<const D: usize> Candidates<D> {
     }
 }
 
+/// Whether a point has moments of its own, and not those of a point before, of which it is an image under a symmetry of the
+/// lattice.
+fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
+    let mut known = BTreeSet::new();
+    (0..columns[0].len())
+        .map(|n| {
+            let key = [0, 1, 2].map(|e| columns[e][n] / (IMAGE * scale));
+            key.iter().all(|x| x.is_finite()) && known.insert(key.map(|x| x.round() as i64))
+        })
+        .collect()
+}
+
+/// The points around one in half of a grid.
+fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
+    let n = resolution;
+    let (i, j) = (point / n, point % n);
+    let steps = [(0, 1), (0, n - 1), (1, 0), (1, 1), (1, n - 1), (n - 1, 0), (n - 1, 1), (n - 1, n - 1)];
+    steps.map(|(down, right)| {
+        let (i, j) = ((i + down) % n, (j + right) % n);
+        // The other half are the opposite wave vectors.
+        if i > n / 2 {
+            (n - i) * n + (n - j) % n
+        } else {
+            i * n + j
+        }
+    })
+}
+
 /// The phase between two wave vectors or their opposites, modulo reciprocal vectors.
-fn distance<const D: usize>(
-    lattice: &BravaisLattice<D>,
-    k: &SVector<f64, D>,
-    other: &SVector<f64, D>,
-) -> f64 {
-    // The lattice Laplacian is periodic.
-    let square = lattice
-        .laplacian(&(k - other))
-        .min(lattice.laplacian(&(k + other)));
-    square.sqrt() * lattice.vectors().column(0).norm()
+fn distance(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+    let square = |x: f64| (x - TAU * (x / TAU).round()).powi(2);
+    let difference = square(a[0] - b[0]) + square(a[1] - b[1]);
+    let sum = square(a[0] + b[0]) + square(a[1] + b[1]);
+    difference.min(sum).sqrt()
 }
 
 /// Unit directions `w_11`, `w_12`, `w_22`, with `w_12 <= 0` only if mirrored.

@@ -28,7 +28,7 @@ use long_waves::{LongMoments, LongWaves};
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
 use refine::{BEATEN, Descents, HARD, Refine};
-use scan::Scan;
+use scan::{Scan, Start, Starts};
 use std::f64::consts::TAU;
 use sums::Sums;
 
@@ -41,7 +41,7 @@ const TURNS: usize = 12;
 /// Below this a scaled moment counts as that of a mode without energy.
 const ZERO_ENERGY: f64 = 1e-10;
 /// States that are worked on at a time: their columns stay in the cache.
-const BATCH: usize = 256;
+const BATCH: usize = 1024;
 
 /// The gradient moments of a planar Lagrangian method over the zone.
 #[derive(Clone, Debug)]
@@ -146,46 +146,29 @@ impl<const D: usize> GradientMoments<D> {
         }))
     }
 
-    #[doc(hidden)]
-    pub fn shape(&self) -> String {
-        let of = |w: &Candidates<D>| {
-            let mut sizes = Vec::new();
-            let mut first = 0;
-            for end in &w.ends {
-                sizes.push(end - first);
-                first = *end;
-            }
-            format!("{} {:?}", w.moments.len(), sizes)
-        };
-        format!(
-            "scaled any {} mirrored {}; plain any {} mirrored {}",
-            of(&self.scaled.any),
-            of(&self.scaled.mirrored),
-            of(&self.plain.any),
-            of(&self.plain.mirrored)
-        )
-    }
-
     /// The extremes for materials with the given tangents in the plane.
     pub fn extremes(&self, tangents: &[PlaneTangent]) -> Vec<MomentExtremes<D>> {
-        let mut extremes = Vec::with_capacity(tangents.len());
-        for tangents in tangents.chunks(BATCH) {
-            let rows: Vec<Coefficients> = tangents.iter().map(coefficients).collect();
-            let is_mirrored: Vec<bool> = rows.iter().map(is_mirrored).collect();
-            if is_mirrored.iter().all(|is| *is) {
-                self.of_batch::<true>(&rows, &mut extremes);
-            } else {
-                self.of_batch::<false>(&rows, &mut extremes);
+        let rows: Vec<Coefficients> = tangents.iter().map(coefficients).collect();
+        let (mirrored, others): (Vec<usize>, Vec<usize>) =
+            (0..rows.len()).partition(|n| is_mirrored(&rows[*n]));
+        let mut found = vec![None; rows.len()];
+        for (numbers, is_mirrored) in [(mirrored, true), (others, false)] {
+            for numbers in numbers.chunks(BATCH) {
+                let rows: Vec<Coefficients> = numbers.iter().map(|n| rows[*n]).collect();
+                let extremes = if is_mirrored {
+                    self.of_batch::<true>(&rows)
+                } else {
+                    self.of_batch::<false>(&rows)
+                };
+                for (n, extremes) in numbers.iter().zip(extremes) {
+                    found[*n] = Some(extremes);
+                }
             }
         }
-        extremes
+        found.into_iter().flatten().collect()
     }
 
-    fn of_batch<const MIRRORED: bool>(
-        &self,
-        rows: &[Coefficients],
-        extremes: &mut Vec<MomentExtremes<D>>,
-    ) {
+    fn of_batch<const MIRRORED: bool>(&self, rows: &[Coefficients]) -> Vec<MomentExtremes<D>> {
         let c2 = self.search.speed_squared();
         let columns = Columns::new(rows);
         let long = Arch::new().dispatch(LongWaves {
@@ -211,7 +194,7 @@ impl<const D: usize> GradientMoments<D> {
         let finite = batch.bottoms::<MIRRORED>(Objective::Scaled, &limits);
         let none = vec![f64::INFINITY; rows.len()];
         let highest = batch.bottoms::<MIRRORED>(Objective::Highest, &none);
-        let first = extremes.len();
+        let mut extremes = Vec::with_capacity(rows.len());
         let mut growing = Vec::new();
         for n in 0..rows.len() {
             let tolerance = 16.0 * magnitude(&rows[n]) * self.long_noise / c2;
@@ -244,7 +227,7 @@ impl<const D: usize> GradientMoments<D> {
             });
         }
         if growing.is_empty() {
-            return;
+            return extremes;
         }
         let rows: Vec<Coefficients> = growing.iter().map(|n| rows[*n]).collect();
         let batch = Batch {
@@ -252,10 +235,11 @@ impl<const D: usize> GradientMoments<D> {
             rows: &rows,
             columns: &Columns::new(&rows),
         };
-        let lowest = batch.bottoms::<MIRRORED>(Objective::Lowest, &none);
+        let lowest = batch.bottoms::<MIRRORED>(Objective::Lowest, &none[..rows.len()]);
         for (n, (value, _)) in growing.iter().zip(lowest) {
-            extremes[first + n].lowest = value.min(0.0);
+            extremes[*n].lowest = value.min(0.0);
         }
+        extremes
     }
 
     /// The equivalent wave vector in the zone.
@@ -387,39 +371,24 @@ impl<const D: usize> Batch<'_, D> {
         } else {
             1.0
         };
-        let found = Arch::new().dispatch(Scan::<D, MIRRORED> {
+        let soft: Vec<f64> = self
+            .rows
+            .iter()
+            .map(|row| 2.0 * SOFT * candidates.scale * magnitude(row))
+            .collect();
+        let Starts { best, rivals } = Arch::new().dispatch(Scan::<D, MIRRORED> {
             candidates,
             columns: self.columns,
             sign,
+            limits,
+            near: 1.5 * NEAR,
+            soft: &soft,
         });
         let mut bottoms = vec![(f64::INFINITY, SVector::zeros()); self.rows.len()];
-        let (mut first, mut rivals) = (Vec::new(), Vec::new());
-        for n in 0..self.rows.len() {
-            let best = found.best[n];
-            let soft = 2.0 * SOFT * candidates.scale * magnitude(&self.rows[n]);
-            let near = best + 1.5 * NEAR * best.abs() + soft;
-            let margin = near - best;
-            if best - margin > limits[n] {
-                continue;
-            }
-            let mut is_first = true;
-            for region in 0..candidates.ends.len() {
-                let place = region * self.columns.length() + n;
-                let value = found.values[place];
-                if value > near {
-                    continue;
-                }
-                let start = (n, found.indices[place] as usize);
-                // The best is descended from first.
-                if value == best && is_first {
-                    is_first = false;
-                    first.push(start);
-                } else {
-                    rivals.push(start);
-                }
-            }
-        }
-        for starts in [first, rivals] {
+        // From the best first: most rivals are then beaten at once.
+        for mut starts in [best, rivals] {
+            // Descents from one candidate take about equally long.
+            starts.sort_unstable_by_key(|(_, candidate)| *candidate);
             self.descend::<MIRRORED>(objective, candidates, &starts, limits, &mut bottoms);
         }
         bottoms
@@ -430,7 +399,7 @@ impl<const D: usize> Batch<'_, D> {
         &self,
         objective: Objective,
         candidates: &Candidates<D>,
-        starts: &[(usize, usize)],
+        starts: &[Start],
         limits: &[f64],
         bottoms: &mut [Bottom<D>],
     ) {

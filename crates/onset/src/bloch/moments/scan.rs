@@ -1,19 +1,18 @@
-//! The best candidate of each region of the zone, for many tangents.
+//! Where to descend from: the best candidate of each region of the zone, for many tangents.
 
 use super::candidates::Candidates;
 use super::contraction::{Columns, Contraction};
 use crate::algebra::Pack;
 use pulp::{Simd, WithSimd};
 
-/// The best value of each region and its candidate, a column of each for a region.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    /// Values at `[region * length + tangent]`.
-    pub(super) values: Vec<f64>,
-    /// Numbers of candidates, likewise.
-    pub(super) indices: Vec<f64>,
-    /// The best value of all regions.
-    pub(super) best: Vec<f64>,
+/// A tangent and a candidate, by their numbers.
+pub(super) type Start = (usize, usize);
+
+/// Starts: the best of each tangent, and those in other regions that may lead lower.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Starts {
+    pub(super) best: Vec<Start>,
+    pub(super) rivals: Vec<Start>,
 }
 
 /// Work for the widest vectors of the machine.
@@ -22,24 +21,28 @@ pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) columns: &'a Columns,
     /// One for the smaller eigenvalue, minus one for minus the larger.
     pub(super) sign: f64,
+    /// For each tangent what is to be beaten.
+    pub(super) limits: &'a [f64],
+    /// A bottom lies below a candidate near to it by no more than this fraction of its value,
+    pub(super) near: f64,
+    /// and this, for each tangent.
+    pub(super) soft: &'a [f64],
 }
 
 impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
-    type Output = Found;
+    type Output = Starts;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Found {
-        let length = self.columns.length();
+    fn with_simd<S: Simd>(self, simd: S) -> Starts {
+        let lanes = S::F64_LANES;
         let regions = self.candidates.ends.len();
-        let mut found = Found {
-            values: vec![0.0; regions * length],
-            indices: vec![0.0; regions * length],
-            best: vec![0.0; length],
-        };
+        let mut values = vec![0.0; regions * lanes];
+        let mut indices = vec![0.0; regions * lanes];
+        let mut lowest = vec![0.0; lanes];
+        let mut starts = Starts::default();
         let sign = Pack::splat(simd, self.sign);
         let infinite = Pack::splat(simd, f64::INFINITY);
-        let groups = length / S::F64_LANES;
-        for group in 0..groups {
+        for group in 0..self.columns.length() / lanes {
             let contraction = Contraction::<S, MIRRORED>::of(simd, self.columns, group);
             let mut overall = infinite;
             let mut first = 0;
@@ -59,12 +62,37 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                     best = best.min(value);
                 }
                 first = *end;
-                best.write(&mut found.values, region * groups + group);
-                index.write(&mut found.indices, region * groups + group);
+                best.write(&mut values, region);
+                index.write(&mut indices, region);
                 overall = overall.min(best);
             }
-            overall.write(&mut found.best, group);
+            overall.write(&mut lowest, 0);
+            for lane in 0..lanes {
+                let n = group * lanes + lane;
+                let Some(limit) = self.limits.get(n) else {
+                    break;
+                };
+                let best = lowest[lane];
+                let margin = self.near * best.abs() + self.soft[n];
+                if best - margin > *limit {
+                    continue;
+                }
+                let mut is_first = true;
+                for region in 0..regions {
+                    let value = values[region * lanes + lane];
+                    if value > best + margin {
+                        continue;
+                    }
+                    let start = (n, indices[region * lanes + lane] as usize);
+                    if value == best && is_first {
+                        is_first = false;
+                        starts.best.push(start);
+                    } else {
+                        starts.rivals.push(start);
+                    }
+                }
+            }
         }
-        found
+        starts
     }
 }
