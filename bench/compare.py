@@ -76,6 +76,7 @@ def contestants(frame, quick):
             (Peer("JAX, mirror symmetry of the states too", with_jax.LagrangianMap(symmetry="mirror")), 65536),
             (Peer("JAX, all 48 x 48 points", with_jax.LagrangianMap(symmetry="none")), 65536),
             (Peer("JAX, plain arrays", with_jax.LagrangianMap(plain=True, batch=256)), 16384),
+            (Peer("JAX, as first written", with_jax.FirstLagrangianMap()), 256),
             (Peer("NumPy", with_numpy.LagrangianMap()), 4096),
         ]
     bins = 3 if quick else 8
@@ -175,7 +176,8 @@ cosines of the Eulerian one. One of k and -k is evaluated (a line each tells wha
 stretches along the axes of the lattice, would save, and what all points cost). Eigenvalues are in closed form. Eulerian force
 constants are built in real space once a state, with lists of neighbors for bins of stretches, and multiplied by cosines.
 States come in batches of the size that was fastest, one thread a core; only results come back. Compilation is not timed. The
-batching and the order of loops were chosen by measurement; "plain arrays" is what one writes at first. `peers/check.py`
+batching and the order of loops were chosen by measurement; "plain arrays" leaves the loops to the compiler; "as first written" is
+a function of one state (tangent by `jax.hessian` of the energy, `einsum`, `eigvalsh`), mapped over states and compiled. `peers/check.py`
 compares the peers with the command at random states and wave vectors (differences below 1e-9); it passed before this run.
 
 **Machine.** {machine}

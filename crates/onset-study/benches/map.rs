@@ -16,7 +16,7 @@ use std::time::Instant;
 const RANGE: (f64, f64) = (0.5, 2.5);
 
 /// States that are computed together.
-const PART: usize = 1024;
+const PART: usize = 512;
 
 /// What is to be done.
 struct Arguments {

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 
 /// States that are computed together: enough that what is shared among them costs little, and few enough to be shared out
 /// among cores.
-const PART: usize = 1024;
+const PART: usize = 512;
 
 /// A study made ready.
 pub struct Plan {

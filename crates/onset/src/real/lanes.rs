@@ -1,6 +1,6 @@
 //! Several numbers at once.
 
-use super::{Real, Side};
+use super::{Real, Side, Work};
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -19,6 +19,18 @@ pub const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; LANES]);
+
+/// Work for the widest vectors of the machine.
+struct InVectors<W>(W);
+
+impl<W: Work> NullaryFnOnce for InVectors<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.0.done()
+    }
+}
 
 impl Lanes {
     #[inline(always)]
@@ -61,8 +73,8 @@ impl Real for Lanes {
         }))
     }
 
-    fn vectorized<Work: NullaryFnOnce>(work: Work) -> Work::Output {
-        Arch::new().dispatch(work)
+    fn vectorized<W: Work>(work: W) -> W::Output {
+        Arch::new().dispatch(InVectors(work))
     }
 
     fn recip(self) -> Self {

@@ -1,7 +1,6 @@
 //! Second-order forward differentiation at states with mirror axes.
 
-use super::{Jet, Real, Side};
-use pulp::NullaryFnOnce;
+use super::{Jet, Real, Side, Work};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A function of `F_11`, `F_22`, `F_12` and `F_21` with its first and second derivatives where `F_12 = F_21 = 0`, as long as it
@@ -134,11 +133,11 @@ enum Operation<'a, R> {
     Chain(&'a Even<R>, &'a [R; 3]),
 }
 
-impl<R: Real> NullaryFnOnce for Operation<'_, R> {
+impl<R: Real> Work for Operation<'_, R> {
     type Output = Even<R>;
 
     #[inline(always)]
-    fn call(self) -> Even<R> {
+    fn done(self) -> Even<R> {
         match self {
             Self::Scaled(x, factor) => x.scaled(factor),
             Self::Plus(x, y) => x.plus(y),

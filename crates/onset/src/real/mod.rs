@@ -14,7 +14,6 @@ pub use jet::Jet;
 pub use lanes::{LANES, Lanes};
 pub use mirrored::{Even, Mirrored};
 
-use pulp::NullaryFnOnce;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -25,6 +24,15 @@ pub enum Side {
     Below,
     /// The threshold itself, or more.
     Above,
+}
+
+/// A piece of work on numbers, small enough to be inlined where they want it done.
+pub trait Work {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn done(self) -> Self::Output;
 }
 
 /// A number that an energy can be written with.
@@ -93,8 +101,8 @@ pub trait Real:
     }
 
     /// Does work in the way that is best for such numbers: in the widest vectors of the machine for those with lanes.
-    fn vectorized<Work: NullaryFnOnce>(work: Work) -> Work::Output {
-        work.call()
+    fn vectorized<W: Work>(work: W) -> W::Output {
+        work.done()
     }
 
     /// The reciprocal, `1 / x`.

@@ -70,8 +70,8 @@ impl<const D: usize> Survey<D> {
         })
     }
 
-    /// For so many states that a preparation of some milliseconds pays. With Lagrangian kernels in the plane states then
-    /// cost a few microseconds; with others it changes nothing.
+    /// For so many states that a preparation of some hundredths of a second pays. With Lagrangian kernels in the plane a state
+    /// then costs about a microsecond in the company of others, see [`Survey::states`]; with others it changes nothing.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;

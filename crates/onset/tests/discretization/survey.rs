@@ -1,6 +1,9 @@
 //! Many states at once against one at a time.
 
-use crate::choices::{Case, case, config};
+use crate::choices::{Case, case, config, planar_state};
+use nalgebra::Vector2;
+use onset::bloch::dynamical_matrix;
+use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Frame, Method};
 use onset::verdict::{Survey, assess};
 use proptest::prelude::*;
@@ -50,6 +53,78 @@ fn lagrangian(case: Case) -> Case {
     }
 }
 
+/// A state stretched along the axes, as far as maps go.
+fn stretched_state() -> impl Strategy<Value = DeformationGradient> {
+    (0.5..2.5_f64, 0.5..2.5_f64).prop_map(|(first, second)| {
+        DeformationGradient::from_stretches([first, second, 1.0]).expect("positive stretches")
+    })
+}
+
+/// Lagrangian methods that can be evaluated.
+fn evaluable() -> impl Strategy<Value = Case> {
+    case()
+        .prop_map(lagrangian)
+        .prop_filter("a support that is large enough", |case| {
+            Method::<2>::new(case.discretization)
+                .is_ok_and(|method| assess(&method, &*case.material(), &case.state).is_ok())
+        })
+}
+
+/// The smallest scaled measure on a grid of half of the zone.
+fn smallest_on_grid(case: &Case, survey: &Survey<2>, resolution: usize) -> f64 {
+    let method = case.method();
+    let matrix = dynamical_matrix(&method, &*case.material(), &case.state).expect("finite");
+    let lattice = method.lattice();
+    let mut smallest = f64::INFINITY;
+    for i in 0..=resolution / 2 {
+        for j in 0..resolution {
+            let fractions = Vector2::new(i as f64, j as f64) / resolution as f64;
+            let k = lattice.reciprocal() * fractions;
+            let scale = survey.speed_squared() * lattice.laplacian(&k);
+            if scale > 0.0 {
+                smallest = smallest.min(matrix.omega_squared(&k)[0].re / scale);
+            }
+        }
+    }
+    smallest
+}
+
+proptest! {
+    #![proptest_config(config(120))]
+
+    #[test]
+    fn no_point_of_a_grid_lies_below_the_minimum_of_a_survey(
+        case in evaluable(),
+        stretched in stretched_state(),
+        is_stretched in any::<bool>(),
+    ) {
+        let state = if is_stretched { stretched } else { case.state };
+        let case = Case { state, ..case };
+        let survey = Survey::new(case.method(), case.material()).expect("finite");
+        let survey = survey.for_many_states().expect("finite");
+        let minimum = survey.state(&state).expect("finite").scaled_minimum;
+        let smallest = smallest_on_grid(&case, &survey, 70);
+        prop_assert!(
+            minimum <= smallest + 1e-12 * smallest.abs().max(1.0),
+            "{minimum} above {smallest}"
+        );
+    }
+
+    #[test]
+    fn a_state_does_not_care_for_its_company(
+        case in evaluable(),
+        sheared in prop::collection::vec(planar_state(), 1..4),
+        stretched in prop::collection::vec(stretched_state(), 9..30),
+    ) {
+        let survey = Survey::new(case.method(), case.material()).expect("finite");
+        let survey = survey.for_many_states().expect("finite");
+        let states: Vec<_> = stretched.iter().chain(&sheared).chain(&stretched[1..3]).copied().collect();
+        for (f, together) in states.iter().zip(survey.states(&states)) {
+            prop_assert_eq!(together.expect("finite"), survey.state(f).expect("finite"));
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(config(300))]
 
@@ -67,5 +142,13 @@ proptest! {
         {
             agrees(&case, true)?;
         }
+    }
+
+    #[test]
+    fn states_stretched_along_the_axes_are_surveyed_as_they_are_assessed(
+        case in evaluable(),
+        state in stretched_state(),
+    ) {
+        agrees(&Case { state, ..case }, true)?;
     }
 }

@@ -4,6 +4,7 @@ mod directions;
 mod ellipticity;
 mod energy;
 mod extremes;
+mod lanes;
 mod intervals;
 mod numbers;
 mod rates;

@@ -93,9 +93,18 @@ impl<const D: usize> Candidates<D> {
                 }
             }
         }
+        // Each to the nearest center, so that two regions do not share a well.
+        let centers: Vec<usize> = regions.iter().map(|(center, _)| *center).collect();
+        let members: Vec<usize> = regions.drain(..).flat_map(|(_, members)| members).collect();
+        let mut regions = vec![Vec::new(); centers.len()];
+        for n in members {
+            let apart = |region: &usize| distance(&phases[n], &phases[centers[*region]]);
+            let nearest = (0..centers.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            regions[nearest.unwrap_or(0)].push(n);
+        }
         let mut kept: Vec<usize> = Vec::new();
         let mut ends = Vec::new();
-        for (_, mut members) in regions {
+        for mut members in regions {
             kept.append(&mut members);
             ends.push(kept.len());
         }

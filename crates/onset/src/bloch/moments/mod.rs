@@ -371,11 +371,10 @@ impl<const D: usize> Batch<'_, D> {
         } else {
             1.0
         };
-        let soft: Vec<f64> = self
-            .rows
-            .iter()
-            .map(|row| 2.0 * SOFT * candidates.scale * magnitude(row))
-            .collect();
+        let mut soft = vec![0.0; self.columns.length()];
+        for (soft, row) in soft.iter_mut().zip(self.rows) {
+            *soft = 2.0 * SOFT * candidates.scale * magnitude(row);
+        }
         let Starts { best, rivals } = Arch::new().dispatch(Scan::<D, MIRRORED> {
             candidates,
             columns: self.columns,

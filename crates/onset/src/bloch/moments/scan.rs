@@ -25,7 +25,7 @@ pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) limits: &'a [f64],
     /// A bottom lies below a candidate near to it by no more than this fraction of its value,
     pub(super) near: f64,
-    /// and this, for each tangent.
+    /// and this, for each tangent, padded like the columns.
     pub(super) soft: &'a [f64],
 }
 
@@ -42,9 +42,13 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
         let mut starts = Starts::default();
         let sign = Pack::splat(simd, self.sign);
         let infinite = Pack::splat(simd, f64::INFINITY);
+        let (zero, two) = (Pack::splat(simd, 0.0), Pack::splat(simd, 2.0));
         for group in 0..self.columns.length() / lanes {
             let contraction = Contraction::<S, MIRRORED>::of(simd, self.columns, group);
+            let soft = Pack::of(simd, self.soft, group);
+            let near = Pack::splat(simd, self.near);
             let mut overall = infinite;
+            let mut threshold = infinite;
             let mut first = 0;
             for (region, end) in self.candidates.ends.iter().enumerate() {
                 let (mut best, mut index) = (infinite, infinite);
@@ -55,16 +59,28 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                         Pack::splat(simd, h12),
                         Pack::splat(simd, h22),
                     ];
-                    let value = contraction.branch(h, sign);
+                    let [mean, half, mixed] = contraction.parts(h);
+                    let square = half.times_plus(half, mixed * mixed);
+                    // `mean - root <= threshold` without the root, which few candidates need.
+                    let excess = mean.times_plus(sign, -threshold);
+                    let matters = excess
+                        .is_at_most(zero)
+                        .or((excess * excess).is_at_most(square));
+                    if !matters.any() {
+                        continue;
+                    }
+                    let value = mean * sign - square.sqrt();
                     index = value
                         .is_below(best)
                         .select(Pack::splat(simd, n as f64), index);
                     best = best.min(value);
+                    overall = overall.min(value);
+                    // A little more than what is asked for below, whatever is rounded.
+                    threshold = overall.abs().times_plus(near * two, overall + soft * two);
                 }
                 first = *end;
                 best.write(&mut values, region);
                 index.write(&mut indices, region);
-                overall = overall.min(best);
             }
             overall.write(&mut lowest, 0);
             for lane in 0..lanes {

@@ -1,0 +1,98 @@
+//! Tangents of many states at once, and at states with mirror axes, against those of one state at a time.
+
+use crate::table::{Random, laws};
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, PlaneTangent, StrainEnergy};
+use onset::real::{Lanes, Mirrored, Real};
+
+fn stretched(random: &mut Random) -> DeformationGradient {
+    let stretches = [random.stretch(2.5), random.stretch(2.5), random.stretch(1.5)];
+    DeformationGradient::from_stretches(stretches).expect("positive stretches")
+}
+
+/// The tangent within the plane, from the full response.
+fn expected(law: &dyn Hyperelastic, f: &DeformationGradient) -> PlaneTangent {
+    let tangent = law.response(f).expect("finite").tangent;
+    std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
+}
+
+fn assert_close(found: &PlaneTangent, expected: &PlaneTangent, name: &str) {
+    let magnitude = expected.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for (x, y) in found.as_flattened().iter().zip(expected.as_flattened()) {
+        assert!((x - y).abs() <= 1e-12 * magnitude, "{name}: {x} instead of {y}");
+    }
+}
+
+#[test]
+fn a_tangent_at_a_state_with_mirror_axes_is_that_of_the_full_response() {
+    let mut random = Random::new(31);
+    for entry in laws() {
+        for _ in 0..50 {
+            let f = stretched(&mut random);
+            let tangent = entry.law.plane_tangent(&f).expect("finite");
+            assert_close(&tangent, &expected(&*entry.law, &f), entry.name);
+        }
+    }
+}
+
+#[test]
+fn a_tangent_is_to_the_last_digit_the_same_in_any_company() {
+    let mut random = Random::new(32);
+    for entry in laws() {
+        let mut states: Vec<_> = (0..19).map(|_| stretched(&mut random)).collect();
+        states.extend((0..11).map(|_| random.planar_state(1.5)));
+        states.push(stretched(&mut random));
+        for (f, together) in states.iter().zip(entry.law.plane_tangents(&states)) {
+            let alone = entry.law.plane_tangent(f);
+            assert_eq!(together.expect("finite"), alone.expect("finite"), "{}", entry.name);
+        }
+    }
+}
+
+/// Fibers at an angle to the first axis, in tension only: a law with a branch, and without the mirror symmetry of an isotropic
+/// one unless the fibers lie along an axis.
+struct Fibers {
+    angle: f64,
+}
+
+impl StrainEnergy for Fibers {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let (sine, cosine) = self.angle.sin_cos();
+        let c = f.right_cauchy_green();
+        let square = c[0][0] * (cosine * cosine)
+            + c[0][1] * (2.0 * sine * cosine)
+            + c[1][1] * (sine * sine);
+        let pull = square.switch(1.0, || R::constant(0.0), || (square - 1.0) * (square - 1.0));
+        pull + (c[0][0] + c[1][1]) * 0.5 + f.determinant().ln()
+    }
+}
+
+#[test]
+fn a_law_without_mirror_symmetry_or_with_a_branch_is_not_mistaken() {
+    let mut random = Random::new(33);
+    for angle in [0.0, 0.4, 1.1] {
+        let law = Fibers { angle };
+        let states: Vec<_> = (0..40).map(|_| stretched(&mut random)).collect();
+        for (f, tangent) in states.iter().zip(law.plane_tangents(&states)) {
+            assert_close(&tangent.expect("finite"), &expected(&law, f), "fibers");
+            assert_close(&law.plane_tangent(f).expect("finite"), &expected(&law, f), "fibers");
+        }
+    }
+}
+
+#[test]
+fn a_number_of_neither_parity_knows_nothing() {
+    let [f11, f12, ..] = Mirrored::variables(1.3, 0.8);
+    assert_eq!(f11 + f12, Mirrored::Neither);
+    assert_eq!((f11 + f12) * f11, Mirrored::Neither);
+    assert!(f12.hessian().is_none());
+    assert!((f12 * f12 * f11).hessian().is_some());
+    // To second order nothing is left of a cube.
+    assert_eq!(f12.powi(3), Mirrored::Zero);
+}
+
+#[test]
+fn a_mixed_company_has_no_one_value() {
+    assert_eq!(Lanes::constant(2.5).value(), 2.5);
+    assert!(Lanes([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0]).value().is_nan());
+}
