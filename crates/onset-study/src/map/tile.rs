@@ -154,7 +154,9 @@ impl<'a> States<'a> {
         states
             .iter()
             .zip(records)
-            .map(|(state, record)| record.map_err(|error| self.at(&self.coordinates(*state), error)))
+            .map(|(state, record)| {
+                record.map_err(|error| self.at(&self.coordinates(*state), error))
+            })
             .collect()
     }
 

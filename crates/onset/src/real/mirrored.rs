@@ -246,9 +246,7 @@ impl<R: Real> Real for Mirrored<R> {
                 along: [0, 1, 2].map(|a| blended(x.along[a], y.along[a])),
                 across: [0, 1, 2].map(|a| blended(x.across[a], y.across[a])),
             }),
-            (_, _, Self::Odd(x), Self::Odd(y)) => {
-                Self::Odd([0, 1].map(|a| blended(x[a], y[a])))
-            }
+            (_, _, Self::Odd(x), Self::Odd(y)) => Self::Odd([0, 1].map(|a| blended(x[a], y[a]))),
             _ => Self::Neither,
         }
     }

@@ -6,7 +6,11 @@ use onset::material::{Hyperelastic, PlaneTangent, StrainEnergy};
 use onset::real::{Lanes, Mirrored, Real};
 
 fn stretched(random: &mut Random) -> DeformationGradient {
-    let stretches = [random.stretch(2.5), random.stretch(2.5), random.stretch(1.5)];
+    let stretches = [
+        random.stretch(2.5),
+        random.stretch(2.5),
+        random.stretch(1.5),
+    ];
     DeformationGradient::from_stretches(stretches).expect("positive stretches")
 }
 
@@ -17,9 +21,15 @@ fn expected(law: &dyn Hyperelastic, f: &DeformationGradient) -> PlaneTangent {
 }
 
 fn assert_close(found: &PlaneTangent, expected: &PlaneTangent, name: &str) {
-    let magnitude = expected.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let magnitude = expected
+        .as_flattened()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
     for (x, y) in found.as_flattened().iter().zip(expected.as_flattened()) {
-        assert!((x - y).abs() <= 1e-12 * magnitude, "{name}: {x} instead of {y}");
+        assert!(
+            (x - y).abs() <= 1e-12 * magnitude,
+            "{name}: {x} instead of {y}"
+        );
     }
 }
 
@@ -44,7 +54,12 @@ fn a_tangent_is_to_the_last_digit_the_same_in_any_company() {
         states.push(stretched(&mut random));
         for (f, together) in states.iter().zip(entry.law.plane_tangents(&states)) {
             let alone = entry.law.plane_tangent(f);
-            assert_eq!(together.expect("finite"), alone.expect("finite"), "{}", entry.name);
+            assert_eq!(
+                together.expect("finite"),
+                alone.expect("finite"),
+                "{}",
+                entry.name
+            );
         }
     }
 }
@@ -59,9 +74,8 @@ impl StrainEnergy for Fibers {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         let (sine, cosine) = self.angle.sin_cos();
         let c = f.right_cauchy_green();
-        let square = c[0][0] * (cosine * cosine)
-            + c[0][1] * (2.0 * sine * cosine)
-            + c[1][1] * (sine * sine);
+        let square =
+            c[0][0] * (cosine * cosine) + c[0][1] * (2.0 * sine * cosine) + c[1][1] * (sine * sine);
         let pull = square.switch(1.0, || R::constant(0.0), || (square - 1.0) * (square - 1.0));
         pull + (c[0][0] + c[1][1]) * 0.5 + f.determinant().ln()
     }
@@ -75,7 +89,11 @@ fn a_law_without_mirror_symmetry_or_with_a_branch_is_not_mistaken() {
         let states: Vec<_> = (0..40).map(|_| stretched(&mut random)).collect();
         for (f, tangent) in states.iter().zip(law.plane_tangents(&states)) {
             assert_close(&tangent.expect("finite"), &expected(&law, f), "fibers");
-            assert_close(&law.plane_tangent(f).expect("finite"), &expected(&law, f), "fibers");
+            assert_close(
+                &law.plane_tangent(f).expect("finite"),
+                &expected(&law, f),
+                "fibers",
+            );
         }
     }
 }
@@ -94,5 +112,9 @@ fn a_number_of_neither_parity_knows_nothing() {
 #[test]
 fn a_mixed_company_has_no_one_value() {
     assert_eq!(Lanes::constant(2.5).value(), 2.5);
-    assert!(Lanes([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0]).value().is_nan());
+    assert!(
+        Lanes([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0])
+            .value()
+            .is_nan()
+    );
 }

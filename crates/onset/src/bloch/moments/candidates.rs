@@ -14,14 +14,31 @@ const EVEN: usize = 3000;
 /// Directions `n (x) n + r m (x) m`, `m` normal to `n`: of soft modes, where evenly spread ones are too few.
 const TURNS: usize = 48;
 const RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
-/// A kept point comes this near to the extreme, as a fraction of it.
-pub(super) const NEAR: f64 = 3e-4;
-/// The same in a valley of nearly no energy, as a fraction of the largest moment.
-pub(super) const SOFT: f64 = 1e-6;
+/// A kept point comes this near to the extreme, as a fraction of it,
+const NEAR: f64 = 3e-4;
+/// and this, as a fraction of the largest moment,
+const FIRM: f64 = 1e-6;
+/// or this in a valley of nearly no energy, whose depth is no measure of how far points of a grid lie above its bottom:
+const SOFT: f64 = 2e-4;
+/// one with values below this fraction of the largest moment.
+const VALLEY: f64 = 1e-3;
 /// Size of a region as a phase: wells usually are wider.
 const REGION: f64 = 0.55;
 /// Values that differ by less, relative to the largest moment, belong to images under a symmetry of the lattice.
 const IMAGE: f64 = 1e-10;
+
+/// How far above the lowest value a point may lie from which a descent leads lower still; `scale` is the largest value.
+pub(super) fn margin(lowest: f64, scale: f64) -> f64 {
+    let soft = if lowest.abs() < VALLEY * scale {
+        SOFT
+    } else {
+        FIRM
+    };
+    NEAR * lowest.abs() + soft * scale
+}
+
+/// An upper bound of that margin for all lower values.
+pub(super) const WIDEST_MARGIN: [f64; 2] = [NEAR, SOFT];
 
 /// Candidates by regions of the zone.
 #[derive(Clone, Debug, Default)]
@@ -61,7 +78,9 @@ impl<const D: usize> Candidates<D> {
         };
         let columns = [0, 1, 2].map(column);
         let is_own = own_points(&columns, scale);
-        let around: Vec<[usize; 8]> = (0..count).map(|n| neighbors(n, grid.resolution())).collect();
+        let around: Vec<[usize; 8]> = (0..count)
+            .map(|n| neighbors(n, grid.resolution()))
+            .collect();
         let phases: Vec<[f64; 2]> = grid.wave_vectors()[..count]
             .iter()
             .map(|k| {
@@ -76,7 +95,7 @@ impl<const D: usize> Candidates<D> {
                 values[n] = w[0] * columns[0][n] + w[1] * columns[1][n] + w[2] * columns[2][n];
             }
             let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let margin = NEAR * lowest.abs() + SOFT * scale;
+            let margin = margin(lowest, scale);
             for n in 0..count {
                 let value = values[n];
                 let is_well = value <= lowest + margin
@@ -144,7 +163,16 @@ fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
 fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
     let n = resolution;
     let (i, j) = (point / n, point % n);
-    let steps = [(0, 1), (0, n - 1), (1, 0), (1, 1), (1, n - 1), (n - 1, 0), (n - 1, 1), (n - 1, n - 1)];
+    let steps = [
+        (0, 1),
+        (0, n - 1),
+        (1, 0),
+        (1, 1),
+        (1, n - 1),
+        (n - 1, 0),
+        (n - 1, 1),
+        (n - 1, n - 1),
+    ];
     steps.map(|(down, right)| {
         let (i, j) = ((i + down) % n, (j + right) % n);
         // The other half are the opposite wave vectors.

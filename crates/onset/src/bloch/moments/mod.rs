@@ -22,7 +22,7 @@ use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
 use crate::material::PlaneTangent;
 use crate::method::{Background, Frame, Method, MethodError};
-use candidates::{Candidates, NEAR, SOFT};
+use candidates::Candidates;
 use contraction::{Coefficients, Columns, coefficients, is_mirrored};
 use long_waves::{LongMoments, LongWaves};
 use nalgebra::{SMatrix, SVector};
@@ -112,16 +112,13 @@ impl<const D: usize> GradientMoments<D> {
         let grid = method
             .wave_grids()
             .grid((DENSITY * matrix.effective_reach().clamp(4, 16)).next_multiple_of(6));
-        let (Some(sums), Some(entries)) = (
-            Sums::new(&matrix, lattice),
-            matrix.planar_entries(&grid),
-        ) else {
+        let (Some(sums), Some(entries)) =
+            (Sums::new(&matrix, lattice), matrix.planar_entries(&grid))
+        else {
             return Ok(None);
         };
         let [h11, h12, _, h22] = &entries;
-        let moments: Vec<[f64; 3]> = (0..h11.len())
-            .map(|n| [h11[n], h12[n], h22[n]])
-            .collect();
+        let moments: Vec<[f64; 3]> = (0..h11.len()).map(|n| [h11[n], h12[n], h22[n]]).collect();
         let laplacian = grid.laplacian();
         let scaled: Vec<[f64; 3]> = moments
             .iter()
@@ -212,7 +209,8 @@ impl<const D: usize> GradientMoments<D> {
             }
             let has_zero_mode = !is_long_wave && scaled_minimum.abs() <= tolerance && {
                 let h = self.matrix.at(&wave_vector);
-                let trace = (h[(0, 0)] + h[(1, 1)]).re / self.search.reference().laplacian(&wave_vector);
+                let trace =
+                    (h[(0, 0)] + h[(1, 1)]).re / self.search.reference().laplacian(&wave_vector);
                 trace <= ZERO_ENERGY * self.long.iter().map(|h| h[0].abs()).sum::<f64>()
             };
             extremes.push(MomentExtremes {
@@ -358,30 +356,37 @@ struct Batch<'a, const D: usize> {
 
 impl<const D: usize> Batch<'_, D> {
     /// The lowest bottom of each tangent, infinite where it is not below a limit.
-    fn bottoms<const MIRRORED: bool>(&self, objective: Objective, limits: &[f64]) -> Vec<Bottom<D>> {
+    fn bottoms<const MIRRORED: bool>(
+        &self,
+        objective: Objective,
+        limits: &[f64],
+    ) -> Vec<Bottom<D>> {
         let moments = self.moments;
         let wells = if objective == Objective::Scaled {
             &moments.scaled
         } else {
             &moments.plain
         };
-        let candidates = if MIRRORED { &wells.mirrored } else { &wells.any };
+        let candidates = if MIRRORED {
+            &wells.mirrored
+        } else {
+            &wells.any
+        };
         let sign = if objective == Objective::Highest {
             -1.0
         } else {
             1.0
         };
-        let mut soft = vec![0.0; self.columns.length()];
-        for (soft, row) in soft.iter_mut().zip(self.rows) {
-            *soft = 2.0 * SOFT * candidates.scale * magnitude(row);
+        let mut scales = vec![0.0; self.columns.length()];
+        for (scale, row) in scales.iter_mut().zip(self.rows) {
+            *scale = candidates.scale * magnitude(row);
         }
         let Starts { best, rivals } = Arch::new().dispatch(Scan::<D, MIRRORED> {
             candidates,
             columns: self.columns,
             sign,
             limits,
-            near: 1.5 * NEAR,
-            soft: &soft,
+            scales: &scales,
         });
         let mut bottoms = vec![(f64::INFINITY, SVector::zeros()); self.rows.len()];
         // From the best first: most rivals are then beaten at once.
@@ -403,12 +408,10 @@ impl<const D: usize> Batch<'_, D> {
         bottoms: &mut [Bottom<D>],
     ) {
         let rows: Vec<Coefficients> = starts.iter().map(|(n, _)| self.rows[*n]).collect();
-        let mut descents = Descents::new(starts.iter().map(|(n, candidate)| {
-            (
-                candidates.phases[*candidate],
-                limits[*n].min(bottoms[*n].0),
-            )
-        }));
+        let mut descents =
+            Descents::new(starts.iter().map(|(n, candidate)| {
+                (candidates.phases[*candidate], limits[*n].min(bottoms[*n].0))
+            }));
         Arch::new().dispatch(Refine::<MIRRORED> {
             sums: &self.moments.sums,
             columns: &Columns::new(&rows),

@@ -140,9 +140,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
                 .or(self.falls_to_the_limit(&local, at, floor).and(lower));
             // On a crest, or out of the range of the series.
             let crest = lower.and(newton.is_convex.not()).and(quiet);
-            let far = (base[0] + step[0])
-                .abs()
-                .max((base[1] + step[1]).abs());
+            let far = (base[0] + step[0]).abs().max((base[1] + step[1]).abs());
             let lost = crest
                 .or(stuck)
                 .or(active.and(far.is_at_most(number(2.0 * LARGEST)).not()));
@@ -161,7 +159,11 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         let half = [base[0] * number(0.5), base[1] * number(0.5)];
         let (moments, laplacian) = self.sums.at(self.simd, half, workspace);
         let branch = self.contraction.branch(moments, self.sign);
-        let value = if self.scaled { branch / laplacian } else { branch };
+        let value = if self.scaled {
+            branch / laplacian
+        } else {
+            branch
+        };
         base[0].write(&mut descents.phases[0], group);
         base[1].write(&mut descents.phases[1], group);
         value.write(&mut descents.values, group);
@@ -196,12 +198,10 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
     fn local(&self, at: [Pack<S>; 2], workspace: &mut Workspace<S>) -> Local<Pack<S>> {
         let number = |value: f64| Pack::splat(self.simd, value);
         let half = number(0.5);
-        let (h, laplacian) =
-            self.sums
-                .local_at(self.simd, [at[0] * half, at[1] * half], workspace);
-        let value = self
-            .contraction
-            .parts([h[0].value, h[1].value, h[2].value]);
+        let (h, laplacian) = self
+            .sums
+            .local_at(self.simd, [at[0] * half, at[1] * half], workspace);
+        let value = self.contraction.parts([h[0].value, h[1].value, h[2].value]);
         let mut slope = [value; 2];
         for a in 0..2 {
             slope[a] = self
@@ -210,11 +210,9 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         }
         let mut curvature = [value; 3];
         for a in 0..3 {
-            curvature[a] = self.contraction.parts([
-                h[0].curvature[a],
-                h[1].curvature[a],
-                h[2].curvature[a],
-            ]);
+            curvature[a] =
+                self.contraction
+                    .parts([h[0].curvature[a], h[1].curvature[a], h[2].curvature[a]]);
         }
         // sign * mean - root with root^2 = half^2 + mixed^2.
         let root = value[1].times_plus(value[1], value[2] * value[2]).sqrt();
@@ -252,16 +250,12 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
             ..branch
         };
         for a in 0..2 {
-            scaled.slope[a] =
-                (-quotient).times_plus(laplacian.slope[a], branch.slope[a]) * inverse;
+            scaled.slope[a] = (-quotient).times_plus(laplacian.slope[a], branch.slope[a]) * inverse;
         }
         for (p, (a, b)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
             let rest = scaled.slope[a].times_plus(
                 laplacian.slope[b],
-                scaled.slope[b].times_plus(
-                    laplacian.slope[a],
-                    quotient * laplacian.curvature[p],
-                ),
+                scaled.slope[b].times_plus(laplacian.slope[a], quotient * laplacian.curvature[p]),
             );
             scaled.curvature[p] = (branch.curvature[p] - rest) * inverse;
         }
@@ -293,10 +287,7 @@ fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
     let product = number(1.0) / (small * large);
     let spread = number(1.0) / (radius + radius);
     let b = is_convex.select(-product, (small - large) * product * spread);
-    let a = is_convex.select(
-        (mean + mean) * product,
-        number(1.0) / large - b * high,
-    );
+    let a = is_convex.select((mean + mean) * product, number(1.0) / large - b * high);
     let step = [
         -(a * x + b * xx.times_plus(x, xy * y)),
         -(a * y + b * xy.times_plus(x, yy * y)),

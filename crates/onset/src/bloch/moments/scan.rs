@@ -1,6 +1,6 @@
 //! Where to descend from: the best candidate of each region of the zone, for many tangents.
 
-use super::candidates::Candidates;
+use super::candidates::{Candidates, WIDEST_MARGIN, margin};
 use super::contraction::{Columns, Contraction};
 use crate::algebra::Pack;
 use pulp::{Simd, WithSimd};
@@ -23,10 +23,8 @@ pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) sign: f64,
     /// For each tangent what is to be beaten.
     pub(super) limits: &'a [f64],
-    /// A bottom lies below a candidate near to it by no more than this fraction of its value,
-    pub(super) near: f64,
-    /// and this, for each tangent, padded like the columns.
-    pub(super) soft: &'a [f64],
+    /// The largest value of each tangent, padded like the columns.
+    pub(super) scales: &'a [f64],
 }
 
 impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
@@ -42,11 +40,11 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
         let mut starts = Starts::default();
         let sign = Pack::splat(simd, self.sign);
         let infinite = Pack::splat(simd, f64::INFINITY);
-        let (zero, two) = (Pack::splat(simd, 0.0), Pack::splat(simd, 2.0));
+        let zero = Pack::splat(simd, 0.0);
         for group in 0..self.columns.length() / lanes {
             let contraction = Contraction::<S, MIRRORED>::of(simd, self.columns, group);
-            let soft = Pack::of(simd, self.soft, group);
-            let near = Pack::splat(simd, self.near);
+            let [near, soft] = WIDEST_MARGIN.map(|part| Pack::splat(simd, 3.0 * part));
+            let soft = soft * Pack::of(simd, self.scales, group);
             let mut overall = infinite;
             let mut threshold = infinite;
             let mut first = 0;
@@ -75,8 +73,8 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                         .select(Pack::splat(simd, n as f64), index);
                     best = best.min(value);
                     overall = overall.min(value);
-                    // A little more than what is asked for below, whatever is rounded.
-                    threshold = overall.abs().times_plus(near * two, overall + soft * two);
+                    // More than what is asked for below, whatever is rounded.
+                    threshold = overall.abs().times_plus(near, overall + soft);
                 }
                 first = *end;
                 best.write(&mut values, region);
@@ -89,7 +87,7 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                     break;
                 };
                 let best = lowest[lane];
-                let margin = self.near * best.abs() + self.soft[n];
+                let margin = 2.0 * margin(best, self.scales[n]);
                 if best - margin > *limit {
                     continue;
                 }

@@ -63,7 +63,10 @@ impl Sums {
         matrix: &DynamicalMatrix<D>,
         lattice: &BravaisLattice<D>,
     ) -> Option<Self> {
-        if D != 2 || !matrix.is_centrosymmetric() || matrix.sites().len() > 1 || matrix.reach() > REACH
+        if D != 2
+            || !matrix.is_centrosymmetric()
+            || matrix.sites().len() > 1
+            || matrix.reach() > REACH
         {
             return None;
         }
