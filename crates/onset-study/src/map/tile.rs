@@ -78,12 +78,15 @@ impl Plan {
             records
         };
         let evaluate = |batch: &[usize]| -> Result<Vec<Record>, MapError> {
-            let parts: Vec<Vec<Record>> = if work.by_state {
-                batch.par_chunks(PART).map(some).collect::<Result<_, _>>()?
+            let parts: Result<Vec<Vec<Record>>, MapError> = if work.by_state {
+                // Few states that take long each are shared out too.
+                let shares = 4 * rayon::current_num_threads();
+                let part = batch.len().div_ceil(shares).clamp(1, PART);
+                batch.par_chunks(part).map(&some).collect()
             } else {
-                batch.chunks(PART).map(some).collect::<Result<_, _>>()?
+                batch.chunks(PART).map(&some).collect()
             };
-            Ok(parts.concat())
+            Ok(parts?.concat())
         };
         if self.study.map.adaptive {
             let outcomes = refine(&tile.extent, self.study.map.refine_from, evaluate)?;
