@@ -21,7 +21,7 @@ const FIRM: f64 = 1e-6;
 /// or this in a valley of nearly no energy, whose depth is no measure of how far points of a grid lie above its bottom:
 const SOFT: f64 = 2e-4;
 /// one with values below this fraction of the largest moment.
-const VALLEY: f64 = 3e-4;
+const VALLEY: f64 = 1e-5;
 /// Size of a region as a phase: wells usually are wider.
 const REGION: f64 = 0.55;
 /// Values that differ by less, relative to the largest moment, belong to images under a symmetry of the lattice.
