@@ -1,6 +1,6 @@
 //! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
 
-use super::{MapSettings, Model, StateSettings, Value};
+use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
 use onset::material::{Admitted, Parameter};
 use onset::method::Discretization;
 use std::collections::BTreeMap;
@@ -25,6 +25,8 @@ pub enum Kind {
     Text,
     /// A list of finite numbers.
     Numbers,
+    /// A list of some of these words.
+    Subset(&'static [&'static str]),
 }
 
 impl Kind {
@@ -43,6 +45,7 @@ impl Kind {
             Self::Switch => "true | false".to_owned(),
             Self::Text => "a text".to_owned(),
             Self::Numbers => "a list of numbers".to_owned(),
+            Self::Subset(words) => format!("a list of some of {}", words.join(", ")),
         }
     }
 
@@ -54,6 +57,9 @@ impl Kind {
         match (self, value) {
             (Self::Words(words), Value::Word(word)) => words.contains(&word.as_str()),
             (Self::Switch, Value::Switch(_)) | (Self::Text, Value::Word(_)) => true,
+            (Self::Subset(words), Value::Words(chosen)) => {
+                chosen.iter().all(|word| words.contains(&word.as_str()))
+            }
             (Self::Numbers, Value::Numbers(numbers)) => numbers.iter().all(|n| n.is_finite()),
             (kind, Value::Number(number)) if number.is_finite() => match kind {
                 Self::Number(_) => true,
@@ -62,7 +68,9 @@ impl Kind {
                 Self::PowerOfTwo(least, most) => {
                     whole(*number, least, most) && (*number as u32).is_power_of_two()
                 }
-                Self::Words(_) | Self::Switch | Self::Text | Self::Numbers => false,
+                Self::Words(_) | Self::Switch | Self::Text | Self::Numbers | Self::Subset(_) => {
+                    false
+                }
             },
             _ => false,
         }
@@ -277,6 +285,11 @@ pub const MAP_KEYS: &[Key] = &[
         "map.tile",
         Kind::Whole(8, 1024),
         "states along an edge of a tile, the unit of work and of storage",
+    ),
+    key(
+        "map.outputs",
+        Kind::Subset(OUTPUTS),
+        "numbers that are stored of each state, beside verdict and stability",
     ),
 ];
 

@@ -16,7 +16,7 @@ mod study;
 pub use axis::{Axis, Quantity};
 pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
-pub use map::MapSettings;
+pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::MaterialSettings;
 pub use model::{Model, OwnModel};
 pub use schema::schema;
@@ -178,6 +178,8 @@ pub enum Value {
     Switch(bool),
     /// A list of numbers.
     Numbers(Vec<f64>),
+    /// A list of words.
+    Words(Vec<String>),
 }
 
 impl Value {
@@ -187,6 +189,7 @@ impl Value {
         match (expected, text, text.parse()) {
             (Some(Kind::Text), _, _) => word(),
             (Some(Kind::Numbers), _, _) => numbers(text).map_or_else(word, Self::Numbers),
+            (Some(Kind::Subset(_)), _, _) => Self::Words(words(text)),
             (_, "true", _) => Self::Switch(true),
             (_, "false", _) => Self::Switch(false),
             (_, _, Ok(number)) => Self::Number(number),
@@ -197,15 +200,15 @@ impl Value {
     fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            Self::Word(_) | Self::Switch(_) | Self::Numbers(_) => None,
+            _ => None,
         }
     }
 
     /// The named choice, by the one name that serialization uses too.
     fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
-            Self::Number(_) | Self::Switch(_) | Self::Numbers(_) => None,
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
+            _ => None,
         }
     }
 }
@@ -222,13 +225,26 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
     }
 }
 
+/// A list of words as typed, with or without brackets and quotes.
+fn words(text: &str) -> Vec<String> {
+    let inner = text.trim_start_matches('[').trim_end_matches(']');
+    let words = inner.split(',').map(|word| word.trim().trim_matches('"'));
+    words
+        .filter(|word| !word.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
 impl std::fmt::Display for Value {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            // Not three hundred digits.
+            Self::Number(number) if number.abs() >= 1e16 => write!(formatter, "{number:e}"),
             Self::Number(number) => write!(formatter, "{number}"),
             Self::Word(word) => write!(formatter, "\"{word}\""),
             Self::Switch(on) => write!(formatter, "{on}"),
             Self::Numbers(numbers) => write!(formatter, "{numbers:?}"),
+            Self::Words(words) => write!(formatter, "{words:?}"),
         }
     }
 }

@@ -110,6 +110,9 @@ fn property(key: &Key) -> Value {
         }
         Kind::Switch => json!({ "type": "boolean" }),
         Kind::Text => json!({ "type": "string" }),
+        Kind::Subset(words) => {
+            json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true })
+        }
         Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
     };
     property["description"] = described(key.meaning, key.unit());

@@ -174,6 +174,14 @@ impl Study {
         let of_json = |value: &serde_json::Value| match value {
             serde_json::Value::String(word) => Some(Value::Word(word.clone())),
             serde_json::Value::Bool(on) => Some(Value::Switch(*on)),
+            serde_json::Value::Array(items) => {
+                let word = |item: &serde_json::Value| item.as_str().map(str::to_owned);
+                items
+                    .iter()
+                    .map(word)
+                    .collect::<Option<_>>()
+                    .map(Value::Words)
+            }
             other => other.as_f64().map(Value::Number),
         };
         match name.split_once('.')? {

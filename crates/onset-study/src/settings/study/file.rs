@@ -120,6 +120,7 @@ fn read_section(
         };
         let typed = match known.kind {
             Kind::Numbers => list(value.get_ref()).map(Value::Numbers),
+            Kind::Subset(_) => words(value.get_ref()).map(Value::Words),
             _ => scalar(value.get_ref()),
         };
         let Some(typed) = typed else {
@@ -292,6 +293,18 @@ fn list(value: &DeValue<'_>) -> Option<Vec<f64>> {
             .collect(),
         _ => None,
     }
+}
+
+/// A list of words; `None` for anything else.
+fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
+    let DeValue::Array(items) = value else {
+        return None;
+    };
+    let word = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+        DeValue::String(word) => Some(word.to_string()),
+        _ => None,
+    };
+    items.iter().map(word).collect()
 }
 
 /// Whether a value is a number.
