@@ -136,6 +136,7 @@ fn axes() -> Value {
             "type": "object",
             "properties": {
                 "quantity": {
+                    "type": "string",
                     "anyOf": [{ "enum": names }, { "pattern": "^material\\.[A-Za-z][A-Za-z0-9_]*$" }],
                     "description": "what the axis varies"
                 },
