@@ -260,7 +260,7 @@ pub enum Problem {
     #[error("the energy does not depend on the deformation")]
     Constant,
     /// Principal stretches cannot be used.
-    #[error("`{name}` cannot be used in a formula")]
+    #[error("principal stretches such as `{name}` are not variables of a formula")]
     Stretch {
         /// The name.
         name: String,

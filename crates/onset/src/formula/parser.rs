@@ -424,7 +424,11 @@ impl<'a> Parser<'a> {
             if !self.variables.contains(&variable) {
                 self.variables.push(variable);
             }
-            return self.variable(variable, range);
+            return Ok(self.variable(variable, range));
+        }
+        if words::STRETCHES.contains(&name) {
+            let name = name.to_owned();
+            return Err(self.error(range.clone(), Problem::Stretch { name }));
         }
         Ok(self.parameter(name, range))
     }
@@ -439,8 +443,8 @@ impl<'a> Parser<'a> {
     }
 
     /// A variable, by its definition.
-    fn variable(&mut self, name: &'static str, range: &Range<usize>) -> Result<Id, FormulaError> {
-        Ok(match name {
+    fn variable(&mut self, name: &'static str, range: &Range<usize>) -> Id {
+        match name {
             "J" => self.graph.jacobian(),
             "I1" => self.first_invariant(),
             "I2" => self.second_invariant(),
@@ -459,14 +463,11 @@ impl<'a> Parser<'a> {
             "I5" => self.fiber_invariant(FIBER_ANGLES[0], true, range),
             "I6" => self.fiber_invariant(FIBER_ANGLES[1], false, range),
             "I7" => self.fiber_invariant(FIBER_ANGLES[1], true, range),
-            _ => match name.as_bytes() {
-                [tensor, i, j] => self.component(*tensor, index(*i), index(*j)),
-                _ => {
-                    let name = name.to_owned();
-                    return Err(self.error(range.clone(), Problem::Stretch { name }));
-                }
-            },
-        })
+            component => {
+                let bytes = component.as_bytes();
+                self.component(bytes[0], index(bytes[1]), index(bytes[2]))
+            }
+        }
     }
 
     fn component(&mut self, tensor: u8, i: usize, j: usize) -> Id {

@@ -40,11 +40,6 @@ pub const VARIABLES: &[VariableGroup] = &[
         kind: VariableKind::Isotropic,
     },
     VariableGroup {
-        names: &["lambda1", "lambda2", "lambda3"],
-        meaning: "principal stretches; the formula must be symmetric in them",
-        kind: VariableKind::Isotropic,
-    },
-    VariableGroup {
         names: &["I4", "I5"],
         meaning: "a . C a and a . C^2 a of the fibers a at fiber1-angle (degrees, in the plane)",
         kind: VariableKind::Objective,
@@ -76,6 +71,9 @@ pub const VARIABLES: &[VariableGroup] = &[
         kind: VariableKind::Component,
     },
 ];
+
+/// Names of the principal stretches. Their derivatives are not those of a formula in them where two of them coincide.
+pub(super) const STRETCHES: [&str; 3] = ["lambda1", "lambda2", "lambda3"];
 
 /// The parameters that hold the directions of the two families of fibers, in degrees.
 pub const FIBER_ANGLES: [&str; 2] = ["fiber1-angle", "fiber2-angle"];
@@ -193,6 +191,8 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
         Some("a function")
     } else if variable(name).is_some() {
         Some("a variable")
+    } else if STRETCHES.contains(&name) {
+        Some("a principal stretch")
     } else {
         None
     }
@@ -215,7 +215,7 @@ pub(super) fn instead_of(character: char) -> Option<&'static str> {
         '&' => "write and",
         '!' => "write not; numbers are compared with <, <=, > and >=",
         '"' | '\'' => "a formula has no quotation marks",
-        '\u{391}'..='\u{3c9}' => "spell Greek letters out: mu, kappa, lambda1",
+        '\u{391}'..='\u{3c9}' => "spell Greek letters out: mu, kappa, lambda",
         '_' => "names begin with a letter",
         _ => return None,
     })
@@ -230,7 +230,6 @@ pub(super) fn advice(name: &str) -> Option<&'static str> {
         "sqr" | "square" => "write a power: x^2",
         "e" => "write exp(1)",
         "F" | "C" | "E" => "write components: F11, C12, E22; or invariants: I1, I2, I3, J",
-        "lambda" => "write the principal stretches as lambda1, lambda2, lambda3; or give the parameter a value: lambda = ...",
         _ => return None,
     })
 }
