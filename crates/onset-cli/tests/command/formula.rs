@@ -13,7 +13,13 @@ fn answer(arguments: &[&str]) -> Value {
 /// What `onset` says when it refuses.
 fn refusal(arguments: &[&str]) -> String {
     let answer = onset(arguments);
-    assert_eq!(answer.code, Some(2), "{arguments:?}: {}{}", answer.stdout, answer.stderr);
+    assert_eq!(
+        answer.code,
+        Some(2),
+        "{arguments:?}: {}{}",
+        answer.stdout,
+        answer.stderr
+    );
     answer.stderr
 }
 
@@ -24,11 +30,22 @@ const STATES: [&[&str]; 2] = [
 
 #[test]
 fn a_formula_answers_as_the_built_in_law_of_its_energy() {
-    let mooney = "material.energy=c1/2*I1 + c2/2*I2 - 3/2*c1*I3^(1/3) - 3/2*c2*I3^(2/3) + lambda/4*ln(I3)^2";
+    let mooney =
+        "material.energy=c1/2*I1 + c2/2*I2 - 3/2*c1*I3^(1/3) - 3/2*c2*I3^(2/3) + lambda/4*ln(I3)^2";
     let cases: [(&[&str], &[&str]); 2] = [
         (
-            &["--set", "material.model=blatz-ko", "--set", "material.mu=32"],
-            &["--energy", "mu/2*(I2/I3 + 2*sqrt(I3) - 5)", "--set", "material.mu=32"],
+            &[
+                "--set",
+                "material.model=blatz-ko",
+                "--set",
+                "material.mu=32",
+            ],
+            &[
+                "--energy",
+                "mu/2*(I2/I3 + 2*sqrt(I3) - 5)",
+                "--set",
+                "material.mu=32",
+            ],
         ),
         (
             &[],
@@ -109,15 +126,33 @@ fn a_mistake_is_shown_with_its_file_its_line_and_the_column_in_the_formula() {
                 [[axes]]\nquantity = \"stretch-2\"\nrange = [0.8, 1.2]\nstates = 4\n";
     let name = study.display().to_string();
     for (energy, parts) in [
-        ("mu*(I1 - 3", ["column 4: this parenthesis is not closed", "       ^", "hint: add"]),
-        ("mu*(i1 - 3)", ["column 5: `i1` has no value", "        ^^", "did you mean `I1`"]),
+        (
+            "mu*(I1 - 3",
+            [
+                "column 4: this parenthesis is not closed",
+                "       ^",
+                "hint: add",
+            ],
+        ),
+        (
+            "mu*(i1 - 3)",
+            [
+                "column 5: `i1` has no value",
+                "        ^^",
+                "did you mean `I1`",
+            ],
+        ),
         ("I1 - 3", ["no parameter `mu`", "", "has no parameters"]),
     ] {
-        let text = format!("[material]\nmodel = \"formula\"\nenergy = \"{energy}\"\nmu = 1.0\n\n{axes}");
+        let text =
+            format!("[material]\nmodel = \"formula\"\nenergy = \"{energy}\"\nmu = 1.0\n\n{axes}");
         std::fs::write(&study, text).expect("a study");
         let message = refusal(&["check", &name]);
         let line = if energy.starts_with("I1") { 4 } else { 3 };
-        assert!(message.contains(&format!("study.toml:{line}:")), "{message}");
+        assert!(
+            message.contains(&format!("study.toml:{line}:")),
+            "{message}"
+        );
         for part in parts {
             assert!(message.contains(part), "{message}");
         }
@@ -134,7 +169,10 @@ fn a_mistake_on_the_command_line_is_shown_with_its_column() {
         ("I1 + kappa*J", "column 6: `kappa` has no value"),
     ] {
         let message = refusal(&[&state[..], &[energy]].concat());
-        assert!(message.contains(part) && message.contains("hint: "), "{message}");
+        assert!(
+            message.contains(part) && message.contains("hint: "),
+            "{message}"
+        );
     }
     let parentheses = format!("{}I1{}", "(".repeat(50_000), ")".repeat(50_000));
     assert!(refusal(&[&state[..], &[&parentheses]].concat()).contains("100002 characters"));
@@ -151,7 +189,15 @@ fn an_energy_needs_its_model() {
 fn the_language_is_listed() {
     let answer = onset(&["list", "formula"]);
     assert_eq!(answer.code, Some(0));
-    for word in ["I1bar", "fiber1-angle", "F33", "macaulay", "if(condition", "let ", "log10"] {
+    for word in [
+        "I1bar",
+        "fiber1-angle",
+        "F33",
+        "macaulay",
+        "if(condition",
+        "let ",
+        "log10",
+    ] {
         assert!(answer.stdout.contains(word), "{word}: {}", answer.stdout);
     }
 }
@@ -161,12 +207,23 @@ fn a_conditional_law_has_the_onset_of_its_side() {
     // Stiff fibers in tension only: pulled along them the law is another one than pushed.
     let energy = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2 + k/2*macaulay(I4 - 1)^2";
     let law = [
-        "--energy", energy, "--set", "material.mu=1", "--set", "material.lambda=1.5", "--set", "material.k=2",
-        "--set", "material.fiber1-angle=0",
+        "--energy",
+        energy,
+        "--set",
+        "material.mu=1",
+        "--set",
+        "material.lambda=1.5",
+        "--set",
+        "material.k=2",
+        "--set",
+        "material.fiber1-angle=0",
     ];
     let stress = |stretch: &str| {
         let state = ["state", "--stretch", stretch];
-        number(&answer(&[&state[..], &law[..]].concat()), "/material/cauchy/0/0")
+        number(
+            &answer(&[&state[..], &law[..]].concat()),
+            "/material/cauchy/0/0",
+        )
     };
     // sigma_11 = (mu (l^2 - 1) + lambda ln l)/l + 2 k l (l^2 - 1) in tension, at F = diag(l, 1, 1).
     let matrix = |l: f64| (l * l - 1.0 + 1.5 * l.ln()) / l;

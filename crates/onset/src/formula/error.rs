@@ -291,11 +291,11 @@ impl Problem {
                     words::function_names().collect::<Vec<_>>().join(", ")
                 ),
             }),
-            Self::NotAFunction { name, .. } => {
-                Some(format!("products need a `*`: {name}*(...)"))
-            }
+            Self::NotAFunction { name, .. } => Some(format!("products need a `*`: {name}*(...)")),
             Self::NoArguments { function, .. } => Some(format!("write {function}(...)")),
-            Self::Arguments { .. } => fixed("arguments are separated by commas, decimals by points"),
+            Self::Arguments { .. } => {
+                fixed("arguments are separated by commas, decimals by points")
+            }
             Self::ConditionAsNumber => {
                 fixed("conditions stand first in if(condition, value, otherwise)")
             }
@@ -322,7 +322,10 @@ impl Problem {
                 let known = parameters.iter().map(String::as_str);
                 let meant = words::nearest(name, known)
                     .map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
-                Some(format!("its parameters are {}{meant}", parameters.join(", ")))
+                Some(format!(
+                    "its parameters are {}{meant}",
+                    parameters.join(", ")
+                ))
             }
             Self::NotAParameter { .. } => fixed("choose another name for the parameter"),
             Self::ParameterNotFinite { .. } => None,

@@ -42,7 +42,10 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token<'_>, Range<usize>)>, Formu
         } else if first.is_ascii_alphabetic() {
             let length = rest.find(|c| !is_part_of_name(c)).unwrap_or(rest.len());
             (Token::Name(&rest[..length]), length)
-        } else if let Some(sign) = SIGNS.iter().chain(&["="]).find(|sign| rest.starts_with(**sign))
+        } else if let Some(sign) = SIGNS
+            .iter()
+            .chain(&["="])
+            .find(|sign| rest.starts_with(**sign))
         {
             (Token::Sign(sign), sign.len())
         } else {
@@ -80,7 +83,9 @@ fn is_start_of_number(rest: &str) -> bool {
 fn number(rest: &str) -> Result<(Token<'static>, usize), (Problem, usize)> {
     let bytes = rest.as_bytes();
     let digits = |from: usize| {
-        let count = bytes[from..].iter().take_while(|byte| byte.is_ascii_digit());
+        let count = bytes[from..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit());
         from + count.count()
     };
     let mut length = digits(0);

@@ -99,9 +99,8 @@ impl Formula {
     }
 
     fn uses(&self, kind: VariableKind) -> bool {
-        let is_of_kind = |name: &&str| {
-            words::variable(name).is_some_and(|(group, _)| group.kind == kind)
-        };
+        let is_of_kind =
+            |name: &&str| words::variable(name).is_some_and(|(group, _)| group.kind == kind);
         self.variables.iter().any(is_of_kind)
     }
 
@@ -118,7 +117,11 @@ impl Formula {
                 .map(|(_, value)| *value)
                 .ok_or_else(|| self.error(range.clone(), self.without_value(name, values)))
         };
-        let numbers: Vec<f64> = self.parameters.iter().map(value).collect::<Result<_, _>>()?;
+        let numbers: Vec<f64> = self
+            .parameters
+            .iter()
+            .map(value)
+            .collect::<Result<_, _>>()?;
         let (graph, result) = self.graph.with_parameters(self.result, &numbers);
         let needed = graph.needed_by(result);
         for id in (0..graph.len()).filter(|id| needed[*id]) {
@@ -180,7 +183,9 @@ impl Formula {
         if let Some(angle) = FIBER_ANGLES.into_iter().find(|angle| *angle == name) {
             return Problem::NoFiberAngle { angle };
         }
-        let variables = VARIABLES.iter().flat_map(|group| group.names.iter().copied());
+        let variables = VARIABLES
+            .iter()
+            .flat_map(|group| group.names.iter().copied());
         let given = values.iter().map(|(name, _)| *name);
         let helpers = self.helpers.iter().map(String::as_str);
         let known = variables.chain(helpers).chain(given).chain([words::PI]);

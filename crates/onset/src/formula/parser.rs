@@ -139,14 +139,20 @@ impl<'a> Parser<'a> {
             Token::Sign("==" | "!=") => {
                 Some("an equality holds on no open set of states; compare with <, <=, > or >=")
             }
-            Token::Sign("=") => Some("name a part with let name = ...; compare with <, <=, > or >="),
+            Token::Sign("=") => {
+                Some("name a part with let name = ...; compare with <, <=, > or >=")
+            }
             Token::Sign("&&") => Some("write and"),
             Token::Sign("||") => Some("write or; abs(...) for an absolute value"),
-            Token::Sign(",") => Some("arguments belong into the parentheses of a function; decimals have a point"),
+            Token::Sign(",") => {
+                Some("arguments belong into the parentheses of a function; decimals have a point")
+            }
             Token::Sign(")") => Some("remove it, or open it earlier"),
             Token::Sign("(") => Some("products need a `*`"),
             Token::Number(_) => Some("products need a `*`"),
-            Token::Name("let") => Some("helpers come first and end with a semicolon: let a = ...; let b = ...; a*b"),
+            Token::Name("let") => {
+                Some("helpers come first and end with a semicolon: let a = ...; let b = ...; a*b")
+            }
             Token::Name(_) => Some("products need a `*`"),
             _ => None,
         };
@@ -172,7 +178,10 @@ impl<'a> Parser<'a> {
             self.advance();
             return match self.token() {
                 Token::End => Ok(result),
-                _ => Err(self.expected("the end of the formula: a part with a name begins with `let`")),
+                _ => {
+                    Err(self
+                        .expected("the end of the formula: a part with a name begins with `let`"))
+                }
             };
         }
         match self.token() {
@@ -450,8 +459,7 @@ impl<'a> Parser<'a> {
             "I2" => self.second_invariant(),
             "I3" => self.jacobian_power(2.0),
             "I1bar" => {
-                let (invariant, factor) =
-                    (self.first_invariant(), self.jacobian_power(-2.0 / 3.0));
+                let (invariant, factor) = (self.first_invariant(), self.jacobian_power(-2.0 / 3.0));
                 self.graph.multiply(invariant, factor)
             }
             "I2bar" => {
@@ -515,8 +523,8 @@ impl<'a> Parser<'a> {
         let degrees = self.parameter(angle, range);
         let degree = self.graph.constant(std::f64::consts::PI / 180.0);
         let radians = self.graph.multiply(degrees, degree);
-        let fiber = [Function::Cosine, Function::Sine]
-            .map(|function| self.graph.apply(function, radians));
+        let fiber =
+            [Function::Cosine, Function::Sine].map(|function| self.graph.apply(function, radians));
         // C a: two components within the plane, one out of it.
         let image = [0, 1, 2].map(|i| {
             let products = [0, 1].map(|j| {

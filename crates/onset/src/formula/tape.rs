@@ -216,11 +216,9 @@ impl<'a> Writer<'a> {
                 Some(exponent) => self.power(a, exponent),
                 None => Operation::Power(self.operand(a), self.operand(b)),
             },
-            Node::Select(test, below, above) => Operation::Select(
-                self.operand(test),
-                self.operand(below),
-                self.operand(above),
-            ),
+            Node::Select(test, below, above) => {
+                Operation::Select(self.operand(test), self.operand(below), self.operand(above))
+            }
         }
     }
 

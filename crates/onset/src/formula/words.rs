@@ -5,6 +5,8 @@
 pub struct VariableGroup {
     /// The names.
     pub names: &'static [&'static str],
+    /// The names, in short.
+    pub label: &'static str,
     /// What they are.
     pub meaning: &'static str,
     /// What a law that uses them is.
@@ -26,26 +28,31 @@ pub enum VariableKind {
 pub const VARIABLES: &[VariableGroup] = &[
     VariableGroup {
         names: &["I1", "I2", "I3"],
+        label: "I1, I2, I3",
         meaning: "principal invariants of C = F^T F: tr C, (tr(C)^2 - tr(C^2))/2, det C",
         kind: VariableKind::Isotropic,
     },
     VariableGroup {
         names: &["J"],
+        label: "J",
         meaning: "volume ratio det F",
         kind: VariableKind::Isotropic,
     },
     VariableGroup {
         names: &["I1bar", "I2bar"],
+        label: "I1bar, I2bar",
         meaning: "isochoric invariants J^(-2/3) I1, J^(-4/3) I2",
         kind: VariableKind::Isotropic,
     },
     VariableGroup {
         names: &["I4", "I5"],
+        label: "I4, I5",
         meaning: "a . C a and a . C^2 a of the fibers a at fiber1-angle (degrees, in the plane)",
         kind: VariableKind::Objective,
     },
     VariableGroup {
         names: &["I6", "I7"],
+        label: "I6, I7",
         meaning: "the same of the fibers at fiber2-angle",
         kind: VariableKind::Objective,
     },
@@ -53,6 +60,7 @@ pub const VARIABLES: &[VariableGroup] = &[
         names: &[
             "C11", "C12", "C13", "C21", "C22", "C23", "C31", "C32", "C33",
         ],
+        label: "C11..C33",
         meaning: "right Cauchy-Green tensor F^T F",
         kind: VariableKind::Objective,
     },
@@ -60,6 +68,7 @@ pub const VARIABLES: &[VariableGroup] = &[
         names: &[
             "E11", "E12", "E13", "E21", "E22", "E23", "E31", "E32", "E33",
         ],
+        label: "E11..E33",
         meaning: "Green-Lagrange strain (C - 1)/2",
         kind: VariableKind::Objective,
     },
@@ -67,6 +76,7 @@ pub const VARIABLES: &[VariableGroup] = &[
         names: &[
             "F11", "F12", "F13", "F21", "F22", "F23", "F31", "F32", "F33",
         ],
+        label: "F11..F33",
         meaning: "deformation gradient; a law in these need not be objective",
         kind: VariableKind::Component,
     },
@@ -133,7 +143,11 @@ const fn word(name: &'static str, meaning: &'static str, arity: Arity) -> Functi
 
 /// Every function of a formula.
 pub const FUNCTIONS: &[FunctionWord] = &[
-    word("if", "if(condition, value, otherwise); conditions: < <= > >=, and, or, not", Arity::Condition),
+    word(
+        "if",
+        "if(condition, value, otherwise); conditions: < <= > >=, and, or, not",
+        Arity::Condition,
+    ),
     word("sqrt", "square root", Arity::One),
     word("cbrt", "cube root of a positive number", Arity::One),
     word("exp", "exponential function", Arity::One),
@@ -166,11 +180,8 @@ pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
 
 /// The names of all variables in one line.
 pub(super) fn variable_names() -> String {
-    let group = |group: &VariableGroup| match group.names {
-        [first, .., last] if group.names.len() > 3 => format!("{first}..{last}"),
-        names => names.join(", "),
-    };
-    VARIABLES.iter().map(group).collect::<Vec<_>>().join(", ")
+    let labels: Vec<&str> = VARIABLES.iter().map(|group| group.label).collect();
+    labels.join(", ")
 }
 
 /// The group and the name of a variable.

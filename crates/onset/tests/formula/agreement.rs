@@ -119,9 +119,16 @@ fn the_tangent_in_the_plane_is_that_of_the_built_in_law() {
             let f = random.state();
             let built_in = pair.built_in.plane_tangent(&f).expect("finite");
             let typed = pair.typed.plane_tangent(&f).expect("finite");
-            let largest = built_in.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            let largest = built_in
+                .as_flattened()
+                .iter()
+                .fold(0.0_f64, |a, b| a.max(b.abs()));
             for (a, b) in typed.as_flattened().iter().zip(built_in.as_flattened()) {
-                assert!((a - b).abs() < 1e-12 * largest, "{}: {a} and {b}", pair.name);
+                assert!(
+                    (a - b).abs() < 1e-12 * largest,
+                    "{}: {a} and {b}",
+                    pair.name
+                );
             }
         }
     }
@@ -137,7 +144,9 @@ fn enclosures_of_a_formula_hold_the_response_of_the_built_in_law() {
                 let wide = f
                     .components()
                     .map(|row| row.map(|x| Interval::new(x - width, x + width)));
-                let bounds = pair.typed.enclosure(&DeformationGradient::from_components(wide));
+                let bounds = pair
+                    .typed
+                    .enclosure(&DeformationGradient::from_components(wide));
                 for _ in 0..4 {
                     let inside = f
                         .components()
@@ -145,14 +154,19 @@ fn enclosures_of_a_formula_hold_the_response_of_the_built_in_law() {
                     let inside = DeformationGradient::new(inside).expect("a state");
                     let response = pair.built_in.response(&inside).expect("finite");
                     // What the floating-point response itself is off.
-                    let rounding = 1e-12 * response.tangent[(0, 0, 0, 0)].abs().max(response.energy);
+                    let rounding =
+                        1e-12 * response.tangent[(0, 0, 0, 0)].abs().max(response.energy);
                     let holds = |bound: Interval, x: f64| {
-                        bound.is_finite() && (bound + Interval::new(-rounding, rounding)).contains(x)
+                        bound.is_finite()
+                            && (bound + Interval::new(-rounding, rounding)).contains(x)
                     };
                     assert!(holds(bounds.energy, response.energy), "{}", pair.name);
                     for n in 0..81 {
                         let (i, j, k, l) = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
-                        assert!(holds(bounds.first_piola[i][j], response.first_piola[(i, j)]));
+                        assert!(holds(
+                            bounds.first_piola[i][j],
+                            response.first_piola[(i, j)]
+                        ));
                         let tangent = response.tangent[(i, j, k, l)];
                         assert!(holds(bounds.tangent[i][j][k][l], tangent), "{}", pair.name);
                     }
@@ -178,7 +192,11 @@ fn enclosures_of_a_formula_are_about_as_narrow_as_those_of_the_built_in_law() {
                 widths.map(|bound| bound.width()).fold(0.0, f64::max)
             };
             let (typed, built_in) = (width(&pair.typed), width(pair.built_in.as_ref()));
-            assert!(typed < 1.5 * built_in, "{}: {typed} and {built_in}", pair.name);
+            assert!(
+                typed < 1.5 * built_in,
+                "{}: {typed} and {built_in}",
+                pair.name
+            );
         }
     }
 }

@@ -34,7 +34,10 @@ fn each_side_of_a_condition_has_its_own_derivatives() {
         };
         for law in [&ramped, &branched] {
             for (computed, expected) in derivatives(law, x).into_iter().zip(expected) {
-                assert!((computed - expected).abs() < 1e-14, "{computed}, {expected} at {x}");
+                assert!(
+                    (computed - expected).abs() < 1e-14,
+                    "{computed}, {expected} at {x}"
+                );
             }
         }
     }
@@ -77,7 +80,10 @@ fn conditions_are_joined_as_logic_says() {
         let formula = Formula::parse(&format!("if({text}, 2*J, 3*J)"))
             .unwrap_or_else(|error| panic!("{error}"));
         // The same with variables in place of parameters, which nothing folds.
-        let unfolded = text.replace('a', "F11").replace('b', "F22").replace('c', "F33");
+        let unfolded = text
+            .replace('a', "F11")
+            .replace('b', "F22")
+            .replace('c', "F33");
         let unfolded = unfolded.replace("F11nd", "and");
         let unfolded = law(&format!("if({unfolded}, 2*J, 3*J)"));
         for n in 0..27 {
@@ -89,7 +95,11 @@ fn conditions_are_joined_as_logic_says() {
                 .filter(|(name, _)| formula.parameters().any(|known| known == *name))
                 .collect();
             let folded = formula.with(&used).expect("values for all");
-            assert_eq!(derivatives(&folded, 1.0)[0], expected, "{text} at {a}, {b}, {c}");
+            assert_eq!(
+                derivatives(&folded, 1.0)[0],
+                expected,
+                "{text} at {a}, {b}, {c}"
+            );
             let f = DeformationGradient::from_stretches([a, b, c]).expect("a state");
             let response = unfolded.response(&f).expect("finite");
             let expected = expected * f.jacobian();
@@ -128,6 +138,8 @@ fn a_side_that_is_not_taken_may_be_undefined() {
     let law = law("if(J > 1, sqrt(J - 1), 0) + I1/2");
     assert_eq!(derivatives(&law, 0.5)[1], 0.5);
     let limited = Formula::parse("if(k > 0, I1/k, I1)").expect("a formula");
-    let law = limited.with(&[("k", 0.0)]).expect("the other side is taken");
+    let law = limited
+        .with(&[("k", 0.0)])
+        .expect("the other side is taken");
     assert_eq!(derivatives(&law, 1.0)[0], 3.0);
 }

@@ -26,13 +26,19 @@ fn nesting_without_end_is_refused_before_the_stack_ends() {
             let text = format!("{}J{}", open.repeat(count), close.repeat(count));
             assert!(matches!(problem(&text), Problem::TooDeep { .. }), "{open}");
             // Also where the end is missing.
-            assert!(matches!(problem(&open.repeat(count)), Problem::TooDeep { .. }));
+            assert!(matches!(
+                problem(&open.repeat(count)),
+                Problem::TooDeep { .. }
+            ));
         }
         let text = format!("if({} J < 1, 0, J)", "not ".repeat(count.min(4_000)));
         assert!(matches!(problem(&text), Problem::TooDeep { .. }));
     }
     for count in [100_000, 10_000_000] {
-        assert!(matches!(problem(&"(".repeat(count)), Problem::TooLong { .. }));
+        assert!(matches!(
+            problem(&"(".repeat(count)),
+            Problem::TooLong { .. }
+        ));
     }
 }
 
@@ -48,7 +54,10 @@ fn chains_as_long_as_a_formula_may_be_are_read_and_evaluated() {
     for (link, value) in [("+J", 4_501.0), ("-J", -4_499.0), ("*J", 1.0), ("/J", 1.0)] {
         let law = Formula::parse(&format!("J{}", link.repeat(4_500))).expect("a formula");
         let law = law.with(&[]).expect("no parameters");
-        assert_eq!(law.response(&identity).map(|response| response.energy), Ok(value));
+        assert_eq!(
+            law.response(&identity).map(|response| response.energy),
+            Ok(value)
+        );
     }
     let sum: String = (0..1_000).map(|n| format!("+{n}*F11")).collect();
     let law = Formula::parse(&format!("J{sum}")).expect("a formula");
@@ -63,12 +72,21 @@ fn chains_as_long_as_a_formula_may_be_are_read_and_evaluated() {
 #[test]
 fn a_formula_with_more_results_at_once_than_fit_on_the_stack_is_evaluated() {
     // 200 helpers that are all needed at the end.
-    let helpers: String = (0..200).map(|n| format!("let h{n} = sin({n}*J); ")).collect();
-    let sum: Vec<String> = (0..200).rev().map(|n| format!("h{n}*h{}", 199 - n)).collect();
+    let helpers: String = (0..200)
+        .map(|n| format!("let h{n} = sin({n}*J); "))
+        .collect();
+    let sum: Vec<String> = (0..200)
+        .rev()
+        .map(|n| format!("h{n}*h{}", 199 - n))
+        .collect();
     let law = Formula::parse(&format!("{helpers}{}", sum.join(" + "))).expect("a formula");
     let law = law.with(&[]).expect("no parameters");
-    let expected: f64 = (0..200).map(|n| f64::from(n).sin() * f64::from(199 - n).sin()).sum();
-    let response = law.response(&DeformationGradient::identity()).expect("finite");
+    let expected: f64 = (0..200)
+        .map(|n| f64::from(n).sin() * f64::from(199 - n).sin())
+        .sum();
+    let response = law
+        .response(&DeformationGradient::identity())
+        .expect("finite");
     assert!((response.energy - expected).abs() < 1e-11);
 }
 
@@ -80,11 +98,72 @@ fn too_many_operations_are_refused() {
 }
 
 const PIECES: &[&str] = &[
-    "I1", "I2", "I3", "J", "I1bar", "I4", "I7", "lambda1", "C12", "E33", "F21", "F14", "mu", "k", "pi",
-    "let", "and", "or", "not", "if", "sqrt", "exp", "ln", "tanh", "min", "pow", "macaulay", "foo", "0", "1",
-    "2.5", ".5", "1e-3", "1e999", "1.2.3", "2mu", "+", "-", "*", "/", "^", "**", "(", ")", "(", ")", ",",
-    ";", "=", "<", "<=", ">", ">=", "==", " ", "\n", "\t", "$", "\u{3bb}", "\u{b2}", "\u{0}", "let a =", "a",
-    "if(J < 1,", "(J", "I1)",
+    "I1",
+    "I2",
+    "I3",
+    "J",
+    "I1bar",
+    "I4",
+    "I7",
+    "lambda1",
+    "C12",
+    "E33",
+    "F21",
+    "F14",
+    "mu",
+    "k",
+    "pi",
+    "let",
+    "and",
+    "or",
+    "not",
+    "if",
+    "sqrt",
+    "exp",
+    "ln",
+    "tanh",
+    "min",
+    "pow",
+    "macaulay",
+    "foo",
+    "0",
+    "1",
+    "2.5",
+    ".5",
+    "1e-3",
+    "1e999",
+    "1.2.3",
+    "2mu",
+    "+",
+    "-",
+    "*",
+    "/",
+    "^",
+    "**",
+    "(",
+    ")",
+    "(",
+    ")",
+    ",",
+    ";",
+    "=",
+    "<",
+    "<=",
+    ">",
+    ">=",
+    "==",
+    " ",
+    "\n",
+    "\t",
+    "$",
+    "\u{3bb}",
+    "\u{b2}",
+    "\u{0}",
+    "let a =",
+    "a",
+    "if(J < 1,",
+    "(J",
+    "I1)",
 ];
 
 proptest! {
@@ -112,10 +191,14 @@ fn survives(text: &str) {
             }
         }
         Ok(formula) => {
-            let values: Vec<(String, f64)> =
-                formula.parameters().map(|name| (name.to_owned(), 0.7)).collect();
-            let values: Vec<(&str, f64)> =
-                values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+            let values: Vec<(String, f64)> = formula
+                .parameters()
+                .map(|name| (name.to_owned(), 0.7))
+                .collect();
+            let values: Vec<(&str, f64)> = values
+                .iter()
+                .map(|(name, value)| (name.as_str(), *value))
+                .collect();
             if let Ok(law) = formula.with(&values) {
                 let f = [[1.1, 0.2, 0.0], [-0.1, 0.9, 0.1], [0.0, 0.3, 1.2]];
                 let f = DeformationGradient::new(f).expect("a state");

@@ -8,14 +8,21 @@ use onset::material::Hyperelastic;
 
 fn energy(text: &str, values: &[(&str, f64)], f: &DeformationGradient) -> f64 {
     let formula = Formula::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    let law = formula.with(values).unwrap_or_else(|error| panic!("{error}"));
-    law.response(f).unwrap_or_else(|error| panic!("{text}: {error}")).energy
+    let law = formula
+        .with(values)
+        .unwrap_or_else(|error| panic!("{error}"));
+    law.response(f)
+        .unwrap_or_else(|error| panic!("{text}: {error}"))
+        .energy
 }
 
 #[track_caller]
 fn assert_close(computed: f64, expected: f64, what: &str) {
     let error = (computed - expected).abs();
-    assert!(error <= 2e-14 * expected.abs().max(1.0), "{what}: {computed}, not {expected}");
+    assert!(
+        error <= 2e-14 * expected.abs().max(1.0),
+        "{what}: {computed}, not {expected}"
+    );
 }
 
 #[test]
@@ -33,7 +40,8 @@ fn every_variable_is_what_its_name_says() {
             let angle = angle.to_radians();
             Vector3::new(angle.cos(), angle.sin(), 0.0)
         });
-        let along = |family: usize, tensor: &Matrix3<f64>| fibers[family].dot(&(tensor * fibers[family]));
+        let along =
+            |family: usize, tensor: &Matrix3<f64>| fibers[family].dot(&(tensor * fibers[family]));
         let expected = |name: &str| match name {
             "I1" => i1,
             "I2" => i2,
@@ -73,7 +81,9 @@ fn every_variable_is_what_its_name_says() {
 fn every_function_is_what_its_name_says() {
     type Expected = fn(f64) -> f64;
     let functions: &[(&str, &str, Expected)] = &[
-        ("if", "if(F11 < 1, 2*F11, 3*F11)", |x| if x < 1.0 { 2.0 * x } else { 3.0 * x }),
+        ("if", "if(F11 < 1, 2*F11, 3*F11)", |x| {
+            if x < 1.0 { 2.0 * x } else { 3.0 * x }
+        }),
         ("sqrt", "sqrt(F11)", f64::sqrt),
         ("cbrt", "cbrt(F11)", f64::cbrt),
         ("exp", "exp(F11)", f64::exp),
@@ -88,7 +98,9 @@ fn every_function_is_what_its_name_says() {
         ("abs", "abs(F11 - 1)", |x| (x - 1.0).abs()),
         ("macaulay", "macaulay(F11 - 1)", |x| (x - 1.0).max(0.0)),
         ("ramp", "ramp(1 - F11)", |x| (1.0 - x).max(0.0)),
-        ("heaviside", "heaviside(F11 - 1)*F11", |x| if x < 1.0 { 0.0 } else { x }),
+        ("heaviside", "heaviside(F11 - 1)*F11", |x| {
+            if x < 1.0 { 0.0 } else { x }
+        }),
         ("min", "min(F11, 1.2, 2 - F11)", |x| x.min(1.2).min(2.0 - x)),
         ("max", "max(F11, 2 - F11)", |x| x.max(2.0 - x)),
         ("pow", "pow(F11, F11)", |x| x.powf(x)),
@@ -97,7 +109,9 @@ fn every_function_is_what_its_name_says() {
     let known: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
     assert_eq!(named, known);
     for (_, text, expected) in functions {
-        let law = Formula::parse(text).and_then(|formula| formula.with(&[])).expect("a law");
+        let law = Formula::parse(text)
+            .and_then(|formula| formula.with(&[]))
+            .expect("a law");
         for x in [0.3, 0.8, 1.1, 1.4, 2.2] {
             let at = |x: f64| {
                 let f = DeformationGradient::from_stretches([x, 1.0, 1.0]).expect("a state");
@@ -110,10 +124,16 @@ fn every_function_is_what_its_name_says() {
             };
             let slope = differentiated(1e-3, expected);
             let error = (response.first_piola[(0, 0)] - slope).abs();
-            assert!(error < 1e-9 * slope.abs().max(1.0), "{text} at {x}: slope off by {error:e}");
+            assert!(
+                error < 1e-9 * slope.abs().max(1.0),
+                "{text} at {x}: slope off by {error:e}"
+            );
             let curvature = differentiated(1e-3, &|x| at(x).first_piola[(0, 0)]);
             let error = (response.tangent[(0, 0, 0, 0)] - curvature).abs();
-            assert!(error < 1e-8 * curvature.abs().max(1.0), "{text} at {x}: curvature off by {error:e}");
+            assert!(
+                error < 1e-8 * curvature.abs().max(1.0),
+                "{text} at {x}: curvature off by {error:e}"
+            );
         }
     }
 }
@@ -144,13 +164,22 @@ fn operators_bind_as_in_mathematics() {
         ("sqrt(2^4)", 4.0),
     ] {
         // Of variables, which nothing folds, and of constants.
-        let helpers = text.rfind(';').filter(|at| !text[at + 1..].trim().is_empty());
+        let helpers = text
+            .rfind(';')
+            .filter(|at| !text[at + 1..].trim().is_empty());
         let (before, value) = text.split_at(helpers.map_or(0, |at| at + 1));
         let value = value.trim().trim_end_matches(';');
         if !text.ends_with('\n') {
-            assert_close(energy(&format!("{before} J*({value})"), &[], &state), expected, text);
+            assert_close(
+                energy(&format!("{before} J*({value})"), &[], &state),
+                expected,
+                text,
+            );
         }
-        let in_variables = text.replace("pi", "(pi*J)").replace("2", "(2*J)").replace("3", "(3*J)");
+        let in_variables = text
+            .replace("pi", "(pi*J)")
+            .replace("2", "(2*J)")
+            .replace("3", "(3*J)");
         if !text.contains(['e', 'E', '.']) || text.contains("let") {
             assert_close(energy(&in_variables, &[], &state), expected, text);
         }
@@ -160,7 +189,11 @@ fn operators_bind_as_in_mathematics() {
 #[test]
 fn parameters_are_names_that_are_free() {
     let formula = Formula::parse("c_10*(I1bar - 3) + Kappa2*(J - 1)^2 + x*I4").expect("a formula");
-    assert!(formula.parameters().eq(["c_10", "Kappa2", "x", "fiber1-angle"]));
+    assert!(
+        formula
+            .parameters()
+            .eq(["c_10", "Kappa2", "x", "fiber1-angle"])
+    );
     assert_eq!(formula.variables(), ["I1bar", "J", "I4"]);
     assert_eq!(formula.text(), "c_10*(I1bar - 3) + Kappa2*(J - 1)^2 + x*I4");
 }
@@ -187,15 +220,22 @@ fn fibers_turn_with_their_angle() {
     let formula = Formula::parse(text).expect("a formula");
     let law = |turn: f64| {
         let values = [("k1", 2.0), ("k2", 0.5), ("mu", 1.0), ("c", 0.1)];
-        let angles = [("fiber1-angle", 20.0 + turn), ("fiber2-angle", -50.0 + turn)];
+        let angles = [
+            ("fiber1-angle", 20.0 + turn),
+            ("fiber2-angle", -50.0 + turn),
+        ];
         let values: Vec<_> = values.into_iter().chain(angles).collect();
         formula.with(&values).expect("values for all")
     };
     let mut random = Random::new(3);
     for turn in [0.0, 17.0, 90.0, -133.0] {
         let state = random.state().matrix();
-        let rotation = *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(turn)).matrix();
-        let plain = law(0.0).response(&crate::states::of(&state)).expect("finite");
+        let rotation =
+            *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(turn))
+                .matrix();
+        let plain = law(0.0)
+            .response(&crate::states::of(&state))
+            .expect("finite");
         let turned = crate::states::of(&(state * rotation.transpose()));
         let turned = law(turn).response(&turned).expect("finite");
         assert_close(turned.energy, plain.energy, "the energy");

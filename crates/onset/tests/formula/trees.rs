@@ -60,7 +60,10 @@ fn evaluated(tree: &Tree) -> Value {
     };
     match tree {
         Tree::Number(value) => Some((*value, 0.0)),
-        Tree::Name(name) => NAMES.iter().find(|(known, _)| known == name).map(|(_, x)| (*x, 0.0)),
+        Tree::Name(name) => NAMES
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, x)| (*x, 0.0)),
         Tree::Sign(a) => evaluated(a).map(|(a, error)| (-a, error)),
         Tree::Binary(operator, a, b) => {
             let ((a, ea), (b, eb)) = (evaluated(a)?, evaluated(b)?);
