@@ -92,7 +92,7 @@ impl Node {
 }
 
 /// Nodes in the order of evaluation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,
     /// Where in the text a node was first written.
@@ -100,6 +100,12 @@ pub(super) struct Graph {
     known: HashMap<Node, Id>,
     /// Where in the text the nodes to come are written.
     pub(super) range: Range<usize>,
+}
+
+impl std::fmt::Debug for Graph {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_list().entries(&self.nodes).finish()
+    }
 }
 
 impl Graph {
