@@ -259,12 +259,24 @@ pub enum Problem {
     /// The formula does not depend on the deformation.
     #[error("the energy does not depend on the deformation")]
     Constant,
-    /// Principal stretches cannot be used.
-    #[error("principal stretches such as `{name}` are not variables of a formula")]
-    Stretch {
-        /// The name.
-        name: String,
+    /// The value changes when principal stretches are exchanged, whose order means nothing.
+    #[error(
+        "the formula is not symmetric in the principal stretches: {value} at {stretches:?}, {exchanged} in another order"
+    )]
+    NotSymmetric {
+        /// Three stretches.
+        stretches: [f64; 3],
+        /// The value for them.
+        value: f64,
+        /// The value for the same in another order.
+        exchanged: f64,
     },
+    /// Principal stretches together with what is not a function of them.
+    #[error("principal stretches are multiplied with invariants or components")]
+    StretchesMixed,
+    /// Principal stretches in a term with a condition.
+    #[error("principal stretches stand in a term with a condition, a ramp or an extreme")]
+    StretchesBranch,
 }
 
 impl Problem {
@@ -333,7 +345,15 @@ impl Problem {
                 fixed("a division by zero, a logarithm or a root of a negative number?")
             }
             Self::Constant => Some(format!("variables are {}", words::variable_names())),
-            Self::Stretch { .. } => fixed("write the law in I1, I2, I3 or J"),
+            Self::NotSymmetric { .. } => {
+                fixed("write all three alike: lambda1^a + lambda2^a + lambda3^a")
+            }
+            Self::StretchesMixed => fixed(
+                "within a product write I1 as lambda1^2 + lambda2^2 + lambda3^2; J can be used as it is",
+            ),
+            Self::StretchesBranch => {
+                fixed("write the condition, in invariants, into a term of its own")
+            }
         }
     }
 }

@@ -47,18 +47,26 @@ impl Function {
     }
 }
 
-/// One operation.
+/// What a formula is made of in the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Node {
-    Constant(Bits),
-    /// A number that is given later.
-    Parameter(usize),
+pub(super) enum Leaf {
     /// `F_iJ`.
     Component(usize, usize),
     /// `C_IJ`, `I <= J`.
     CauchyGreen(usize, usize),
     /// `det F`.
     Jacobian,
+    /// A principal stretch, counted from zero.
+    Stretch(usize),
+}
+
+/// One operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Node {
+    Constant(Bits),
+    /// A number that is given later.
+    Parameter(usize),
+    Leaf(Leaf),
     Apply(Function, Id),
     Negate(Id),
     Add(Id, Id),
@@ -74,11 +82,7 @@ impl Node {
     /// The nodes that it needs.
     pub(super) fn operands(self) -> impl Iterator<Item = Id> {
         let all = match self {
-            Self::Constant(_)
-            | Self::Parameter(_)
-            | Self::Component(..)
-            | Self::CauchyGreen(..)
-            | Self::Jacobian => [None; 3],
+            Self::Constant(_) | Self::Parameter(_) | Self::Leaf(_) => [None; 3],
             Self::Apply(_, a) | Self::Negate(a) => [Some(a), None, None],
             Self::Add(a, b)
             | Self::Subtract(a, b)
@@ -161,16 +165,12 @@ impl Graph {
         self.node(Node::Parameter(number))
     }
 
-    pub(super) fn component(&mut self, i: usize, j: usize) -> Id {
-        self.node(Node::Component(i, j))
+    pub(super) fn leaf(&mut self, leaf: Leaf) -> Id {
+        self.node(Node::Leaf(leaf))
     }
 
     pub(super) fn cauchy_green(&mut self, i: usize, j: usize) -> Id {
-        self.node(Node::CauchyGreen(i.min(j), i.max(j)))
-    }
-
-    pub(super) fn jacobian(&mut self) -> Id {
-        self.node(Node::Jacobian)
+        self.leaf(Leaf::CauchyGreen(i.min(j), i.max(j)))
     }
 
     /// The operation on constants: what it gives; or the operand that is not a finite number, so that the first cause is
@@ -199,7 +199,7 @@ impl Graph {
         match (function, self.nodes[x]) {
             // ln J^n = n ln J, as J is positive.
             (Function::Logarithm, Node::Power(base, exponent))
-                if self.nodes[base] == Node::Jacobian =>
+                if self.nodes[base] == Node::Leaf(Leaf::Jacobian) =>
             {
                 let logarithm = self.apply(function, base);
                 self.multiply(logarithm, exponent)
@@ -313,7 +313,9 @@ impl Graph {
             (_, Some(0.0), _) => self.constant(1.0),
             (_, Some(1.0), _) => base,
             // (J^m)^n = J^(m n), as J is positive.
-            (_, _, Node::Power(inner, earlier)) if self.nodes[inner] == Node::Jacobian => {
+            (_, _, Node::Power(inner, earlier))
+                if self.nodes[inner] == Node::Leaf(Leaf::Jacobian) =>
+            {
                 let product = self.multiply(earlier, exponent);
                 self.power(inner, product)
             }
@@ -360,10 +362,7 @@ impl Graph {
             graph.range = self.ranges[id].clone();
             place.push(match *node {
                 Node::Parameter(number) => graph.constant(values[number]),
-                Node::Constant(_)
-                | Node::Component(..)
-                | Node::CauchyGreen(..)
-                | Node::Jacobian => graph.node(*node),
+                Node::Constant(_) | Node::Leaf(_) => graph.node(*node),
                 Node::Apply(function, x) => graph.apply(function, place[x]),
                 Node::Negate(x) => graph.negate(place[x]),
                 Node::Add(a, b) => graph.add(place[a], place[b]),
@@ -377,5 +376,63 @@ impl Graph {
             });
         }
         (graph, place[result])
+    }
+
+    /// The result as a sum of two: one of the terms that need a leaf of a kind, one of those that do not; `None` for no terms.
+    pub(super) fn split(
+        &mut self,
+        result: Id,
+        is_of_kind: impl Fn(Leaf) -> bool,
+    ) -> [Option<Id>; 2] {
+        let mut depends = vec![false; result + 1];
+        for id in 0..=result {
+            depends[id] = match self.nodes[id] {
+                Node::Leaf(leaf) => is_of_kind(leaf),
+                node => node.operands().any(|a| depends[a]),
+            };
+        }
+        // Sums are taken apart from the end on, so that a part that occurs twice is one term.
+        let mut factors = vec![0.0; result + 1];
+        factors[result] = 1.0;
+        let mut sums = [None; 2];
+        for id in (0..=result).rev() {
+            let factor = factors[id];
+            if factor == 0.0 {
+                continue;
+            }
+            match (self.nodes[id], self.scaled(id)) {
+                (Node::Add(a, b), _) if depends[id] => {
+                    factors[a] += factor;
+                    factors[b] += factor;
+                }
+                (Node::Subtract(a, b), _) if depends[id] => {
+                    factors[a] += factor;
+                    factors[b] -= factor;
+                }
+                (Node::Negate(a), _) if depends[id] => factors[a] -= factor,
+                (_, Some((a, inner))) if depends[id] => factors[a] += inner * factor,
+                _ => {
+                    self.range = self.range_of(id);
+                    let factor = self.constant(factor);
+                    let term = self.multiply(id, factor);
+                    let sum = sums[usize::from(!depends[id])];
+                    sums[usize::from(!depends[id])] = Some(match sum {
+                        Some(sum) => self.add(sum, term),
+                        None => term,
+                    });
+                }
+            }
+        }
+        sums
+    }
+
+    /// The leaves that a result needs.
+    pub(super) fn leaves_of(&self, result: Id) -> impl Iterator<Item = Leaf> + '_ {
+        let needed = self.needed_by(result);
+        let leaf = move |(id, node): (Id, &Node)| match node {
+            Node::Leaf(leaf) if needed[id] => Some(*leaf),
+            _ => None,
+        };
+        self.nodes.iter().enumerate().filter_map(leaf)
     }
 }

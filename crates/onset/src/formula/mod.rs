@@ -23,6 +23,7 @@ mod error;
 mod graph;
 mod lexer;
 mod parser;
+mod stretches;
 mod tape;
 mod words;
 
@@ -30,10 +31,11 @@ pub use error::{FormulaError, Place, Problem};
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
 use crate::kinematics::DeformationGradient;
-use crate::material::StrainEnergy;
+use crate::material::{StrainEnergy, energy_of_stretches};
 use crate::real::Real;
-use graph::Graph;
+use graph::{Graph, Id, Leaf};
 use std::ops::Range;
+use stretches::StretchTape;
 use tape::Tape;
 
 /// A formula that has been read; its parameters have no values yet.
@@ -135,9 +137,25 @@ impl Formula {
         if graph.value(result).is_some() {
             return Err(self.error(0..self.text.len(), Problem::Constant));
         }
-        Ok(FormulaLaw {
-            tape: Tape::new(&graph, result),
-        })
+        self.law(graph, result)
+    }
+
+    /// The terms in principal stretches apart from the others.
+    fn law(&self, mut graph: Graph, result: Id) -> Result<FormulaLaw, FormulaError> {
+        let is_stretch = |leaf: Leaf| matches!(leaf, Leaf::Stretch(_));
+        if !graph.leaves_of(result).any(is_stretch) {
+            return Ok(FormulaLaw {
+                stretches: None,
+                rest: Some(Tape::new(&graph, result)),
+            });
+        }
+        let [stretches, rest] = graph.split(result, is_stretch);
+        let stretches = stretches
+            .map(|id| StretchTape::new(&graph, id))
+            .transpose()
+            .map_err(|(range, problem)| self.error(range, problem))?;
+        let rest = rest.map(|id| Tape::new(&graph, id));
+        Ok(FormulaLaw { stretches, rest })
     }
 
     /// That every value is finite and belongs to a parameter.
@@ -206,11 +224,31 @@ impl Formula {
 /// A law given by a formula with numbers for its parameters; made by [`Formula::with`]. Units are those of the formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaLaw {
-    tape: Tape,
+    /// The terms in principal stretches.
+    stretches: Option<StretchTape>,
+    /// The other terms.
+    rest: Option<Tape>,
 }
 
 impl StrainEnergy for FormulaLaw {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        self.tape.evaluate(f)
+        let rest = |tape: &Tape| {
+            tape.evaluate(|leaf| match leaf {
+                Leaf::Component(i, j) => f.components()[i][j],
+                Leaf::CauchyGreen(i, j) => {
+                    let f = f.components();
+                    f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j]
+                }
+                Leaf::Jacobian => f.determinant(),
+                // Terms with stretches are in the other tape.
+                Leaf::Stretch(_) => R::constant(f64::NAN),
+            })
+        };
+        match (&self.stretches, &self.rest) {
+            (None, None) => R::constant(0.0),
+            (None, Some(tape)) => rest(tape),
+            (Some(stretches), None) => energy_of_stretches(stretches, f),
+            (Some(stretches), Some(tape)) => energy_of_stretches(stretches, f) + rest(tape),
+        }
     }
 }

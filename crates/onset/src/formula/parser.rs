@@ -4,7 +4,7 @@
 //! everything else from the left; `-x^2` is `-(x^2)`, `2^-x` is allowed.
 
 use super::error::{FormulaError, Place, Problem};
-use super::graph::{Function, Graph, Id};
+use super::graph::{Function, Graph, Id, Leaf};
 use super::lexer::{Token, tokens};
 use super::words::{self, Arity, FIBER_ANGLES, FunctionWord};
 use std::ops::Range;
@@ -435,10 +435,6 @@ impl<'a> Parser<'a> {
             }
             return Ok(self.variable(variable, range));
         }
-        if words::STRETCHES.contains(&name) {
-            let name = name.to_owned();
-            return Err(self.error(range.clone(), Problem::Stretch { name }));
-        }
         Ok(self.parameter(name, range))
     }
 
@@ -454,7 +450,10 @@ impl<'a> Parser<'a> {
     /// A variable, by its definition.
     fn variable(&mut self, name: &'static str, range: &Range<usize>) -> Id {
         match name {
-            "J" => self.graph.jacobian(),
+            "J" => self.graph.leaf(Leaf::Jacobian),
+            "lambda1" => self.graph.leaf(Leaf::Stretch(0)),
+            "lambda2" => self.graph.leaf(Leaf::Stretch(1)),
+            "lambda3" => self.graph.leaf(Leaf::Stretch(2)),
             "I1" => self.first_invariant(),
             "I2" => self.second_invariant(),
             "I3" => self.jacobian_power(2.0),
@@ -480,7 +479,7 @@ impl<'a> Parser<'a> {
 
     fn component(&mut self, tensor: u8, i: usize, j: usize) -> Id {
         match tensor {
-            b'F' => self.graph.component(i, j),
+            b'F' => self.graph.leaf(Leaf::Component(i, j)),
             b'C' => self.graph.cauchy_green(i, j),
             // E = (C - 1) / 2
             _ => {
@@ -509,7 +508,10 @@ impl<'a> Parser<'a> {
     }
 
     fn jacobian_power(&mut self, exponent: f64) -> Id {
-        let (jacobian, exponent) = (self.graph.jacobian(), self.graph.constant(exponent));
+        let (jacobian, exponent) = (
+            self.graph.leaf(Leaf::Jacobian),
+            self.graph.constant(exponent),
+        );
         self.graph.power(jacobian, exponent)
     }
 

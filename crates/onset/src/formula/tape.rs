@@ -1,7 +1,6 @@
 //! A formula as a straight list of operations on a few registers, for numbers of every kind.
 
-use super::graph::{Function, Graph, Id, Node};
-use crate::kinematics::DeformationGradient;
+use super::graph::{Function, Graph, Id, Leaf, Node};
 use crate::real::Real;
 
 /// A place for an intermediate result.
@@ -11,9 +10,7 @@ type Register = u16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operation {
     Constant(f64),
-    Component(usize, usize),
-    CauchyGreen(usize, usize),
-    Jacobian,
+    Leaf(Leaf),
     Apply(Function, Register),
     Negate(Register),
     Add(Register, Register),
@@ -67,29 +64,24 @@ impl Tape {
         }
     }
 
-    /// The result at a deformation. Registers live on the stack, unless there are many.
-    pub(super) fn evaluate<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+    /// The result for values of the leaves. Registers live on the stack, unless there are many.
+    pub(super) fn evaluate<R: Real>(&self, value: impl Fn(Leaf) -> R) -> R {
         let zero = R::constant(0.0);
         match self.registers {
-            0..=4 => self.run(f, &mut [zero; 4]),
-            5..=8 => self.run(f, &mut [zero; 8]),
-            9..=16 => self.run(f, &mut [zero; 16]),
-            17..=32 => self.run(f, &mut [zero; 32]),
-            many => self.run(f, &mut vec![zero; many]),
+            0..=4 => self.run(value, &mut [zero; 4]),
+            5..=8 => self.run(value, &mut [zero; 8]),
+            9..=16 => self.run(value, &mut [zero; 16]),
+            17..=32 => self.run(value, &mut [zero; 32]),
+            many => self.run(value, &mut vec![zero; many]),
         }
     }
 
-    fn run<R: Real>(&self, f: &DeformationGradient<R>, registers: &mut [R]) -> R {
+    fn run<R: Real>(&self, value: impl Fn(Leaf) -> R, registers: &mut [R]) -> R {
         for &(operation, target) in &self.steps {
             let at = |register: Register| registers[usize::from(register)];
             registers[usize::from(target)] = match operation {
-                Operation::Constant(value) => R::constant(value),
-                Operation::Component(i, j) => f.components()[i][j],
-                Operation::CauchyGreen(i, j) => {
-                    let f = f.components();
-                    f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j]
-                }
-                Operation::Jacobian => f.determinant(),
+                Operation::Constant(number) => R::constant(number),
+                Operation::Leaf(leaf) => value(leaf),
                 Operation::Apply(function, a) => function.of(at(a)),
                 Operation::Negate(a) => -at(a),
                 Operation::Add(a, b) => at(a) + at(b),
@@ -187,9 +179,7 @@ impl<'a> Writer<'a> {
         match node {
             Node::Constant(bits) => Operation::Constant(bits.value()),
             Node::Parameter(_) => Operation::Constant(0.0),
-            Node::Component(i, j) => Operation::Component(i, j),
-            Node::CauchyGreen(i, j) => Operation::CauchyGreen(i, j),
-            Node::Jacobian => Operation::Jacobian,
+            Node::Leaf(leaf) => Operation::Leaf(leaf),
             Node::Apply(function, a) => Operation::Apply(function, self.operand(a)),
             Node::Negate(a) => Operation::Negate(self.operand(a)),
             Node::Add(a, b) => match (constant(a), constant(b)) {

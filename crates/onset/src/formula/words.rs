@@ -45,6 +45,12 @@ pub const VARIABLES: &[VariableGroup] = &[
         kind: VariableKind::Isotropic,
     },
     VariableGroup {
+        names: &["lambda1", "lambda2", "lambda3"],
+        label: "lambda1, lambda2, lambda3",
+        meaning: "principal stretches; the formula must be symmetric in them",
+        kind: VariableKind::Isotropic,
+    },
+    VariableGroup {
         names: &["I4", "I5"],
         label: "I4, I5",
         meaning: "a . C a and a . C^2 a of the fibers a at fiber1-angle (degrees, in the plane)",
@@ -81,9 +87,6 @@ pub const VARIABLES: &[VariableGroup] = &[
         kind: VariableKind::Component,
     },
 ];
-
-/// Names of the principal stretches. Their derivatives are not those of a formula in them where two of them coincide.
-pub(super) const STRETCHES: [&str; 3] = ["lambda1", "lambda2", "lambda3"];
 
 /// The parameters that hold the directions of the two families of fibers, in degrees.
 pub const FIBER_ANGLES: [&str; 2] = ["fiber1-angle", "fiber2-angle"];
@@ -202,8 +205,6 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
         Some("a function")
     } else if variable(name).is_some() {
         Some("a variable")
-    } else if STRETCHES.contains(&name) {
-        Some("a principal stretch")
     } else {
         None
     }

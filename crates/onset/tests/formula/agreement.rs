@@ -85,7 +85,7 @@ fn pairs() -> Vec<Pair> {
 }
 
 /// The largest difference of energy, stress and tangent, against the largest of each.
-fn difference(a: &Response, b: &Response, energy_scale: f64) -> f64 {
+pub fn difference(a: &Response, b: &Response, energy_scale: f64) -> f64 {
     let energy = (a.energy - b.energy).abs() / energy_scale;
     let stress = (a.first_piola - b.first_piola).amax() / b.first_piola.amax();
     let indices = || (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));

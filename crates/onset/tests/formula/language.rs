@@ -67,6 +67,10 @@ fn every_variable_is_what_its_name_says() {
             }
         };
         for name in VARIABLES.iter().flat_map(|group| group.names) {
+            // Symmetric formulas in these are tested with the library.
+            if name.starts_with("lambda") {
+                continue;
+            }
             let values: &[(&str, f64)] = match *name {
                 "I4" | "I5" => &[("fiber1-angle", 37.0)],
                 "I6" | "I7" => &[("fiber2-angle", -20.0)],

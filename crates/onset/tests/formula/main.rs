@@ -4,6 +4,7 @@ mod agreement;
 mod conditions;
 mod hostile;
 mod language;
+mod library;
 mod refusals;
 mod states;
 mod trees;

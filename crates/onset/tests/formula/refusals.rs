@@ -168,13 +168,6 @@ fn a_wrong_formula_is_refused_with_its_column_and_a_hint() {
         ("I1 \u{2212} 3", 4, 1, "has no meaning", "minus sign as -"),
         ("[I1 - 3]", 1, 1, "`[` has no meaning", "round parentheses"),
         ("|J - 1|", 1, 1, "`|` has no meaning", "abs"),
-        (
-            "mu*(lambda1 - 1)^2",
-            5,
-            7,
-            "principal stretches",
-            "I1, I2, I3 or J",
-        ),
         ("I1 + $", 6, 1, "`$` has no meaning", ""),
         (
             "mu*(i1 - 3)",
