@@ -121,8 +121,8 @@ pub enum Command {
     Map(MapArguments),
     /// What there is to choose from, with formulas, parameters and sources.
     List {
-        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes or
-        /// linearizations; everything when left out.
+        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
+        /// linearizations, or formula for the language of typed laws; everything when left out.
         topic: Option<String>,
         /// Print one JSON document.
         #[arg(long)]
@@ -243,6 +243,15 @@ pub struct ProblemArguments {
     /// Set a key, for example discretization.support=1.6 (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
+    /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
+    /// --set material.mu=1. Short for material.model=formula and material.energy.
+    #[arg(
+        long,
+        value_name = "FORMULA",
+        allow_hyphen_values = true,
+        help_heading = "Problem"
+    )]
+    pub energy: Option<String>,
     /// Print one JSON document, numbers with 17 significant digits.
     #[arg(long)]
     pub json: bool,

@@ -138,7 +138,12 @@ fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
 
 impl ProblemArguments {
     fn build(&self) -> Result<Problem, Failure> {
-        let settings = Settings::from_assignments(&self.assignments).map_err(Failure::input)?;
+        let mut assignments = self.assignments.clone();
+        if let Some(energy) = &self.energy {
+            assignments.push("material.model=formula".to_owned());
+            assignments.push(format!("material.energy={energy}"));
+        }
+        let settings = Settings::from_assignments(&assignments).map_err(Failure::input)?;
         Ok(Problem::new(settings)?)
     }
 }

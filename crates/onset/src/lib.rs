@@ -32,6 +32,7 @@ pub mod approximation;
 pub mod bloch;
 pub mod certificate;
 pub mod continuum;
+pub mod formula;
 pub mod kernel;
 pub mod kinematics;
 pub mod lattice;

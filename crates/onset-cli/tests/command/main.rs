@@ -5,6 +5,7 @@ mod certify;
 mod check;
 mod documents;
 mod files;
+mod formula;
 mod grid;
 mod help;
 mod map;

@@ -312,7 +312,9 @@ impl Key {
     pub fn named(name: &str) -> Option<&'static Self> {
         let is_name = |text: &str| {
             text.starts_with(|first: char| first.is_ascii_alphabetic())
-                && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+                && text
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
         };
         study_keys().find(|key| key.name == name).or_else(|| {
             let is_free = name.strip_prefix("material.").is_some_and(is_name);

@@ -115,6 +115,20 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
         let (s, c) = (self.value.sin(), self.value.cos());
         self.chain(c, -s, -c)
     }
+    fn sinh(self) -> Self {
+        let (s, c) = (self.value.sinh(), self.value.cosh());
+        self.chain(s, c, s)
+    }
+    fn cosh(self) -> Self {
+        let (s, c) = (self.value.sinh(), self.value.cosh());
+        self.chain(c, s, c)
+    }
+    fn tanh(self) -> Self {
+        let t = self.value.tanh();
+        // tanh' = 1 - t^2 = 1 / cosh^2, which keeps its digits where t is one.
+        let first = self.value.cosh().powi(-2);
+        self.chain(t, first, t * first * -2.0)
+    }
     fn powi(self, exponent: i32) -> Self {
         let n = f64::from(exponent);
         // The coefficient is tested first: 0 * x^(n-1) must be 0 also at x = 0.

@@ -104,6 +104,15 @@ pub trait Real:
     /// The cosine.
     fn cos(self) -> Self;
 
+    /// The hyperbolic sine.
+    fn sinh(self) -> Self;
+
+    /// The hyperbolic cosine.
+    fn cosh(self) -> Self;
+
+    /// The hyperbolic tangent.
+    fn tanh(self) -> Self;
+
     /// An integer power.
     fn powi(self, exponent: i32) -> Self;
 
@@ -135,6 +144,15 @@ impl Real for f64 {
     }
     fn cos(self) -> Self {
         f64::cos(self)
+    }
+    fn sinh(self) -> Self {
+        f64::sinh(self)
+    }
+    fn cosh(self) -> Self {
+        f64::cosh(self)
+    }
+    fn tanh(self) -> Self {
+        f64::tanh(self)
     }
     fn powi(self, exponent: i32) -> Self {
         f64::powi(self, exponent)

@@ -212,6 +212,12 @@ impl Study {
             MethodError::Lattice(LatticeError::Spacing { .. }) => {
                 self.origin_of("discretization.spacing")
             }
+            MethodError::Material(MaterialError::External { .. }) => {
+                let origins = ["material.energy", "material.library", "material.model"];
+                let mut origins = origins.map(|name| self.origin_of(name)).into_iter();
+                let set = origins.find(|origin| *origin != self.origins.file);
+                set.unwrap_or_else(|| self.origins.file.clone())
+            }
             MethodError::Material(MaterialError::Parameter { name, .. }) => {
                 // A condition on several parameters is named by their sum.
                 let origins = name
