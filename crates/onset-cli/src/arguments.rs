@@ -2,24 +2,36 @@
 
 use clap::{Args, Parser, Subcommand};
 use onset_study::notions::{Mode, Range as Stretches};
-use onset_study::settings::KEYS;
+use onset_study::settings::{KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
 
 /// The keys that `--set` takes, from the one table that defines them.
 fn keys() -> String {
-    let line = |key: &onset_study::settings::Key| {
-        let (meaning, default) = (key.meaning, key.default_value());
+    let line = |key: &Key| {
+        let default = match key.default_value().as_str() {
+            "" => String::new(),
+            default => format!(" [default: {default}]"),
+        };
+        let meaning = key.meaning;
         format!(
-            "  {:<31} {meaning} [default: {default}]\n{:34}{}\n",
+            "  {:<31} {meaning}{default}\n{:34}{}\n",
             key.name,
             "",
             key.expects()
         )
     };
+    let (of_laws, others): (Vec<&Key>, Vec<&Key>) = KEYS.iter().partition(|key| key.is_parameter());
+    let (model, others): (Vec<&Key>, Vec<&Key>) = others
+        .into_iter()
+        .partition(|key| key.name == "material.model");
+    let lines = |keys: Vec<&Key>| keys.into_iter().map(line).collect::<String>();
     format!(
-        "Keys of --set:\n{}",
-        KEYS.iter().map(line).collect::<String>()
+        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {} names; `onset list materials` tells which it has\n{}",
+        lines(model),
+        "material.<parameter>",
+        of_laws.len(),
+        lines(others)
     )
 }
 

@@ -8,7 +8,7 @@ mod sentence;
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::notions::{Mode, Range};
 
-use crate::settings::MaterialSettings;
+use crate::settings::{MaterialSettings, Value};
 use onset::material::{Hyperelastic, MaterialError};
 use onset::notions::{
     Change, Event, Knowledge, Lateral, Loading, LoadingPath, Notion, PathEnd, PathState, Track,
@@ -32,8 +32,8 @@ pub enum NotionsError {
 pub struct LawAnswer {
     /// Its name.
     pub model: String,
-    /// Its parameters.
-    pub parameters: BTreeMap<String, f64>,
+    /// Its parameters, and what else it is made of.
+    pub parameters: BTreeMap<String, serde_json::Value>,
     /// Whether it is isotropic, found out by turning the reference.
     pub isotropic: bool,
 }
@@ -172,13 +172,13 @@ impl Question {
         modes: &[Mode],
     ) -> Result<Self, NotionsError> {
         let material = settings.build()?;
-        let parameters = settings.values().into_iter();
+        let parameters = settings.entries().into_iter();
         let asked = |loading: &Loading| modes.is_empty() || modes.contains(&loading.mode);
         Ok(Self {
             law: LawAnswer {
                 model: settings.model.name().to_owned(),
                 parameters: parameters
-                    .map(|(name, value)| (name.to_owned(), value))
+                    .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
                 isotropic: is_isotropic(&*material),
             },
@@ -218,7 +218,7 @@ impl Question {
             .law
             .parameters
             .iter()
-            .map(|(name, value)| (name.as_str(), *value))
+            .filter_map(|(name, value)| Some((name.as_str(), value.as_f64()?)))
             .collect();
         let known = polyconvexity(&self.law.model, &parameters);
         let refuted = loadings
@@ -303,6 +303,15 @@ impl EndAnswer {
                 ),
             },
         }
+    }
+}
+
+/// A setting as it is written in JSON.
+fn document(value: Value) -> serde_json::Value {
+    match value {
+        Value::Number(number) => number.into(),
+        Value::Word(word) => word.into(),
+        other => other.to_string().into(),
     }
 }
 
