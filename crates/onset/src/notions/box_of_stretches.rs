@@ -17,14 +17,16 @@ pub struct SafeBox {
 }
 
 /// Points along an edge of a face of the box from which rays are looked along.
-const EDGE: usize = 13;
+const EDGE: usize = 11;
 /// States looked at along a ray.
-const ALONG: usize = 40;
+const ALONG: usize = 32;
 /// The same for laws that are not isotropic, of which all faces are looked at and states cost more.
 const EDGE_OF_ANY: usize = 7;
 const ALONG_OF_ANY: usize = 20;
 /// How many of the shortest rays are improved.
-const IMPROVED: usize = 4;
+const IMPROVED: usize = 3;
+/// Rays longer than the shortest one by this factor are of no interest.
+const LONGER: f64 = 1.2;
 /// Rays are turned until their step is below this, in units of the box.
 const SMALLEST_TURN: f64 = 1e-11;
 /// Width of the bracket of a loss along a ray, in units of the box.
@@ -51,12 +53,12 @@ pub fn safe_box(material: &dyn Hyperelastic, skew: f64, range: &Range) -> Option
 }
 
 /// The widest box `[low, high]^3` within a range in which a law is strongly elliptic: the one with the largest `high / low` among boxes of all
-/// skews that [`safe_box`] finds, within an eighth of their logarithm beside the best of 17 skews. `None` where the law is not elliptic in the reference.
+/// skews that [`safe_box`] finds, refined beside the best of 9 skews. `None` where the law is not elliptic in the reference.
 pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<SafeBox> {
     let field = Field::new(material);
     let at = |angle: f64| field.safe_box(angle.tan(), range);
     let width = |found: &SafeBox| (found.high / found.low).ln();
-    let count = 17;
+    let count = 9;
     let angle = |n: usize| std::f64::consts::FRAC_PI_2 * (n as f64 + 0.5) / count as f64;
     let boxes: Vec<SafeBox> = (0..count).map(|n| at(angle(n))).collect::<Option<_>>()?;
     let best = (0..count).max_by(|a, b| width(&boxes[*a]).total_cmp(&width(&boxes[*b])))?;
@@ -69,7 +71,7 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
     let mut widest = boxes[best];
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
     let (mut at_a, mut at_b) = (at(a)?, at(b)?);
-    for _ in 0..36 {
+    for _ in 0..30 {
         for found in [at_a, at_b] {
             if width(&found) > width(&widest) {
                 widest = found;
@@ -135,11 +137,15 @@ impl<'a> Field<'a> {
             true => (EDGE, ALONG),
             false => (EDGE_OF_ANY, ALONG_OF_ANY),
         };
-        let mut rays: Vec<(f64, Point)> = shape
-            .surface(edge, self.isotropic)
-            .into_iter()
-            .filter_map(|point| Some((self.loss(&shape, &point, along, 1.0)?, point)))
-            .collect();
+        // Rays that are clearly longer than the shortest one so far are not followed to their end.
+        let mut shortest = 1.0_f64;
+        let mut rays: Vec<(f64, Point)> = Vec::new();
+        for point in shape.surface(edge, self.isotropic) {
+            if let Some(length) = self.loss(&shape, &point, along, LONGER * shortest) {
+                shortest = shortest.min(length);
+                rays.push((length, point));
+            }
+        }
         rays.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<(f64, Point)> = None;
         let mut tried: Vec<Point> = Vec::new();
@@ -171,16 +177,19 @@ impl<'a> Field<'a> {
         Some((stretches, witness))
     }
 
-    /// The first place along a ray, as a part of the box up to `limit`, at which ellipticity is lost.
+    /// The first place along a ray, as a part of the box up to `limit` (or the whole), at which ellipticity is lost.
     fn loss(&self, shape: &Shape, point: &Point, along: usize, limit: f64) -> Option<f64> {
         let mut value = |t: f64| Some(self.value(shape.state(point, t)));
-        let mut before = (0.0, value(0.0)?);
+        let mut before = (0.0, f64::INFINITY);
         for n in 1..=along {
-            let t = limit * n as f64 / along as f64;
-            let here = (t, value(t)?);
+            let t = limit.min(1.0).min(n as f64 / along as f64);
+            if t <= before.0 {
+                break;
+            }
+            let here = (t, self.value(shape.state(point, t)));
             if here.1 <= 0.0 {
-                let finite = (here.0, here.1.max(-1e300));
-                let (low, high) = bracket_zero(&mut value, before, finite, RESOLUTION);
+                let ends = [before, here].map(|(t, value)| (t, value.clamp(-1e300, 1e300)));
+                let (low, high) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
                 return Some(0.5 * (low + high));
             }
             before = here;
