@@ -1,6 +1,7 @@
 //! The library: every law described once, beside its formula.
 
-use super::{Hyperelastic, MaterialError, StrainEnergy, blatz_ko, modified_mooney_rivlin};
+use super::laws::LIBRARY;
+use super::{Hyperelastic, MaterialError, StrainEnergy};
 
 /// What values a parameter admits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub enum Admitted {
     Positive,
     /// Finite numbers from zero on.
     NotNegative,
+    /// Numbers from 0 to 1.
+    Fraction,
     /// Numbers between two limits, which are not admitted themselves.
     Between(f64, f64),
 }
@@ -23,6 +26,7 @@ impl Admitted {
                 Self::Any => true,
                 Self::Positive => value > 0.0,
                 Self::NotNegative => value >= 0.0,
+                Self::Fraction => (0.0..=1.0).contains(&value),
                 Self::Between(low, high) => low < value && value < high,
             }
     }
@@ -34,6 +38,7 @@ impl std::fmt::Display for Admitted {
             Self::Any => write!(formatter, "a finite number"),
             Self::Positive => write!(formatter, "a positive finite number"),
             Self::NotNegative => write!(formatter, "zero or a positive finite number"),
+            Self::Fraction => write!(formatter, "a number from 0 to 1"),
             Self::Between(low, high) => write!(formatter, "a number above {low} and below {high}"),
         }
     }
@@ -156,9 +161,6 @@ impl PartialEq for Law {
         self.name == other.name
     }
 }
-
-/// All laws, the default first.
-static LIBRARY: &[Law] = &[modified_mooney_rivlin::LAW, blatz_ko::LAW];
 
 /// All laws that have a name, the default first.
 ///
