@@ -11,8 +11,8 @@ pub use onset::notions::{Mode, Range};
 use crate::settings::{MaterialSettings, Value};
 use onset::material::{Hyperelastic, MaterialError};
 use onset::notions::{
-    Change, Event, Knowledge, Lateral, Loading, LoadingPath, Notion, PathEnd, PathState, Track,
-    Witness, follow, follow_jumps, is_isotropic, polyconvexity,
+    Change, Event, Knowledge, Lateral, Loading, LoadingError, LoadingPath, Notion, PathEnd,
+    PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -22,9 +22,17 @@ use thiserror::Error;
 /// Why a law cannot be asked.
 #[derive(Debug, Error)]
 pub enum NotionsError {
-    /// The law, or its response in the reference.
+    /// The law.
     #[error("{0}")]
     Material(#[from] MaterialError),
+    /// A loading of it.
+    #[error("{title}: {source}")]
+    Loading {
+        /// Which one.
+        title: &'static str,
+        /// What is wrong.
+        source: LoadingError,
+    },
 }
 
 /// A law as asked for.
@@ -239,10 +247,16 @@ impl Question {
     }
 
     fn along(&self, loading: Loading, notions: &[Notion]) -> Result<LoadingAnswer, NotionsError> {
-        let path = LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range)?;
+        let path = LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range)
+            .map_err(|source| NotionsError::Loading {
+                title: loading.title(),
+                source,
+            })?;
+        let has_energy = has_energy(&*self.material);
         let reach = (self.range.low(), self.range.high());
         let tracks = |tension: bool| -> Vec<Option<Track>> {
             let of = |notion: &Notion| match notion {
+                Notion::RankOneConvexity if !has_energy => None,
                 Notion::RankOneConvexity => follow(&path, Notion::StrongEllipticity, tension)
                     .map(|elliptic| follow_jumps(&path, &elliptic, reach, tension)),
                 other => follow(&path, *other, tension),

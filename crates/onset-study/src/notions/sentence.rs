@@ -66,7 +66,10 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
     let parameters: Vec<String> = law
         .parameters
         .iter()
-        .map(|(name, value)| format!("{name} = {value}"))
+        .map(|(name, value)| match value.as_f64() {
+            Some(number) => format!("{name} = {number}"),
+            None => format!("{name} = {value}"),
+        })
         .collect();
     let symmetry = match law.isotropic {
         true => "isotropic",
@@ -135,7 +138,15 @@ pub(super) fn witness(witness: &Witness) -> String {
         Witness::Jump {
             amplitude,
             direction,
-        } => format!("a = {}, N = {}", vector(amplitude), vector(direction)),
+            at_edge,
+        } => {
+            let edge = if *at_edge {
+                " (to the edge of the range)"
+            } else {
+                ""
+            };
+            format!("a = {}, N = {}{edge}", vector(amplitude), vector(direction))
+        }
     }
 }
 
@@ -159,115 +170,115 @@ fn number(x: f64, digits: usize) -> String {
     }
 }
 
-/// Where the notions disagree with strong ellipticity, a sentence or two for each loading and side.
+/// Where the notions disagree with strong ellipticity: a sentence or two for each notion.
 pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     let mut sentences = Vec::new();
-    let mut at_once: Vec<&str> = Vec::new();
-    for loading in loadings {
-        for tension in [false, true] {
-            sentences.extend(disagreement(loading, tension));
+    for notion in Notion::ALL {
+        let (mut sooner, mut later) = (Vec::new(), Vec::new());
+        for loading in loadings {
+            for tension in [true, false] {
+                match comparison(loading, notion, tension) {
+                    Some(Comparison::Sooner(text)) => sooner.push(text),
+                    Some(Comparison::Later(text)) => later.push(text),
+                    None => {}
+                }
+            }
         }
-        let hill = loading
+        let title = capitalized(notion.title());
+        if !sooner.is_empty() {
+            let list = sooner.join("; ");
+            sentences.push(match notion {
+                Notion::LoadMaximum => {
+                    format!("The load falls although waves still travel: {list}.")
+                }
+                Notion::RankOneConvexity => {
+                    format!("Finite jumps gain energy although waves still travel: {list}.")
+                }
+                _ => format!("{title} calls unstable, although waves still travel: {list}."),
+            });
+        }
+        // What follows from strong ellipticity holds on of necessity.
+        let implied = matches!(notion, Notion::BakerEricksen | Notion::RankOneConvexity);
+        if !later.is_empty() && !implied {
+            let list = later.join("; ");
+            sentences.push(match notion {
+                Notion::PlaneEllipticity => {
+                    format!("Waves out of the plane stop before those within it: {list}.")
+                }
+                Notion::LoadMaximum => {
+                    format!("The load still rises where waves have stopped: {list}.")
+                }
+                _ => format!("{title} does not see that waves stop: {list}."),
+            });
+        }
+    }
+    let hill = |loading: &&LoadingAnswer| {
+        let found = loading
             .notions
             .iter()
             .find(|answer| answer.notion == Notion::Hill);
-        if hill.is_some_and(|hill| hill.compression.limit == Some(1.0)) {
-            at_once.push(loading.title);
-        }
-    }
-    if !at_once.is_empty() {
-        sentences.push(format!(
-            "Hill's condition for dead loads is lost with the first compression ({}): a body under dead pressure gains energy by a \
-             rotation, whatever its law. With rotations held it is the line `pure-strain` that counts.",
-            at_once.join("; ")
-        ));
+        found.is_some_and(|hill| hill.compression.limit == Some(1.0))
+    };
+    if loadings.iter().any(|loading| hill(&loading)) {
+        sentences.push(
+            "Hill's condition for dead loads is lost with the first compression: a body under dead pressure gains energy by a \
+             rotation, whatever its law. With rotations held it is the line `pure-strain` that counts."
+                .to_owned(),
+        );
     }
     sentences
 }
 
-fn disagreement(loading: &LoadingAnswer, tension: bool) -> Vec<String> {
-    let of = |answer: &NotionAnswer| {
-        let side = if tension {
-            &answer.tension
-        } else {
-            &answer.compression
-        };
-        side.limit.map(|limit| limit.ln().abs())
+/// How a notion compares with strong ellipticity in a loading, in words.
+enum Comparison {
+    Sooner(String),
+    Later(String),
+}
+
+fn comparison(loading: &LoadingAnswer, notion: Notion, tension: bool) -> Option<Comparison> {
+    let limit = |notion: Notion| -> Option<Option<f64>> {
+        let found = loading
+            .notions
+            .iter()
+            .find(|answer| answer.notion == notion && answer.defined)?;
+        Some(match tension {
+            true => found.tension.limit,
+            false => found.compression.limit,
+        })
     };
-    let Some(elliptic) = loading
-        .notions
-        .iter()
-        .find(|answer| answer.notion == Notion::StrongEllipticity)
-    else {
-        return Vec::new();
+    let (own, waves) = (limit(notion)?, limit(Notion::StrongEllipticity)?);
+    let distance = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| limit.ln().abs());
+    let (near, far) = (distance(own), distance(waves));
+    let what = format!(
+        "{}, {}",
+        loading.title,
+        if tension { "tension" } else { "compression" }
+    );
+    let until = |limit: Option<f64>| {
+        limit.map_or("throughout".to_owned(), |limit| format!("to {limit:.6}"))
     };
-    let waves = of(elliptic);
-    let end = if tension {
-        &loading.tension_end
-    } else {
-        &loading.compression_end
-    };
-    let what = if tension { "tension" } else { "compression" };
-    let (mut sooner, mut later) = (Vec::new(), Vec::new());
-    for answer in &loading.notions {
-        if answer.notion == Notion::StrongEllipticity || !answer.defined {
-            continue;
-        }
-        let own = of(answer);
-        let stretch = |s: f64| if tension { s.exp() } else { (-s).exp() };
-        match (own, waves) {
-            // What is lost in the reference or at once needs no comparison of stretches; see the closing sentence on Hill.
-            (Some(own), _) if own == 0.0 && answer.notion == Notion::Hill => {}
-            (Some(own), Some(waves)) if own < waves * (1.0 - SAME) => {
-                sooner.push(format!(
-                    "{} from {:.6}",
-                    answer.notion.title(),
-                    stretch(own)
-                ));
-            }
-            (Some(own), None) => {
-                sooner.push(format!(
-                    "{} from {:.6}",
-                    answer.notion.title(),
-                    stretch(own)
-                ));
-            }
-            (Some(own), Some(waves)) if own > waves * (1.0 + SAME) => {
-                later.push(format!(
-                    "{} up to {:.6}",
-                    answer.notion.title(),
-                    stretch(own)
-                ));
-            }
-            (None, Some(_)) => later.push(format!("{} throughout", answer.notion.title())),
-            _ => {}
+    match own {
+        Some(1.0) if notion == Notion::Hill => None,
+        Some(own) if near < far * (1.0 - SAME) => Some(Comparison::Sooner(format!(
+            "{what} from {own:.6} (waves {})",
+            until(waves)
+        ))),
+        _ => {
+            let waves = waves.filter(|_| near > far * (1.0 + SAME))?;
+            Some(Comparison::Later(format!(
+                "{what} from {waves:.6} ({})",
+                match own {
+                    Some(own) => format!("lost at {own:.6}"),
+                    None => "never lost".to_owned(),
+                }
+            )))
         }
     }
-    let travel = match waves {
-        Some(waves) => format!(
-            "waves travel up to {:.6}",
-            if tension { waves.exp() } else { (-waves).exp() }
-        ),
-        None => format!("waves travel throughout, to {:.6}", end.stretch),
-    };
-    let mut sentences = Vec::new();
-    if !sooner.is_empty() {
-        sentences.push(format!(
-            "{}: {what} counts as unstable for {}, although {travel}.",
-            loading.title,
-            sooner.join(", for ")
-        ));
-    }
-    if !later.is_empty() {
-        let limit = waves.map_or(
-            1.0,
-            |waves| if tension { waves.exp() } else { (-waves).exp() },
-        );
-        sentences.push(format!(
-            "{}: in {what} waves stop at {limit:.6}, and these do not see it: {}.",
-            loading.title,
-            later.join(", ")
-        ));
-    }
-    sentences
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }

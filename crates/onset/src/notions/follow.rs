@@ -78,7 +78,7 @@ const DIP_STEPS: usize = 48;
 /// // travel up to (2 + sqrt 3)^(4/5).
 /// assert!((load.unwrap_or(0.0) - 6.0_f64.powf(0.4)).abs() < 1e-12);
 /// assert!((waves.unwrap_or(0.0) - (2.0 + 3.0_f64.sqrt()).powf(0.8)).abs() < 1e-12);
-/// # Ok::<(), onset::material::MaterialError>(())
+/// # Ok::<(), onset::notions::LoadingError>(())
 /// ```
 pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<Track> {
     let states = side(path, tension);
@@ -162,7 +162,8 @@ const STRIDE: usize = 8;
 /// Rank-one convexity along one side of a path: finite jumps are looked for at every eighth state up to the `elliptic` limit, where
 /// infinitesimal ones gain energy, and the first one found is followed back to where it breaks even. Beyond the limit nothing is looked for.
 ///
-/// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound.
+/// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound. Where the best jump leads to the edge of the
+/// reach, the limit depends on the reach, and is good to about 1e-3 only.
 pub fn follow_jumps(
     path: &LoadingPath<'_>,
     elliptic: &Track,

@@ -3,7 +3,7 @@
 use super::Witness;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A jump `a (x) N` of the deformation gradient with its scaled excess of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Jump {
     pub direction: Vector3<f64>,
     /// `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2`; units of stress. In the limit of small jumps `a . Q(N) a / |a|^2`.
     pub excess: f64,
+    /// Whether it leads to the edge of the reach; it is then not the lowest of its valley, and not as accurate.
+    pub at_edge: bool,
 }
 
 impl Jump {
@@ -22,6 +24,7 @@ impl Jump {
         Witness::Jump {
             amplitude: self.amplitude.into(),
             direction: self.direction.into(),
+            at_edge: self.at_edge,
         }
     }
 }
@@ -154,7 +157,15 @@ impl<'a> JumpSearch<'a> {
             amplitude: a,
             direction: m / m.norm(),
             excess: value,
+            at_edge: self.is_at_edge(&(state.deformation.matrix() + a * m.transpose() / m.norm())),
         })
+    }
+
+    /// Whether a state has a principal stretch within a hundredth of an end of the reach.
+    fn is_at_edge(&self, f: &Matrix3<f64>) -> bool {
+        let squares = (f.transpose() * f).symmetric_eigenvalues();
+        let (smallest, largest) = (squares.min().max(0.0).sqrt(), squares.max().sqrt());
+        smallest < 1.01 * self.reach.0 || largest > 0.99 * self.reach.1
     }
 
     /// The part of a step that is admitted and leads down, with the excess there.

@@ -295,6 +295,19 @@ const HALVINGS: i32 = 44;
 /// Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
 
+/// Why a loading cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LoadingError {
+    /// The law has no response in the reference.
+    #[error("{0}")]
+    Law(#[from] MaterialError),
+    /// No state with free faces near the reference.
+    #[error(
+        "at stretch 1 no lateral stretches were found at which the free faces carry no traction"
+    )]
+    NoReference,
+}
+
 /// Why there is no state.
 enum Missing {
     Law(MaterialError),
@@ -305,17 +318,17 @@ impl<'a> LoadingPath<'a> {
     /// Follows a loading over a range.
     ///
     /// # Errors
-    /// [`MaterialError`] when there is no state in the reference, `lambda = 1`.
+    /// [`LoadingError`] when there is no state in the reference, `lambda = 1`.
     pub fn new(
         material: &'a dyn Hyperelastic,
         isotropic: bool,
         loading: Loading,
         range: &Range,
-    ) -> Result<Self, MaterialError> {
+    ) -> Result<Self, LoadingError> {
         let reference =
             solve(material, loading, 0.0, Vector2::zeros()).map_err(|missing| match missing {
-                Missing::Law(error) => error,
-                Missing::Equilibrium => MaterialError::NotFinite { jacobian: 1.0 },
+                Missing::Law(error) => LoadingError::Law(error),
+                Missing::Equilibrium => LoadingError::NoReference,
             })?;
         let side = |end: f64| branch(material, loading, &reference, end.ln());
         let (tension, tension_end) = side(range.high);
@@ -381,7 +394,8 @@ impl<'a> LoadingPath<'a> {
         let mut found: Vec<PathState> = vec![own];
         let starts = [-1.6, -0.8, -0.4, 0.0, 0.4, 0.8, 1.6];
         for first in starts {
-            for second in &starts[..if count == 2 { starts.len() } else { 1 }] {
+            let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
+            for second in seconds {
                 let Ok(state) = solve(self.material, self.loading, s, Vector2::new(first, *second))
                 else {
                     continue;

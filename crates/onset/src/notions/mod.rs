@@ -37,9 +37,11 @@ mod root;
 
 pub use box_of_stretches::{SafeBox, safe_box, widest_safe_box};
 pub use follow::{Change, Event, Track, follow, follow_jumps};
-pub use isotropy::is_isotropic;
+pub use isotropy::{has_energy, is_isotropic};
 pub use jumps::{Jump, JumpSearch};
-pub use loading::{Lateral, Loading, LoadingPath, Mode, PathEnd, PathState, Range, RangeError};
+pub use loading::{
+    Lateral, Loading, LoadingError, LoadingPath, Mode, PathEnd, PathState, Range, RangeError,
+};
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
 use crate::continuum::Stiffness;
@@ -90,7 +92,7 @@ pub enum Notion {
     /// Source: Hill, J. Mech. Phys. Solids 5 (1957) 229 and 6 (1958) 236: where it holds everywhere, the rates of a body under dead loads
     /// are unique. All nine rates are admitted, rotations too: for `Fdot = w x F` the form is that of the stress alone,
     /// `tr(tau) |w|^2 - w . tau w`, so the condition is neutral without stress and in uniaxial tension (rotation about the load), and never holds
-    /// where two principal stresses have a negative sum, whatever the law. A value that is zero to rounding counts as held. The measure is the smallest
+    /// where two principal stresses have a negative sum, whatever the law. A value that is zero to rounding (3e-14 of the tangent) counts as held, which can move a limit by 1e-9. The measure is the smallest
     /// eigenvalue of `A` as a matrix of nine rows. Units of stress.
     Hill,
     /// No rate without rotation gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot = R S`, `S` symmetric.
@@ -173,6 +175,8 @@ pub enum Witness {
         amplitude: [f64; 3],
         /// `N`, of unit length.
         direction: [f64; 3],
+        /// Whether the jump leads to the edge of what was looked at; the limit then depends on the edge, and is rough.
+        at_edge: bool,
     },
 }
 
@@ -293,7 +297,7 @@ impl Notion {
 }
 
 /// How far below zero, in units of the largest component of the tangent, rounding can leave a form that is zero.
-const NEUTRAL: f64 = 1e-12;
+const NEUTRAL: f64 = 3e-14;
 
 impl Measure {
     fn of(value: f64, witness: Witness) -> Self {
@@ -443,6 +447,10 @@ fn oriented(v: &Vector3<f64>) -> [f64; 3] {
     [0, 1, 2].map(|i| sign * clean[i] + 0.0)
 }
 
+/// The rows of `X` or `-X`: the one whose first component that is not negligible is positive.
 fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)] + 0.0))
+    let row_by_row = matrix.transpose();
+    let leading = row_by_row.iter().find(|x| x.abs() > 1e-9);
+    let sign = leading.map_or(1.0, |x| x.signum());
+    std::array::from_fn(|i| std::array::from_fn(|j| sign * matrix[(i, j)] + 0.0))
 }

@@ -77,6 +77,7 @@ fn finite_jumps_gain_energy_before_waves_stop() {
     let Some(Witness::Jump {
         amplitude,
         direction,
+        ..
     }) = jumps.witness()
     else {
         panic!("a jump is the witness");

@@ -1,7 +1,7 @@
 //! Limits that are known in closed form, or published.
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
-use onset::material::{BlatzKo, ModifiedMooneyRivlin};
+use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin};
 use onset::notions::{Change, Lateral, Mode, Notion, Witness};
 
 const ELLIPTIC: Notion = Notion::StrongEllipticity;
@@ -144,9 +144,8 @@ fn a_bar_of_blatz_ko_reaches_its_largest_load_before_it_loses_ellipticity() {
     assert_eq!(limit(&bar, Notion::LoadMaximum, false), None);
 }
 
-/// `P = mu (1 - lambda^-5)` per direction under equal stretches with a free face: it never falls.
 #[test]
-fn hydrostatic_loads_of_blatz_ko_have_the_maximum_of_their_closed_form() {
+fn loads_of_blatz_ko_that_rise_in_closed_form_have_no_maximum() {
     let law = BlatzKo::default();
     // P = mu (lambda^2 - lambda^-3) rises always.
     let all = path(&law, Mode::Hydrostatic, Lateral::Held);
@@ -154,4 +153,27 @@ fn hydrostatic_loads_of_blatz_ko_have_the_maximum_of_their_closed_form() {
     // Held laterally P = mu (1 - lambda^-3) rises always.
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
     assert_eq!(limit(&held, Notion::LoadMaximum, true), None);
+}
+
+/// The energy is a positive definite quadratic form of the logarithms.
+#[test]
+fn hencky_satisfies_drucker_everywhere_and_loses_ellipticity_in_a_bar() {
+    let law = Law::named("hencky")
+        .expect("a law of the library")
+        .build(&[("mu", 1.0), ("kappa", 5.0)])
+        .expect("admissible");
+    let bar = path(&*law, Mode::Uniaxial, Lateral::Free);
+    for notion in [
+        Notion::PrincipalDrucker,
+        Notion::Drucker,
+        Notion::BakerEricksen,
+    ] {
+        for tension in [true, false] {
+            assert_eq!(limit(&bar, notion, tension), None, "{notion:?}");
+        }
+    }
+    // With free faces tau = E ln(lambda), so the load tau / lambda is largest at e.
+    let load = limit(&bar, Notion::LoadMaximum, true).expect("a largest load");
+    assert_close(load, std::f64::consts::E, 1e-12);
+    assert!(limit(&bar, ELLIPTIC, true).expect("lost") > load);
 }
