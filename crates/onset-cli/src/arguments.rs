@@ -1,6 +1,7 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand};
+use onset_study::notions::{Mode, Range as Stretches};
 use onset_study::settings::{KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -119,6 +120,12 @@ pub enum Command {
     },
     /// The verdict on every state of a study, with numbers, into a Zarr store that can be interrupted and gone on with.
     Map(MapArguments),
+    /// Along standard loadings, where does each notion of stability end: ellipticity, Hill, Drucker, Baker-Ericksen, largest load, ...?
+    #[command(after_help = keys())]
+    Notions(NotionsArguments),
+    /// The safe range of a law on one page: the stretches within which it is strongly elliptic.
+    #[command(after_help = keys())]
+    Card(CardArguments),
     /// What there is to choose from, with formulas, parameters and sources.
     List {
         /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
@@ -186,6 +193,47 @@ pub enum Command {
     },
 }
 
+/// A law, and the stretches of interest.
+#[derive(Debug, Args)]
+pub struct LawArguments {
+    /// A study file whose law is meant [default: the law of --set alone].
+    pub file: Option<PathBuf>,
+    /// Set a key, for example material.model=blatz-ko (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+    /// The smallest and the largest stretch.
+    #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
+    pub range: Stretches,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Notions of stability.
+#[derive(Debug, Args)]
+pub struct NotionsArguments {
+    /// The law.
+    #[command(flatten)]
+    pub law: LawArguments,
+    /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
+    #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
+    pub modes: Vec<Mode>,
+    /// Folder for notions.svg and notions.png; no figure when left out.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A card.
+#[derive(Debug, Args)]
+pub struct CardArguments {
+    /// The law.
+    #[command(flatten)]
+    pub law: LawArguments,
+    /// Folder for card.html, card.json, card.svg and card.png.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+}
+
 /// A map.
 #[derive(Debug, Args)]
 pub struct MapArguments {
@@ -213,6 +261,27 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+}
+
+/// A range of stretches as typed.
+fn stretches(text: &str) -> Result<Stretches, String> {
+    let numbers = text.split_once(',').and_then(|(low, high)| {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        Some((number(low)?, number(high)?))
+    });
+    match numbers {
+        Some((low, high)) => Stretches::new(low, high).map_err(|error| error.to_string()),
+        None => Err("expected two numbers around 1, for example 0.1,10".to_owned()),
+    }
+}
+
+/// A mode of loading as typed.
+fn mode(text: &str) -> Result<Mode, String> {
+    let named = Mode::ALL.into_iter().find(|mode| mode.name() == text);
+    named.ok_or_else(|| {
+        let names = Mode::ALL.map(Mode::name);
+        format!("expected one of {}", names.join(", "))
+    })
 }
 
 /// A tolerance as typed.

@@ -2,6 +2,7 @@
 
 mod boundary;
 mod check;
+mod notions;
 mod plot;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
@@ -96,6 +97,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
         Command::Map(arguments) => map::run(&arguments),
+        Command::Notions(arguments) => notions::notions(&arguments),
+        Command::Card(arguments) => notions::card(&arguments),
         Command::List { topic, json } => list(topic.as_deref(), json),
         Command::Check {
             files,

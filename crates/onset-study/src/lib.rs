@@ -10,6 +10,7 @@ pub mod domain;
 pub mod figure;
 pub mod json;
 pub mod map;
+pub mod notions;
 pub mod plot;
 pub mod reproduce;
 pub mod settings;

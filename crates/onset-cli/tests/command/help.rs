@@ -13,6 +13,8 @@ fn every_command_explains_itself() {
         "check",
         "boundary",
         "plot",
+        "notions",
+        "card",
         "schema",
         "reproduce",
     ] {

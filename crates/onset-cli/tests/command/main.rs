@@ -13,6 +13,7 @@ mod map_python;
 mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
+mod notions;
 mod numbers;
 mod plot;
 mod refusals;
