@@ -39,6 +39,12 @@ pub enum MaterialError {
         /// The volume ratio of the state.
         jacobian: f64,
     },
+    /// Code of the user's own, which the law is, failed.
+    #[error("{message}")]
+    UserCode {
+        /// What happened, with state and hint.
+        message: String,
+    },
 }
 
 impl MaterialError {
