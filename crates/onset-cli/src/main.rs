@@ -13,6 +13,10 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // This program is also the one that user materials run in.
+    if let Some(code) = onset_umat::serve_if_asked() {
+        return code;
+    }
     match commands::run(Arguments::parse()) {
         Ok(code) => code,
         Err(failure) => {
