@@ -137,7 +137,7 @@ pub enum UmatError {
 
 impl From<UmatError> for MaterialError {
     fn from(error: UmatError) -> Self {
-        Self::UserCode {
+        Self::External {
             message: error.to_string(),
         }
     }

@@ -5,7 +5,7 @@ use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use crate::settings::Settings;
+use crate::settings::{Settings, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::certificate::certify;
@@ -58,7 +58,7 @@ pub struct MaterialAnswer {
     /// The law.
     pub model: &'static str,
     /// Its parameters.
-    pub parameters: BTreeMap<&'static str, f64>,
+    pub parameters: BTreeMap<&'static str, Value>,
     /// Cauchy stress `sigma_ij`.
     pub cauchy: [[f64; 3]; 3],
     /// First Piola-Kirchhoff stress `P_iJ`, first index spatial.
@@ -182,7 +182,7 @@ fn material_answer<const D: usize>(
     let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
     MaterialAnswer {
         model: settings.material.model.name(),
-        parameters: settings.material.values().into_iter().collect(),
+        parameters: settings.material.entries().into_iter().collect(),
         cauchy: rows(&response.cauchy()),
         first_piola: rows(&response.first_piola),
         tangent: (0..3)
@@ -317,7 +317,7 @@ impl std::fmt::Display for StateAnswer {
 }
 
 fn parameters(material: &MaterialAnswer) -> String {
-    let one = |(name, value): (&&str, &f64)| format!("{name} = {value}");
+    let one = |(name, value): (&&str, &Value)| format!("{name} = {value}");
     material
         .parameters
         .iter()

@@ -17,9 +17,11 @@ pub use reading::{Delivery, Match, Order, Reading, Shear, Volume, matches};
 pub use states::states;
 pub use subject::{Sample, Subject};
 
+use crate::settings::{MaterialSettings, Value};
 use checks::Measured;
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::MaterialError;
+use onset_umat::Umat;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -33,6 +35,12 @@ pub enum AuditError {
         #[from]
         source: MaterialError,
     },
+    /// A user material delivers in one convention only.
+    #[error(
+        "a UMAT delivers its tangent as {}; --as is for laws of onset's own",
+        Convention::JaumannKirchhoff.name()
+    )]
+    Convention,
     /// A state near one of those asked for is none.
     #[error("{source}\n  hint: choose smaller strains")]
     Kinematics {
@@ -89,6 +97,30 @@ pub struct TangentFinding {
 }
 
 impl Audit {
+    /// Audits a material as set. The tangent of a law is taken as delivered in the convention, `dP/dF` unless named.
+    ///
+    /// # Errors
+    /// [`AuditError`] when the material cannot be made, or fails at a state or near it.
+    pub fn of_material(
+        settings: &MaterialSettings,
+        convention: Option<Convention>,
+        states: &[DeformationGradient],
+    ) -> Result<Self, AuditError> {
+        let name = description(settings);
+        match (settings.umat(), convention) {
+            (Some(_), Some(_)) => Err(AuditError::Convention),
+            (Some(umat), None) => {
+                let umat = Umat::new(umat).map_err(MaterialError::from)?;
+                Self::new(&name, &Subject::User(&umat), states)
+            }
+            (None, convention) => {
+                let law = settings.build()?;
+                let convention = convention.unwrap_or(Convention::FirstPiola);
+                Self::new(&name, &Subject::Law(law.as_ref(), convention), states)
+            }
+        }
+    }
+
     /// Audits a material at states.
     ///
     /// # Errors
@@ -115,6 +147,22 @@ impl Audit {
             checks,
             tangent,
         })
+    }
+}
+
+/// The material with its parameters.
+fn description(settings: &MaterialSettings) -> String {
+    let entries = settings.entries();
+    let entry = |(name, value): &(&str, Value)| match value {
+        Value::Number(number) => format!("{name} = {number}"),
+        Value::Word(word) => format!("{name} = {word}"),
+        Value::Switch(on) => format!("{name} = {on}"),
+        Value::Numbers(numbers) => format!("{name} = {numbers:?}"),
+    };
+    let list: Vec<String> = entries.iter().map(entry).collect();
+    match list.is_empty() {
+        true => settings.model.name().to_owned(),
+        false => format!("{} ({})", settings.model.name(), list.join(", ")),
     }
 }
 

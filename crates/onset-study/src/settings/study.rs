@@ -159,6 +159,9 @@ impl Study {
 
     /// Whether what a key needs is given.
     fn has_effect(&self, key: &Key) -> bool {
+        if let ("material", name) = key.parts() {
+            return name == "model" || self.settings.material.model.takes(name);
+        }
         key.only_with.is_none_or(|(needed, word)| {
             self.value(needed).is_some_and(|value| {
                 value == Value::Word(word.to_owned()) || value.to_string() == word

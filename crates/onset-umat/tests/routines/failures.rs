@@ -226,6 +226,6 @@ fn no_process_stays_behind() {
 #[test]
 fn errors_of_the_users_code_are_errors_of_the_material() {
     let error = hostile(3).response(&general());
-    assert!(matches!(error, Err(MaterialError::UserCode { .. })));
+    assert!(matches!(error, Err(MaterialError::External { .. })));
     assert!(blatz_ko().response(&general()).is_ok());
 }

@@ -6,10 +6,12 @@
 //! particles.
 
 mod blatz_ko;
+mod law;
 mod modified_mooney_rivlin;
 mod tensors;
 
 pub use blatz_ko::BlatzKo;
+pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
 pub use tensors::FourthOrder;
 
@@ -29,7 +31,31 @@ pub enum MaterialError {
         /// Its value.
         value: f64,
         /// What the law admits, in words.
-        expected: &'static str,
+        expected: String,
+    },
+    /// The law has no parameter of this name.
+    #[error("{law} has no parameter `{name}`")]
+    UnknownParameter {
+        /// The law's name.
+        law: &'static str,
+        /// The parameter's name as given.
+        name: String,
+    },
+    /// The state is outside of those at which the law is defined.
+    #[error("the law is not defined at this deformation: {what} is {value:?}; {expected}")]
+    OutsideDomain {
+        /// The quantity that is out of bounds.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What the law demands of it, with the number.
+        expected: String,
+    },
+    /// A material that is not of the library cannot be made or asked.
+    #[error("{message}")]
+    External {
+        /// Why, and what to do.
+        message: String,
     },
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
@@ -39,37 +65,18 @@ pub enum MaterialError {
         /// The volume ratio of the state.
         jacobian: f64,
     },
-    /// Code of the user's own, which the law is, failed.
-    #[error("{message}")]
-    UserCode {
-        /// What happened, with state and hint.
-        message: String,
-    },
 }
 
 impl MaterialError {
-    /// Checks that a parameter is a finite number.
-    fn finite(name: &'static str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Self::Parameter {
-                name,
-                value,
-                expected: "a finite number",
-            })
-        }
-    }
-
-    /// Checks that a parameter is positive and finite.
+    /// Checks that a combination of parameters, named by its formula, is positive and finite.
     fn positive(name: &'static str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() && value > 0.0 {
+        if Admitted::Positive.holds(value) {
             Ok(value)
         } else {
             Err(Self::Parameter {
                 name,
                 value,
-                expected: "a positive finite number",
+                expected: Admitted::Positive.to_string(),
             })
         }
     }
@@ -80,6 +87,14 @@ pub trait StrainEnergy {
     /// The strain energy `W(F)` per reference volume; units of stress. Its derivatives are the stress and the tangent, so it
     /// must be written with operations of [`Real`] only.
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
+
+    /// Whether the law is defined at a state; all with `J > 0`, unless it says otherwise.
+    ///
+    /// # Errors
+    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds.
+    fn admits(&self, _f: &DeformationGradient) -> Result<(), MaterialError> {
+        Ok(())
+    }
 }
 
 /// The tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]`.
@@ -90,7 +105,8 @@ pub trait Hyperelastic: Send + Sync {
     /// Energy, stress and tangent at a state.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] when one of them over- or underflows.
+    /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
+    /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
     /// The part of the tangent that acts within the plane, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1: what
@@ -182,6 +198,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
+        self.admits(f)?;
         // The other components are constants: four variables instead of nine.
         let components = f.components();
         let variables = Jet::<4>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
@@ -207,6 +224,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        self.admits(f)?;
         let energy = energy_jet(self, f);
         let response = Response {
             deformation: *f,

@@ -58,6 +58,18 @@ impl Study {
             Err(SettingError::new(origin, message).hint(hint))
         };
         match quantity {
+            Quantity::Setting(key) if key.is_parameter() && !self.has_effect(key) => {
+                let model = self.settings.material.model;
+                refused(
+                    format!(
+                        "the axis {} changes nothing: {} has no parameter `{}`",
+                        key.name,
+                        model.name(),
+                        key.parts().1
+                    ),
+                    model.hint(),
+                )
+            }
             Quantity::Setting(key) if !self.has_effect(key) => {
                 let (needed, word) = key.only_with.unwrap_or_default();
                 refused(

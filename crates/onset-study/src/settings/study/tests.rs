@@ -1,5 +1,5 @@
 use super::Study;
-use crate::settings::{KEYS, MAP_KEYS, Quantity, STATE_KEYS, Value, study_keys};
+use crate::settings::{KEYS, Key, Kind, MAP_KEYS, Model, Quantity, STATE_KEYS, Value, study_keys};
 
 const PLANE: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 10\n\
                      [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 6\n";
@@ -288,7 +288,10 @@ fn an_axis_changes_something() {
     let text = with_axis("", "material.mu", "[1, 2]");
     assert_refused(
         &text,
-        &["changes nothing", "material.model is not blatz-ko"],
+        &[
+            "changes nothing: modified-mooney-rivlin has no parameter `mu`",
+            "its parameters are c1, c2, lambda; or set material.model",
+        ],
     );
     let turned = |before: &str| {
         format!(
@@ -443,6 +446,31 @@ fn a_study_written_out_in_full_is_the_same_study() {
     assert!(overridden.text.contains("tile = 8"));
 }
 
+/// The model that has a key, with what it needs, and a value of the key.
+fn setting(key: &Key) -> (String, serde_json::Value) {
+    let owner = Model::all().find(|model| model.takes(key.parts().1));
+    let model = match (key.parts(), owner) {
+        (("material", "model"), _) => String::new(),
+        (("material", own), Some(model)) => {
+            let needed = ["energy", "library"].map(|name| {
+                let is_needed = own != name && model.keys().iter().any(|key| key.parts().1 == name);
+                let line = format!("material.{name} = \"I1 \\\" \\\\ \\n\"\n");
+                if is_needed { line } else { String::new() }
+            });
+            format!("material.model = \"{}\"\n{}", model.name(), needed.concat())
+        }
+        _ => String::new(),
+    };
+    let value = match key.kind {
+        Kind::Text => "J \" \\ \n".into(),
+        Kind::Numbers => vec![1.5, -2.0].into(),
+        Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
+        Kind::Number(_) | Kind::Positive(_) if key.parts().0 == "material" => 1.5.into(),
+        _ => key.default_json(),
+    };
+    (model, value)
+}
+
 #[test]
 fn every_key_can_be_set_in_a_file_and_is_read_back() {
     assert_eq!(
@@ -450,11 +478,7 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
         KEYS.len() + STATE_KEYS.len() + MAP_KEYS.len()
     );
     for key in study_keys() {
-        let default = key.default_json();
-        let model = match key.only_with {
-            Some(("material.model", model)) => format!("material.model = \"{model}\"\n"),
-            _ => String::new(),
-        };
+        let (model, default) = setting(key);
         let axes = with_axis("", "discretization.density", "[1, 2]").replace(
             "stretch-1",
             if key.name == "state.stretch-1" {
