@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use onset_study::notions::{Mode, Range as Stretches};
+use onset_study::audit::Convention;
 use onset_study::settings::{KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -180,6 +181,12 @@ pub enum Command {
         #[arg(long, value_name = "PATH", default_value = ".")]
         out: PathBuf,
     },
+    /// Is a material what its author believes: does its stress follow from an energy, and which tangent is its tangent?
+    #[command(after_help = keys())]
+    Audit(AuditArguments),
+    /// Print the Fortran source of Abaqus's utility routines (SINV, SPRINC, ROTSIG, XIT, ...), to compile with a UMAT that calls
+    /// them.
+    UmatUtilities,
     /// Print the JSON Schema of study files, for editors and other programs.
     Schema,
     /// Reproduce the paper: every figure, and a table with a verdict on every claim.
@@ -282,6 +289,63 @@ fn mode(text: &str) -> Result<Mode, String> {
         let names = Mode::ALL.map(Mode::name);
         format!("expected one of {}", names.join(", "))
     })
+}
+
+/// An audit.
+#[derive(Debug, Args)]
+pub struct AuditArguments {
+    /// The material.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// How large the strains of the states are, unless states are given.
+    #[arg(
+        long,
+        value_name = "E",
+        default_value_t = 0.1,
+        value_parser = strain,
+        conflicts_with_all = ["stretch", "deformation_gradient"],
+        help_heading = "States"
+    )]
+    pub strain: f64,
+    /// Two or three principal stretches along the axes, for example 1.2,0.9 (may be given several times).
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        help_heading = "States"
+    )]
+    pub stretch: Vec<String>,
+    /// Deformation gradient F11,F12,F21,F22 or all nine components (may be given several times).
+    #[arg(
+        long,
+        value_name = "F11,F12,F21,F22",
+        allow_hyphen_values = true,
+        help_heading = "States"
+    )]
+    pub deformation_gradient: Vec<String>,
+    /// The tangent of a law of onset's own, taken as if delivered in this convention [default: first-piola]; a UMAT's is
+    /// jaumann-kirchhoff.
+    #[arg(long = "as", value_name = "CONVENTION", value_parser = convention)]
+    pub convention: Option<Convention>,
+    /// End with exit code 1 when a check fails.
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// A convention as typed.
+fn convention(text: &str) -> Result<Convention, String> {
+    Convention::of_name(text).ok_or_else(|| {
+        let names = Convention::ALL.map(Convention::name);
+        format!("expected one of {}", names.join(", "))
+    })
+}
+
+/// The size of strains as typed.
+fn strain(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 0.8 => Ok(number),
+        _ => Err("expected a number above 0 and at most 0.8, for example 0.05".to_owned()),
+    }
 }
 
 /// A tolerance as typed.

@@ -1,5 +1,6 @@
 //! What each command does: ask, and print the answer.
 
+mod audit;
 mod boundary;
 mod check;
 mod notions;
@@ -105,6 +106,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             assignments,
             json,
         } => check::check(&files, &assignments, json),
+        Command::Audit(arguments) => audit::audit(&arguments),
+        Command::UmatUtilities => print_text(onset_umat::UTILITIES.trim_end()),
         Command::Schema => check::schema(),
         Command::Boundary {
             file,

@@ -4,6 +4,7 @@
 //! serializable structures; [`reproduce`] runs the paper from end to end; [`figure`] draws.
 
 pub mod answers;
+pub mod audit;
 pub mod boundary;
 pub mod catalog;
 pub mod domain;

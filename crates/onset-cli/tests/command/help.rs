@@ -15,6 +15,8 @@ fn every_command_explains_itself() {
         "plot",
         "notions",
         "card",
+        "audit",
+        "umat-utilities",
         "schema",
         "reproduce",
     ] {

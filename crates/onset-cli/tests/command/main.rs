@@ -1,5 +1,6 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod audit;
 mod boundary;
 mod certify;
 mod check;
@@ -17,6 +18,12 @@ mod notions;
 mod numbers;
 mod plot;
 mod refusals;
+#[cfg(unix)]
+mod umat;
+
+#[cfg(unix)]
+#[path = "../../../onset-umat/tests/routines/fortran.rs"]
+mod fortran;
 
 use serde_json::Value;
 use std::path::PathBuf;
