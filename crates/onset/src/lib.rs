@@ -37,6 +37,7 @@ pub mod kinematics;
 pub mod lattice;
 pub mod material;
 pub mod method;
+pub mod plasticity;
 pub mod quadrature;
 pub mod real;
 pub mod verdict;
