@@ -2,6 +2,7 @@
 
 mod boundary;
 mod check;
+mod localize;
 mod plot;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
@@ -95,6 +96,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
+        Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::List { topic, json } => list(topic.as_deref(), json),
         Command::Check {

@@ -9,6 +9,7 @@ pub mod catalog;
 pub mod domain;
 pub mod figure;
 pub mod json;
+pub mod localization;
 pub mod map;
 pub mod plot;
 pub mod reproduce;

@@ -12,6 +12,8 @@
 //! 7. [`verdict`]: stable or not, why, and where along a path that changes.
 //! 8. [`certificate`]: the same answer proved, or left open.
 //!
+//! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
+//!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `F_iJ` | deformation gradient, first index spatial | - |

@@ -7,6 +7,7 @@ mod documents;
 mod files;
 mod grid;
 mod help;
+mod localize;
 mod map;
 mod map_python;
 mod map_refusals;

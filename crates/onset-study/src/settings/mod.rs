@@ -173,7 +173,7 @@ pub enum Value {
 
 impl Value {
     /// The value that a text on the command line stands for.
-    fn of_text(text: &str) -> Self {
+    pub(crate) fn of_text(text: &str) -> Self {
         match (text, text.parse()) {
             ("true", _) => Self::Switch(true),
             ("false", _) => Self::Switch(false),
@@ -182,7 +182,7 @@ impl Value {
         }
     }
 
-    fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
             Self::Word(_) | Self::Switch(_) => None,
@@ -190,7 +190,7 @@ impl Value {
     }
 
     /// The named choice, by the one name that serialization uses too.
-    fn word<T: DeserializeOwned>(&self) -> Option<T> {
+    pub(crate) fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
             Self::Number(_) | Self::Switch(_) => None,
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
@@ -209,7 +209,7 @@ impl std::fmt::Display for Value {
 }
 
 /// The error for a key that does not exist, with the nearest one that does.
-fn unknown_key<'a>(
+pub(crate) fn unknown_key<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
     origin: Origin,

@@ -60,7 +60,12 @@ impl Hardening {
             PlasticityError::require(value > 0.0, name, value, "a positive finite number")
         };
         let not_negative = |name, value: f64| {
-            PlasticityError::require(value >= 0.0, name, value, "zero or a positive finite number")
+            PlasticityError::require(
+                value >= 0.0,
+                name,
+                value,
+                "zero or a positive finite number",
+            )
         };
         positive("strength", self.strength(0.0))?;
         match *self {

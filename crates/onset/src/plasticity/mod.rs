@@ -79,13 +79,17 @@ pub enum PlasticityError {
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
     /// The elastic part alone is not strongly elliptic.
-    #[error("the elastic part of the law has itself lost strong ellipticity (elastic strains are too large)")]
+    #[error(
+        "the elastic part of the law has itself lost strong ellipticity (elastic strains are too large)"
+    )]
     ElasticNotElliptic,
     /// Stress or strain over- or underflow.
     #[error("the stress is not finite at this strain")]
     NotFinite,
     /// The initial stress is at or beyond the yield surface.
-    #[error("the confinement {confinement:e} itself makes the material yield; expected a pressure within the yield surface")]
+    #[error(
+        "the confinement {confinement:e} itself makes the material yield; expected a pressure within the yield surface"
+    )]
     Confinement {
         /// The pressure.
         confinement: f64,
@@ -97,7 +101,9 @@ pub enum PlasticityError {
         strain: f64,
     },
     /// Bands in a sheet need a stress-free surface.
-    #[error("bands in a sheet need a path that keeps the third stress zero: uniaxial-stress without confinement")]
+    #[error(
+        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress without confinement"
+    )]
     NotASheet,
 }
 

@@ -166,10 +166,7 @@ impl RateModuli {
 
     /// `A n` and `B n` in principal axes.
     pub(super) fn tractions(&self, n: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        (
-            self.flow.component_mul(n),
-            self.loading.component_mul(n),
-        )
+        (self.flow.component_mul(n), self.loading.component_mul(n))
     }
 
     /// `a_ijij`, also for `i = j`.

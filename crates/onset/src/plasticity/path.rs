@@ -324,9 +324,8 @@ impl<'a> Walk<'a> {
     /// The elastic state at a driving strain.
     fn elastic(&self, driving: f64) -> Point {
         let (shear, bulk) = (self.law.shear_modulus(), self.law.bulk_modulus());
-        let mut strain = Vector3::from_fn(|i, _| {
-            self.initial + driving * self.prescribed[i].unwrap_or(0.0)
-        });
+        let mut strain =
+            Vector3::from_fn(|i, _| self.initial + driving * self.prescribed[i].unwrap_or(0.0));
         let mut stress = self.elastic_stress(&strain);
         for _ in 0..if self.is_finite_strain() { 30 } else { 2 } {
             let mut matrix = Matrix3::identity();
@@ -336,7 +335,11 @@ impl<'a> Walk<'a> {
                 rest[i] = stress[i] + pressure;
                 for j in 0..3 {
                     let own = if i == j { 2.0 * shear } else { 0.0 };
-                    let volume = if self.is_finite_strain() { pressure } else { 0.0 };
+                    let volume = if self.is_finite_strain() {
+                        pressure
+                    } else {
+                        0.0
+                    };
                     matrix[(i, j)] = bulk - 2.0 / 3.0 * shear + own + volume;
                 }
             }

@@ -43,8 +43,7 @@ struct Part {
 impl Quotients {
     fn new(moduli: &RateModuli, notion: Notion, scale: f64) -> Self {
         let axis = |i: usize| Vector3::ith(i, 1.0);
-        let diagonal =
-            |i: usize| Vector3::from_fn(|j, _| moduli.wave_stiffness(i, j) / scale);
+        let diagonal = |i: usize| Vector3::from_fn(|j, _| moduli.wave_stiffness(i, j) / scale);
         let coupling = |i: usize, j: usize| moduli.coupling(i, j) / scale;
         let mut determinant = Cubic::default();
         determinant.add([diagonal(0), diagonal(1), diagonal(2)]);
@@ -104,7 +103,9 @@ impl Quotients {
         if self.notion == Notion::StrongEllipticity {
             // sqrt(a b) <= (psi a + b/psi)/2 for every psi > 0, with equality at psi = sqrt(b/a).
             let center = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
-            let [flow, loading] = self.pure.map(|form| form.at(&[center[0], center[1], center[2]]));
+            let [flow, loading] = self
+                .pure
+                .map(|form| form.at(&[center[0], center[1], center[2]]));
             let psi = (loading / flow).sqrt();
             let psi = if psi.is_normal() { psi } else { 1.0 };
             let [flow, loading] = self.pure.map(|form| form.coefficients(corners));
@@ -133,7 +134,11 @@ impl Quotients {
             let x = point(w);
             self.at(&[x[0], x[1], x[2]])
         };
-        let mut w = if dimension == 1 { [0.5, 0.0] } else { [1.0 / 3.0; 2] };
+        let mut w = if dimension == 1 {
+            [0.5, 0.0]
+        } else {
+            [1.0 / 3.0; 2]
+        };
         let mut best = value(&w);
         for _ in 0..60 {
             let variables = Jet::<2>::variables(w);

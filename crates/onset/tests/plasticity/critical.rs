@@ -1,9 +1,9 @@
 //! Critical moduli of both notions against the acoustic tensor itself, at small and at finite strain.
 
-use crate::{Numbers, STRENGTHS, directions, law};
-use nalgebra::Matrix3;
+use crate::{Numbers, STRENGTHS, directions, flowing, law};
+use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
-use onset::plasticity::{FiniteState, Notion, RateModuli, State};
+use onset::plasticity::{Branch, FiniteState, Hardening, Notion, RateModuli, State};
 
 const NOTIONS: [Notion; 2] = [Notion::Ellipticity, Notion::StrongEllipticity];
 
@@ -11,22 +11,34 @@ const NOTIONS: [Notion; 2] = [Notion::Ellipticity, Notion::StrongEllipticity];
 fn states() -> Vec<RateModuli> {
     let mut numbers = Numbers(7);
     let mut states = Vec::new();
-    for (n, strength) in STRENGTHS.into_iter().enumerate() {
+    // Strong against its stiffness, so that stress terms count.
+    let strong = Hardening::Linear {
+        initial: 15.0,
+        modulus: -10.0,
+    };
+    for (n, strength) in STRENGTHS.into_iter().chain([strong]).enumerate() {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3), (0.5, -0.1), (0.9, 0.9)] {
             let law = law(friction, dilatancy, strength);
-            let strain = numbers.symmetric() * 0.03 - Matrix3::identity() * 0.02;
-            let update = law.update(&strain, &State::default()).expect("a stress");
-            states.push(
-                law.rate_moduli(&update.stress, update.state.slip)
-                    .expect("moduli"),
-            );
-            let scale = [0.05, 0.3][n % 2];
-            let f = numbers.rotation()
-                * (Matrix3::identity() * (1.0 - 0.2 * scale) + numbers.matrix() * scale);
+            let update = law
+                .update(&flowing(&mut numbers), &State::default())
+                .expect("a stress");
+            if strength != strong {
+                states.push(
+                    law.rate_moduli(&update.stress, update.state.slip)
+                        .expect("moduli"),
+                );
+            }
+            let scale = if strength == strong {
+                10.0
+            } else {
+                [1.5, 3.0][n % 2]
+            };
+            let f = numbers.rotation() * (Matrix3::identity() + flowing(&mut numbers) * scale);
             let f = DeformationGradient::new(f.transpose().into()).expect("a deformation");
             let update = law
                 .finite_update(&f, &FiniteState::default())
                 .expect("a stress");
+            assert_eq!(update.branch, Branch::Cone);
             states.push(update.rate_moduli().expect("moduli"));
         }
     }
@@ -38,7 +50,8 @@ fn no_direction_has_a_larger_critical_modulus_than_the_maximum() {
     for state in states() {
         for notion in NOTIONS {
             let critical = state.critical(notion).expect("a critical state");
-            let along = |n| state.critical_modulus_along(n, notion).expect("a modulus");
+            let along =
+                |n: &Vector3<f64>| state.critical_modulus_along(n, notion).expect("a modulus");
             let attained = along(&critical.band.normal);
             assert!((attained - critical.modulus).abs() < 1e-11 * 100.0);
             for n in directions(3000) {
@@ -54,10 +67,12 @@ fn at_the_critical_modulus_the_acoustic_tensor_is_singular_with_the_polarization
     for state in states() {
         let critical = state.critical(Notion::Ellipticity).expect("critical");
         let band = critical.band;
-        let q = state.with_modulus(critical.modulus).acoustic_tensor(&band.normal);
+        let q = state
+            .with_modulus(critical.modulus)
+            .acoustic_tensor(&band.normal);
         assert!((q * band.polarization).norm() < 1e-10 * q.norm());
         // Where the plastic modulus is larger no determinant vanishes; where it is smaller, one is negative.
-        let determinant = |margin: f64, n| {
+        let determinant = |margin: f64, n: &Vector3<f64>| {
             state
                 .with_modulus(critical.modulus + margin)
                 .acoustic_tensor(n)
@@ -79,7 +94,11 @@ fn at_the_critical_modulus_of_strong_ellipticity_the_symmetric_part_is_singular(
         assert!(at(-0.1).smallest_symmetric_eigenvalue(&n) < 0.0);
         assert!(directions(2000).all(|n| at(0.1).smallest_symmetric_eigenvalue(&n) > 0.0));
         assert!(at(0.1).holds(Notion::StrongEllipticity).expect("an answer"));
-        assert!(!at(-0.1).holds(Notion::StrongEllipticity).expect("an answer"));
+        assert!(
+            !at(-0.1)
+                .holds(Notion::StrongEllipticity)
+                .expect("an answer")
+        );
     }
 }
 

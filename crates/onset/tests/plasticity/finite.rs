@@ -1,6 +1,6 @@
 //! Finite strain: Hencky's law in the elastic range, objectivity, and both tangents against differences.
 
-use crate::{Numbers, STRENGTHS, law};
+use crate::{Numbers, STRENGTHS, flowing, law};
 use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
 use onset::material::FourthOrder;
@@ -14,12 +14,18 @@ fn step(law: &DruckerPrager, f: &Matrix3<f64>, state: &FiniteState) -> FiniteUpd
     law.finite_update(&deformation(f), state).expect("a stress")
 }
 
-fn flowing(numbers: &mut Numbers) -> Matrix3<f64> {
-    Matrix3::identity() * 0.97 + numbers.matrix() * 0.2
+/// A deformation gradient with strains `scale` times those of [`flowing`], and a rotation.
+fn strained(numbers: &mut Numbers, scale: f64) -> Matrix3<f64> {
+    numbers.rotation() * (Matrix3::identity() + flowing(numbers) * scale)
 }
 
 #[track_caller]
-fn assert_derivative(tangent: &FourthOrder, f: &Matrix3<f64>, piola: impl Fn(&Matrix3<f64>) -> Matrix3<f64>, tolerance: f64) {
+fn assert_derivative(
+    tangent: &FourthOrder,
+    f: &Matrix3<f64>,
+    piola: impl Fn(&Matrix3<f64>) -> Matrix3<f64>,
+    tolerance: f64,
+) {
     let size = 1e-6;
     for k in 0..3 {
         for l in 0..3 {
@@ -30,7 +36,10 @@ fn assert_derivative(tangent: &FourthOrder, f: &Matrix3<f64>, piola: impl Fn(&Ma
             for i in 0..3 {
                 for j in 0..3 {
                     let (told, found) = (tangent[(i, j, k, l)], difference[(i, j)]);
-                    assert!((told - found).abs() < tolerance, "{i}{j}{k}{l}: {told} {found}");
+                    assert!(
+                        (told - found).abs() < tolerance,
+                        "{i}{j}{k}{l}: {told} {found}"
+                    );
                 }
             }
         }
@@ -40,7 +49,10 @@ fn assert_derivative(tangent: &FourthOrder, f: &Matrix3<f64>, piola: impl Fn(&Ma
 #[test]
 fn within_the_yield_surface_stress_and_tangent_are_those_of_hencky_energy() {
     let mut numbers = Numbers(21);
-    let stiff = onset::plasticity::Hardening::Linear { initial: 1e3, modulus: 0.0 };
+    let stiff = onset::plasticity::Hardening::Linear {
+        initial: 1e3,
+        modulus: 0.0,
+    };
     let law = law(0.0, 0.0, stiff);
     let energy = |f: &Matrix3<f64>| {
         // From the eigenvalues of C as zeros of its characteristic polynomial.
@@ -64,7 +76,10 @@ fn within_the_yield_surface_stress_and_tangent_are_those_of_hencky_energy() {
         assert!((update.first_piola() - piola).norm() < 1e-6, "{piola}");
         let stress = |f: &Matrix3<f64>| step(&law, f, &FiniteState::default()).first_piola();
         assert_derivative(&update.consistent_tangent(), &f, stress, 1e-5);
-        assert_eq!(update.continuum_tangent().expect("elastic"), update.consistent_tangent());
+        assert_eq!(
+            update.continuum_tangent().expect("elastic"),
+            update.consistent_tangent()
+        );
     }
 }
 
@@ -74,8 +89,8 @@ fn the_consistent_tangent_is_the_derivative_of_first_piola_by_the_deformation() 
     for strength in STRENGTHS {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3)] {
             let law = law(friction, dilatancy, strength);
-            let first = step(&law, &(Matrix3::identity() * 0.98 + numbers.matrix() * 0.02), &FiniteState::default());
-            let f = Matrix3::identity() * 0.96 + numbers.matrix() * 0.05;
+            let first = step(&law, &strained(&mut numbers, 1.0), &FiniteState::default());
+            let f = strained(&mut numbers, 3.0);
             let update = step(&law, &f, &first.state);
             assert_eq!(update.branch, Branch::Cone);
             let piola = |f: &Matrix3<f64>| step(&law, f, &first.state).first_piola();
@@ -101,7 +116,7 @@ fn the_continuum_tangent_is_the_limit_of_short_steps() {
     for strength in STRENGTHS {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3)] {
             let law = law(friction, dilatancy, strength);
-            let f = flowing(&mut numbers) * 0.99;
+            let f = strained(&mut numbers, 3.0);
             let update = step(&law, &f, &FiniteState::default());
             assert_eq!(update.branch, Branch::Cone, "{strength:?}");
             let tangent = update.continuum_tangent().expect("a tangent");
@@ -131,7 +146,7 @@ fn the_acoustic_tensor_of_the_rate_moduli_is_that_of_the_continuum_tangent() {
     let mut numbers = Numbers(24);
     for strength in STRENGTHS {
         let law = law(0.6, 0.3, strength);
-        let f = flowing(&mut numbers);
+        let f = strained(&mut numbers, 5.0);
         let update = step(&law, &f, &FiniteState::default());
         let tangent = update.continuum_tangent().expect("a tangent");
         let rates = update.rate_moduli().expect("moduli");
@@ -153,17 +168,23 @@ fn a_rotation_of_the_body_rotates_the_stress_and_leaves_the_state() {
     let law = law(0.6, 0.3, STRENGTHS[2]);
     let (mut state, mut turned_state) = (FiniteState::default(), FiniteState::default());
     for _ in 0..5 {
-        let f = flowing(&mut numbers);
+        let f = strained(&mut numbers, 5.0);
         let rotation = numbers.rotation();
-        let (update, turned) = (step(&law, &f, &state), step(&law, &(rotation * f), &turned_state));
+        let (update, turned) = (
+            step(&law, &f, &state),
+            step(&law, &(rotation * f), &turned_state),
+        );
         assert!((turned.first_piola() - rotation * update.first_piola()).norm() < 1e-11);
         (state, turned_state) = (update.state, turned.state);
         let gap = state.inverse_plastic_metric - turned_state.inverse_plastic_metric;
         assert!(gap.norm() < 1e-12 && (state.slip - turned_state.slip).abs() < 1e-13);
         // Turned material axes: F R^T with the state turned likewise.
         let metric = rotation * state.inverse_plastic_metric * rotation.transpose();
-        let start = FiniteState { inverse_plastic_metric: metric, ..state };
-        let next = flowing(&mut numbers);
+        let start = FiniteState {
+            inverse_plastic_metric: metric,
+            ..state
+        };
+        let next = strained(&mut numbers, 5.0);
         let reference = step(&law, &next, &state).cauchy();
         let other = step(&law, &(next * rotation.transpose()), &start).cauchy();
         assert!((reference - other).norm() < 1e-11);
@@ -176,7 +197,7 @@ fn von_mises_flow_keeps_the_plastic_volume() {
     let metal = law(0.0, 0.0, STRENGTHS[0]);
     let mut state = FiniteState::default();
     for _ in 0..10 {
-        state = step(&metal, &flowing(&mut numbers), &state).state;
+        state = step(&metal, &strained(&mut numbers, 5.0), &state).state;
         assert!((state.inverse_plastic_metric.determinant() - 1.0).abs() < 1e-12);
     }
     assert!(state.slip > 0.5);
@@ -187,11 +208,22 @@ fn at_small_strains_finite_and_small_strain_agree_to_first_order() {
     let mut numbers = Numbers(27);
     let gradient = numbers.symmetric();
     let gap = |size: f64| {
-        let strength = onset::plasticity::Hardening::Linear { initial: 10.0 * size, modulus: 20.0 };
+        let strength = onset::plasticity::Hardening::Linear {
+            initial: 10.0 * size,
+            modulus: 20.0,
+        };
         let law = law(0.6, 0.3, strength);
         let strain = gradient * size;
-        let small = law.update(&strain, &State::default()).expect("a stress").stress;
-        let finite = step(&law, &(Matrix3::identity() + strain), &FiniteState::default()).cauchy();
+        let small = law
+            .update(&strain, &State::default())
+            .expect("a stress")
+            .stress;
+        let finite = step(
+            &law,
+            &(Matrix3::identity() + strain),
+            &FiniteState::default(),
+        )
+        .cauchy();
         (small - finite).norm() / small.norm()
     };
     assert!(gap(1e-4) < 1e-3);

@@ -51,7 +51,10 @@ struct Numbers(u64);
 
 impl Numbers {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
@@ -68,6 +71,13 @@ impl Numbers {
         let axis = Vector3::from_fn(|_, _| 3.0 * self.next());
         *Rotation3::new(axis).matrix()
     }
+}
+
+/// A strain that makes every law of [`STRENGTHS`] flow, without symmetry.
+fn flowing(numbers: &mut Numbers) -> Matrix3<f64> {
+    let base = Matrix3::from_diagonal(&Vector3::new(0.018, -0.006, -0.026));
+    let turn = numbers.rotation();
+    turn * base * turn.transpose() + numbers.symmetric() * 0.006
 }
 
 /// Directions spread evenly over the half sphere.
