@@ -107,7 +107,7 @@ pub const PARAMETERS: &[Parameter] = &[
     parameter(
         "plasticity.hardening-modulus",
         Kind::Number("stress"),
-        "5000",
+        "2000",
         "plastic modulus h (slope in shear; a third of that in tension for j2); peak: the slope that wears down",
     )
     .only_with(HARDENING, &["linear", "peak"]),
@@ -128,7 +128,7 @@ pub const PARAMETERS: &[Parameter] = &[
     parameter(
         "plasticity.reference-slip",
         Kind::Positive("1"),
-        "0.01",
+        "0.05",
         "plastic shear strain in which hardening fades by 1/e; power: that counts as one",
     )
     .only_with(HARDENING, &["voce", "power", "peak"]),
@@ -178,7 +178,7 @@ pub const PARAMETERS: &[Parameter] = &[
     parameter(
         "plasticity.slip",
         Kind::Positive("1"),
-        "0.05",
+        "0.2",
         "plastic shear strain up to which the path is followed",
     ),
 ];

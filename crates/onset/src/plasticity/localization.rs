@@ -237,3 +237,38 @@ impl BandKind {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plasticity::{DruckerPrager, Hardening};
+
+    #[test]
+    fn the_whole_triangle_holds_no_more_than_the_plane_of_the_extreme_stresses() {
+        let strength = Hardening::Linear {
+            initial: 1.0,
+            modulus: 0.0,
+        };
+        for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3), (0.9, -0.2), (0.2, 1.1)] {
+            let law = DruckerPrager::new(3.0, 0.3, friction, dilatancy, strength).expect("a law");
+            for principal in [[1.0, -0.4, -1.1], [0.1, 0.6, -1.0], [-0.9, 0.2, 0.1]] {
+                let stress = Matrix3::from_diagonal(&Vector3::from(principal));
+                let plane = law.rate_moduli(&stress, 0.0).expect("moduli");
+                let whole = RateModuli {
+                    isotropic: false,
+                    ..plane
+                };
+                for notion in [Notion::Ellipticity, Notion::StrongEllipticity] {
+                    let [plane, whole] =
+                        [plane, whole].map(|moduli| moduli.critical(notion).expect("critical"));
+                    assert!((plane.modulus - whole.modulus).abs() < 1e-12);
+                    assert!(
+                        whole.bound - whole.modulus < 1e-5,
+                        "{}",
+                        whole.bound - whole.modulus
+                    );
+                }
+            }
+        }
+    }
+}
