@@ -1,8 +1,9 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand};
-use onset_study::notions::{Mode, Range as Stretches};
 use onset_study::audit::Convention;
+use onset_study::localization::PARAMETERS;
+use onset_study::notions::{Mode, Range as Stretches};
 use onset_study::settings::{KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -33,6 +34,28 @@ fn keys() -> String {
         "material.<parameter>",
         of_laws.len(),
         lines(others)
+    )
+}
+
+/// The parameters of `onset localize`, from the one table that defines them.
+fn plastic_parameters() -> String {
+    let line = |parameter: &onset_study::localization::Parameter| {
+        let (name, meaning, default) = (parameter.name, parameter.meaning, parameter.default);
+        let condition = parameter
+            .only_with
+            .map_or(String::new(), |(needed, words)| {
+                let needed = needed.trim_start_matches("plasticity.");
+                format!("; only with {needed} = {}", words.join(" or "))
+            });
+        format!(
+            "  {name:<31} {meaning} [default: {default}]\n{:34}{}{condition}\n",
+            "",
+            parameter.kind.expects()
+        )
+    };
+    format!(
+        "Keys of --set:\n{}",
+        PARAMETERS.iter().map(line).collect::<String>()
     )
 }
 
@@ -119,6 +142,9 @@ pub enum Command {
         #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
         to: String,
     },
+    /// Where along a loading path does a plastic material localize, in which kind of band, and at which angle?
+    #[command(after_help = plastic_parameters())]
+    Localize(LocalizeArguments),
     /// The verdict on every state of a study, with numbers, into a Zarr store that can be interrupted and gone on with.
     Map(MapArguments),
     /// Along standard loadings, where does each notion of stability end: ellipticity, Hill, Drucker, Baker-Ericksen, largest load, ...?
@@ -268,6 +294,30 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+}
+
+/// A plastic material and its loading.
+#[derive(Debug, Args)]
+pub struct LocalizeArguments {
+    /// Yield surface and flow rule: drucker-prager or j2; short for --set plasticity.model=MODEL.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<String>,
+    /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear or triaxial-compression; short for
+    /// --set plasticity.path=PATH.
+    #[arg(long, value_name = "PATH")]
+    pub path: Option<String>,
+    /// tension or compression; short for --set plasticity.load=LOAD.
+    #[arg(long, value_name = "LOAD")]
+    pub load: Option<String>,
+    /// Set a parameter, for example plasticity.friction=0.7 (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+    /// Folder for localize.svg, localize.png, localize.csv and localize-directions.csv; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A range of stretches as typed.

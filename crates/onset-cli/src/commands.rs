@@ -3,6 +3,7 @@
 mod audit;
 mod boundary;
 mod check;
+mod localize;
 mod notions;
 mod plot;
 
@@ -97,6 +98,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
+        Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Notions(arguments) => notions::notions(&arguments),
         Command::Card(arguments) => notions::card(&arguments),

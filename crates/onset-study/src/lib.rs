@@ -10,6 +10,7 @@ pub mod catalog;
 pub mod domain;
 pub mod figure;
 pub mod json;
+pub mod localization;
 pub mod map;
 pub mod notions;
 pub mod plot;

@@ -13,6 +13,8 @@
 //! 8. [`verdict`]: stable or not, why, and where along a path that changes.
 //! 9. [`certificate`]: the same answer proved, or left open.
 //!
+//! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
+//!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `F_iJ` | deformation gradient, first index spatial | - |
@@ -40,6 +42,7 @@ pub mod lattice;
 pub mod material;
 pub mod method;
 pub mod notions;
+pub mod plasticity;
 pub mod quadrature;
 pub mod real;
 pub mod verdict;

@@ -8,6 +8,7 @@ fn every_command_explains_itself() {
         "state",
         "dispersion",
         "path",
+        "localize",
         "map",
         "list",
         "check",

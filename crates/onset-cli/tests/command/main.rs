@@ -9,6 +9,7 @@ mod files;
 mod formula;
 mod grid;
 mod help;
+mod localize;
 mod map;
 mod map_python;
 mod map_refusals;

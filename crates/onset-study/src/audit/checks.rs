@@ -94,7 +94,7 @@ impl Measured {
         for direction in 0..9 {
             for sign in [1.0, -1.0] {
                 for step in steps() {
-                    let mut moved = Matrix3::identity();
+                    let mut moved = Matrix3::<f64>::identity();
                     moved[(direction / 3, direction % 3)] += sign * step;
                     states.push(deformation(&(moved * f.matrix()))?);
                 }

@@ -153,12 +153,7 @@ impl Audit {
 /// The material with its parameters.
 fn description(settings: &MaterialSettings) -> String {
     let entries = settings.entries();
-    let entry = |(name, value): &(&str, Value)| match value {
-        Value::Number(number) => format!("{name} = {number}"),
-        Value::Word(word) => format!("{name} = {word}"),
-        Value::Switch(on) => format!("{name} = {on}"),
-        Value::Numbers(numbers) => format!("{name} = {numbers:?}"),
-    };
+    let entry = |(name, value): &(&str, Value)| format!("{name} = {value}");
     let list: Vec<String> = entries.iter().map(entry).collect();
     match list.is_empty() {
         true => settings.model.name().to_owned(),

@@ -184,7 +184,7 @@ pub enum Value {
 
 impl Value {
     /// The value that a text on the command line stands for, where a kind of values is expected.
-    fn typed(text: &str, expected: Option<Kind>) -> Self {
+    pub(crate) fn typed(text: &str, expected: Option<Kind>) -> Self {
         let word = || Self::Word(text.trim_matches('"').to_owned());
         match (expected, text, text.parse()) {
             (Some(Kind::Text), _, _) => word(),
@@ -197,7 +197,7 @@ impl Value {
         }
     }
 
-    fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
             _ => None,
@@ -205,7 +205,7 @@ impl Value {
     }
 
     /// The named choice, by the one name that serialization uses too.
-    fn word<T: DeserializeOwned>(&self) -> Option<T> {
+    pub(crate) fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
             _ => None,
@@ -250,7 +250,7 @@ impl std::fmt::Display for Value {
 }
 
 /// The error for a key that does not exist, with the nearest one that does.
-fn unknown_key<'a>(
+pub(crate) fn unknown_key<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
     origin: Origin,
