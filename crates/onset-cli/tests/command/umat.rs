@@ -97,11 +97,8 @@ fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
     );
     let law = study("law", "model = \"blatz-ko\"\nmu = 32.0");
     assert_eq!(umat, law);
-    assert!(
-        law.as_object()
-            .or(None)
-            .is_none_or(|counts| counts.len() > 1)
-    );
+    let stable = law["stable"]["states"].as_u64().expect("a number");
+    assert!(stable > 0 && stable < 144, "{law:#}");
     std::fs::remove_dir_all(folder).expect("the folder is removed");
 }
 

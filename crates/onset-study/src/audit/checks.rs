@@ -94,7 +94,7 @@ impl Measured {
         for direction in 0..9 {
             for sign in [1.0, -1.0] {
                 for step in steps() {
-                    let mut moved = Matrix3::<f64>::identity();
+                    let mut moved: Matrix3<f64> = Matrix3::identity();
                     moved[(direction / 3, direction % 3)] += sign * step;
                     states.push(deformation(&(moved * f.matrix()))?);
                 }
@@ -334,7 +334,7 @@ fn closed_loops(subject: &Subject<'_>) -> Result<Check, AuditError> {
     let mut error: f64 = 0.0;
     for (first, second) in planes {
         let unit = |n: usize| {
-            let mut unit = Matrix3::zeros();
+            let mut unit: Matrix3<f64> = Matrix3::zeros();
             unit[(n / 3, n % 3)] = RADIUS;
             unit
         };

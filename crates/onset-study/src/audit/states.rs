@@ -16,7 +16,7 @@ use onset::kinematics::{DeformationGradient, KinematicsError};
 /// # Ok::<(), onset::kinematics::KinematicsError>(())
 /// ```
 pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> {
-    let one = Matrix3::identity();
+    let one: Matrix3<f64> = Matrix3::identity();
     let tension = Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     let shear = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     let general = Matrix3::new(0.9, 0.6, -0.3, 0.2, -0.7, 0.5, 0.1, -0.2, 0.4);
