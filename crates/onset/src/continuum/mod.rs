@@ -6,7 +6,7 @@
 //! says how sure the result is.
 
 mod planar;
-mod spherical;
+pub(crate) mod spherical;
 
 pub(crate) use planar::direction;
 

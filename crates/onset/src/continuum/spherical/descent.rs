@@ -41,7 +41,7 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
         let next = slowest(form, &vectors[0]);
         let gain = wave.eigenvalue - next.eigenvalue;
         // Where nothing is gained the direction stays, so that equal minima keep the one they are given.
-        if !(gain > 4.0 * f64::EPSILON) {
+        if gain.is_nan() || gain <= 4.0 * f64::EPSILON {
             break;
         }
         wave = next;
@@ -55,7 +55,8 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
             break;
         };
         let next = slowest(form, &step.direction);
-        if !(next.eigenvalue <= wave.eigenvalue + 4.0 * f64::EPSILON) {
+        let rise = next.eigenvalue - wave.eigenvalue;
+        if rise.is_nan() || rise > 4.0 * f64::EPSILON {
             break;
         }
         let moved = 1.0 - dot(&next.direction, &wave.direction).abs();
@@ -120,7 +121,7 @@ fn newton_step(form: &Form<f64>, wave: &Wave) -> Option<Wave> {
     }
     let (values, vectors) = symmetric_eigen(&curvature);
     let stiffest = values[3];
-    if !(stiffest > 0.0) || values[0] < -1e-7 * stiffest {
+    if stiffest.is_nan() || stiffest <= 0.0 || values[0] < -1e-7 * stiffest {
         return None;
     }
     let mut moves = [0.0; 4];

@@ -11,13 +11,13 @@ mod form;
 mod polyconvexity;
 
 pub(crate) use cover::{Cover, cover, exceeds, octants};
-pub(crate) use descent::slowest;
+pub(crate) use descent::Wave;
 pub(crate) use form::Form;
 pub(crate) use polyconvexity::bound;
 
 use crate::real::Real;
 use cover::lower_bound;
-use descent::{Wave, descended};
+use descent::{descended, slowest};
 use nalgebra::SMatrix;
 
 /// A vector in space.
