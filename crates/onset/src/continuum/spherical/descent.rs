@@ -8,10 +8,10 @@ use super::form::Form;
 use super::{Axes, dot};
 use crate::algebra::symmetric_eigen;
 
-/// Turns of eigenvectors at most.
-const TURNS: usize = 60;
-/// Steps of Newton's method at most.
-const STEPS: usize = 8;
+/// Steps at most. A few are enough unless the minimum is flat, towards which steps shrink no faster than by a third each.
+const STEPS: usize = 200;
+/// What rounding can make of a form of magnitude one.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A plane wave: unit direction, unit polarization and eigenvalue.
 #[derive(Clone, Copy, Debug)]
@@ -33,37 +33,28 @@ pub(crate) fn slowest(form: &Form<f64>, direction: &Axes<f64>) -> Wave {
     }
 }
 
-/// Goes down from a wave as far as it goes.
+/// Goes down from a wave as far as it goes: by Newton's method where that goes down, by turns elsewhere.
 pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
     let mut wave = start;
-    for _ in 0..TURNS {
-        let (_, vectors) = symmetric_eigen(&polarized(form, &wave.polarization));
-        let next = slowest(form, &vectors[0]);
-        let gain = wave.eigenvalue - next.eigenvalue;
-        // Where nothing is gained the direction stays, so that equal minima keep the one they are given.
-        if gain.is_nan() || gain <= 4.0 * f64::EPSILON {
-            break;
-        }
-        wave = next;
-        // Near enough for Newton's method, which converges faster.
-        if gain < 1e-4 {
-            break;
-        }
-    }
     for _ in 0..STEPS {
-        let Some(step) = newton_step(form, &wave) else {
-            break;
+        let by_newton = newton_direction(form, &wave).map(|n| slowest(form, &n));
+        let next = match by_newton {
+            Some(next) if next.eigenvalue < wave.eigenvalue - ROUNDING => next,
+            _ => {
+                let (_, vectors) = symmetric_eigen(&polarized(form, &wave.polarization));
+                slowest(form, &vectors[0])
+            }
         };
-        let next = slowest(form, &step.direction);
-        let rise = next.eigenvalue - wave.eigenvalue;
-        if rise.is_nan() || rise > 4.0 * f64::EPSILON {
-            break;
+        if next.eigenvalue < wave.eigenvalue - ROUNDING {
+            wave = next;
+            continue;
         }
-        let moved = 1.0 - dot(&next.direction, &wave.direction).abs();
-        wave = next;
-        if moved <= f64::EPSILON {
-            break;
-        }
+        // Nothing is gained. The direction is still known twice as well after one more step; by turns it would wander
+        // where all directions are equal.
+        return match by_newton {
+            Some(next) if next.eigenvalue <= wave.eigenvalue + ROUNDING => next,
+            _ => wave,
+        };
     }
     wave
 }
@@ -84,8 +75,9 @@ fn polarized(form: &Form<f64>, g: &Axes<f64>) -> [[f64; 3]; 3] {
     p
 }
 
-/// A step of Newton's method for `g . Q(N) g` on the two unit spheres; none where the second derivative is not positive.
-fn newton_step(form: &Form<f64>, wave: &Wave) -> Option<Wave> {
+/// The direction after a step of Newton's method for `g . Q(N) g` on the two unit spheres; none where the second derivative
+/// is not positive.
+fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     let (n, g) = (&wave.direction, &wave.polarization);
     let (n_across, g_across) = (across(n), across(g));
     // H = g (x) N and the four tangents of the manifold.
@@ -132,13 +124,10 @@ fn newton_step(form: &Form<f64>, wave: &Wave) -> Option<Wave> {
             (0..4).for_each(|i| moves[i] -= along / value * vector[i]);
         }
     }
-    let moved = |from: &Axes<f64>, across: &[Axes<f64>; 2], by: [f64; 2]| -> Axes<f64> {
-        std::array::from_fn(|i| from[i] + by[0] * across[0][i] + by[1] * across[1][i])
-    };
-    Some(Wave {
-        direction: moved(n, &n_across, [moves[2], moves[3]]),
-        ..*wave
-    })
+    let [_, _, first, second] = moves;
+    Some(std::array::from_fn(|i| {
+        n[i] + first * n_across[0][i] + second * n_across[1][i]
+    }))
 }
 
 /// Two unit vectors at right angles to a unit vector and to each other.
