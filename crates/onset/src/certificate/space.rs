@@ -36,7 +36,7 @@ pub struct SpaceCertificate {
 /// use onset::certificate::{Certainty, certify_in_space};
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::BlatzKo;
-/// // Elliptic in the plane, since 3.7 < 2 + sqrt 3; not in space, where 1 : 0.25 is beyond it as well.
+/// // Elliptic in the plane, where both stretches are the same; not in space, where their ratio to the third is 4 > 2 + sqrt 3.
 /// let material = BlatzKo::new(1.0)?;
 /// let f = DeformationGradient::from_stretches([0.25, 0.25, 1.0])?;
 /// let proof = certify_in_space(&material, &f, 1e-6)?;

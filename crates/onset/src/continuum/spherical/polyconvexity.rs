@@ -318,3 +318,50 @@ impl Factored {
         std::array::from_fn(|i| x[i] * self.scale[i])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{MINORS, bound};
+    use crate::algebra::is_positive_definite;
+    use crate::continuum::spherical::Form;
+
+    fn delta(i: usize, j: usize) -> f64 {
+        f64::from(u8::from(i == j))
+    }
+
+    #[test]
+    fn the_bound_of_isotropic_elasticity_is_attained_though_its_energy_is_not_convex() {
+        for (lambda, mu) in [(3.0, 1.0), (-1.5, 1.0), (-2.5, 1.0)] {
+            let form = Form::from_fn(|i, j, k, l| {
+                lambda * delta(i, j) * delta(k, l)
+                    + mu * (delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k))
+            });
+            let lowest = f64::min(mu, lambda + 2.0 * mu);
+            let found = bound(&form, f64::INFINITY);
+            assert!((found.level - lowest).abs() < 1e-10, "{}", found.level);
+            // Rotations have no energy: without the minors nothing above zero is a bound.
+            assert!(!is_positive_definite(&form.lowered(1e-9, &[0.0; MINORS])));
+        }
+    }
+
+    #[test]
+    fn no_multiples_of_minors_make_chois_form_a_sum_of_squares() {
+        // It is zero at some g (x) N and nowhere negative.
+        let form = Form::from_fn(|i, j, k, l| {
+            let is_on_diagonal = i == j && k == l;
+            let diagonal = if i == k { 1.0 } else { -1.0 };
+            let off = if i == k && j == l && j == (i + 1) % 3 {
+                2.0
+            } else {
+                0.0
+            };
+            if is_on_diagonal { diagonal } else { off }
+        });
+        let found = bound(&form, f64::INFINITY);
+        assert!(
+            (-0.5..-0.01).contains(&found.level),
+            "the best level is {}",
+            found.level
+        );
+    }
+}
