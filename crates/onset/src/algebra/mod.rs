@@ -1,9 +1,11 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
 mod eigen;
+mod symmetric;
 mod trigonometric;
 
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
+pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
 
 /// Complex numbers of the whole crate.
