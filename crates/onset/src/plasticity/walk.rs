@@ -43,6 +43,14 @@ impl<'a> Walk<'a> {
             "zero or a positive pressure",
         )?;
         require(slip > 0.0, "slip", slip, "a positive plastic shear strain")?;
+        let strength = law.hardening().strength(0.0);
+        // Below this, elastic strains are lost to rounding beside those of the path.
+        require(
+            strength >= 1e-10 * law.shear_modulus(),
+            "strength",
+            strength,
+            "at least 1e-10 of the shear modulus",
+        )?;
         let sense = match (loading.path, loading.load) {
             (LoadingPath::TriaxialCompression, _) | (_, Load::Compression) => -1.0,
             (_, Load::Tension) => 1.0,

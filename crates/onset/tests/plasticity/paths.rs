@@ -284,6 +284,14 @@ fn paths_that_cannot_be_followed_say_why() {
         follow(&steep, &loading(LoadingPath::UniaxialStrain)),
         Err(PlasticityError::NeverYields { .. })
     ));
+    let soft = DruckerPrager::new(1e12, 0.25, 0.6, 0.2, PEAK).expect("a law");
+    assert!(matches!(
+        follow(&soft, &plane_strain),
+        Err(PlasticityError::Parameter {
+            name: "strength",
+            ..
+        })
+    ));
     let negative = Loading {
         confinement: -3.0,
         ..plane_strain
