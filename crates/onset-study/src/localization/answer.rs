@@ -224,15 +224,17 @@ impl LocalizationAnswer {
                 .as_ref()
                 .is_none_or(|onset| onset.slip - strong.slip > 1e-9 * slip)
         {
-            sentence.push_str(&format!(
-                " Strong ellipticity is lost {}at {}.",
-                if self.localization.is_some() {
-                    "before, "
-                } else {
-                    "all the same, "
-                },
-                number(strong.slip)
-            ));
+            let place = if strong.slip == 0.0 {
+                "at first yield".to_owned()
+            } else {
+                format!("at {}", number(strong.slip))
+            };
+            let order = if self.localization.is_some() {
+                "before"
+            } else {
+                "all the same"
+            };
+            sentence.push_str(&format!(" Strong ellipticity is lost {order}, {place}."));
         }
         match self.end {
             End::Slip => {}

@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///
 /// `f = tau + mu sigma_m - k(gamma)`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`; tension is positive.
-/// Source: J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371, equations (1) to (8), without vertex.
+/// Source: J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371, without their vertex.
 ///
 /// ```
 /// use onset::plasticity::{DruckerPrager, Hardening};

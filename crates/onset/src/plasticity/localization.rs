@@ -91,7 +91,9 @@ impl RateModuli {
         let mixed = b.dot(&flow);
         Ok(match notion {
             Notion::Ellipticity => mixed,
-            Notion::StrongEllipticity => 0.5 * (mixed + (a.dot(&flow) * b.dot(&loading)).sqrt()),
+            Notion::StrongEllipticity => {
+                0.5 * (mixed + a.dot(&flow).sqrt() * b.dot(&loading).sqrt())
+            }
         } - self.relaxation)
     }
 

@@ -29,6 +29,7 @@ mod moduli;
 mod path;
 mod return_mapping;
 mod search;
+mod walk;
 
 pub use finite::{FiniteState, FiniteUpdate};
 pub use hardening::Hardening;
@@ -55,7 +56,7 @@ pub enum PlasticityError {
     },
     /// The law softens so fast that the stress does not follow from the strain.
     #[error(
-        "the law softens too fast: its plastic modulus falls to {modulus:e}, but must stay above {least:e} = -(G + mu beta K), \
+        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -(G + mu beta K), \
          below which a strain does not determine the stress"
     )]
     SnapBack {

@@ -57,11 +57,11 @@ impl Quotients {
         let form = |u: &Vector3<f64>, v: &Vector3<f64>| {
             let mut sum = Cubic::default();
             for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-                let weight = u[i] * v[i] / (scale * scale);
+                let weight = u[i] / scale * (v[i] / scale);
                 let square = coupling(j, k) * coupling(k, j);
                 sum.add([axis(i) * weight, diagonal(j), diagonal(k)]);
                 sum.add([axis(i) * (-weight * square), axis(j), axis(k)]);
-                let weight = (u[i] * v[j] + u[j] * v[i]) / (scale * scale);
+                let weight = u[i] / scale * (v[j] / scale) + u[j] / scale * (v[i] / scale);
                 sum.add([
                     axis(i) * weight,
                     axis(j),

@@ -142,3 +142,29 @@ fn a_rotated_state_has_the_rotated_band() {
         assert!((along.expect("a modulus") - rotated.modulus).abs() < 1e-10);
     }
 }
+
+#[test]
+fn critical_moduli_scale_with_the_unit_of_stress() {
+    let critical = |unit: f64, notion| {
+        let strength = Hardening::Linear {
+            initial: unit,
+            modulus: 0.0,
+        };
+        let law = onset::plasticity::DruckerPrager::new(100.0 * unit, 0.25, 0.6, 0.2, strength)
+            .expect("a law");
+        let stress = flowing(&mut Numbers(13)) * unit;
+        let state = law.rate_moduli(&stress, 0.0).expect("moduli");
+        let critical = state.critical(notion).expect("critical");
+        let along = state
+            .critical_modulus_along(&critical.band.normal, notion)
+            .expect("a modulus");
+        assert!((along / critical.modulus - 1.0).abs() < 1e-10);
+        critical.modulus / unit
+    };
+    for notion in NOTIONS {
+        for unit in [1e-100, 1e-9, 1e12, 1e140] {
+            let (reference, scaled) = (critical(1.0, notion), critical(unit, notion));
+            assert!((scaled / reference - 1.0).abs() < 1e-10, "{unit}");
+        }
+    }
+}

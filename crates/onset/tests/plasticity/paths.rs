@@ -255,6 +255,22 @@ fn a_sheet_in_tension_necks_at_zero_hardening_and_in_hills_direction() {
 }
 
 #[test]
+fn a_stiff_material_is_followed_to_the_same_onset_whatever_the_length_of_the_path() {
+    let onset = |slip: f64| {
+        let rock = DruckerPrager::new(1e4, 0.25, 0.7, 0.1, PEAK).expect("a law");
+        let loading = Loading {
+            slip,
+            ..loading(LoadingPath::PlaneStrain)
+        };
+        let found = followed(&rock, &loading);
+        (found.onset.expect("an onset").slip, found.end)
+    };
+    let (short, long) = (onset(0.02), onset(2.0));
+    assert!((short.0 - long.0).abs() < 1e-9, "{short:?} {long:?}");
+    assert_eq!((short.1, long.1), (End::Slip, End::Slip));
+}
+
+#[test]
 fn paths_that_cannot_be_followed_say_why() {
     let rock = law(0.6, 0.2, PEAK);
     let plane_strain = loading(LoadingPath::PlaneStrain);
@@ -267,6 +283,14 @@ fn paths_that_cannot_be_followed_say_why() {
     assert!(matches!(
         follow(&steep, &loading(LoadingPath::UniaxialStrain)),
         Err(PlasticityError::NeverYields { .. })
+    ));
+    let soft = DruckerPrager::new(1e12, 0.25, 0.6, 0.2, PEAK).expect("a law");
+    assert!(matches!(
+        follow(&soft, &plane_strain),
+        Err(PlasticityError::Parameter {
+            name: "strength",
+            ..
+        })
     ));
     let negative = Loading {
         confinement: -3.0,
