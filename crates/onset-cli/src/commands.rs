@@ -135,7 +135,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
 }
 
 /// Reads a study, changed by assignments.
-fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
+pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file)
         .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
@@ -252,6 +252,11 @@ fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Fai
 
 pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
     print_text(&json::document(answer).map_err(Failure::machine)?)
+}
+
+/// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
+pub fn tell(text: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.

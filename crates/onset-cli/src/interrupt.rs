@@ -18,7 +18,7 @@ pub fn listen(told: Option<&'static str>) -> Result<(), ctrlc::Error> {
             std::process::exit(i32::from(CODE));
         }
         if let Some(told) = told {
-            eprintln!("{told}");
+            crate::commands::tell(told);
         }
     })
 }

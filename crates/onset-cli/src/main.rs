@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     match commands::run(Arguments::parse()) {
         Ok(code) => code,
         Err(failure) => {
-            eprintln!("error: {}", failure.message);
+            commands::tell(format_args!("error: {}", failure.message));
             ExitCode::from(failure.code)
         }
     }
