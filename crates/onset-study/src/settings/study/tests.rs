@@ -462,6 +462,7 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         _ => String::new(),
     };
     let value = match key.kind {
+        Kind::Text if key.name == "material.energy" => "J +\n\tI1".into(),
         Kind::Text => "J \" \\ \n".into(),
         Kind::Numbers => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
