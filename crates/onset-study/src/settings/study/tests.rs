@@ -496,7 +496,9 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
                 "stretch-1"
             },
         );
-        if key.name == "discretization.density" {
+        // A subroutine has no study without its library.
+        let is_of_subroutine = model.contains("umat");
+        if key.name == "discretization.density" || is_of_subroutine {
             continue;
         }
         let study = study(&format!("{model}{} = {default}\n{axes}", key.name));
