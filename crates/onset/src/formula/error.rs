@@ -43,7 +43,7 @@ impl Place {
             line: text[..start].matches('\n').count() + 1,
             column: column + 1,
             length: length.min(last.saturating_sub(column).max(1)),
-            is_one_of_several_lines: text.contains('\n'),
+            is_one_of_several_lines: text.trim().contains('\n'),
             excerpt: format!(
                 "{}{}{}",
                 dots(first > 0),

@@ -73,7 +73,7 @@ fn conditions_are_joined_as_logic_says() {
         ("not a < b and b < c", |x, y, _| !x && y),
         ("not (a < b and b < c) or c < a", |x, y, z| !(x && y) || z),
         ("not not (a < b) and not (b < c or not c < a)", |x, y, z| {
-            x && !(y || !z)
+            x && !y && z
         }),
     ];
     for (text, logic) in cases {
