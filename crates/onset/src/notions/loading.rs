@@ -292,6 +292,8 @@ pub struct LoadingPath<'a> {
 const STEPS: usize = 192;
 /// How often a step of the path is halved before the path counts as ended.
 const HALVINGS: i32 = 44;
+/// No states are kept nearer than this, in `ln lambda`, to where a law ends.
+const BEFORE_END: f64 = 1e-6;
 /// Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
 
@@ -439,7 +441,15 @@ fn branch(
                     if (trial - here.parameter).abs() <= smallest || trial == here.parameter {
                         let stretch = here.parameter.exp();
                         let end = match missing {
-                            Missing::Law(source) => PathEnd::Law { stretch, source },
+                            Missing::Law(source) => {
+                                // Numbers that grow without bound leave nothing but rounding.
+                                let end = here.parameter;
+                                states.retain(|state| {
+                                    state.parameter == 0.0
+                                        || (state.parameter - end).abs() > BEFORE_END
+                                });
+                                PathEnd::Law { stretch, source }
+                            }
                             Missing::Equilibrium => PathEnd::NoState { stretch },
                         };
                         return (states, end);
