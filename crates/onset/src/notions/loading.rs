@@ -146,11 +146,8 @@ impl Loading {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial | Mode::SimpleShear, Lateral::Free) => &[1, 2],
             (Mode::Uniaxial, Lateral::PlaneStrain) => &[1],
-            (Mode::Uniaxial | Mode::Equibiaxial | Mode::Planar | Mode::SimpleShear, lateral)
-                if matches!(lateral, Lateral::PlaneStress | Lateral::Free) =>
-            {
-                &[2]
-            }
+            (Mode::Hydrostatic, _) => &[],
+            (_, Lateral::PlaneStress | Lateral::Free) => &[2],
             _ => &[],
         }
     }
