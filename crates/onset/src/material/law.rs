@@ -118,6 +118,9 @@ pub(super) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffne
     })
 }
 
+/// A material, or why it cannot be made.
+type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
+
 /// A law of the library: what it is called, what it says, what it needs, where it holds, and how it is made.
 ///
 /// ```
@@ -152,7 +155,7 @@ pub struct Law {
     /// The stiffness at small strains in closed form, from parameters in their order; units of stress.
     pub(super) stiffness: fn(&[f64]) -> SmallStrainStiffness,
     /// The law with parameters in their order, each of them admitted.
-    pub(super) make: fn(&[f64]) -> Result<Box<dyn Hyperelastic>, MaterialError>,
+    pub(super) make: fn(&[f64]) -> Made,
 }
 
 /// Laws are told apart by their names.
@@ -189,7 +192,7 @@ impl Law {
     ///
     /// # Errors
     /// [`MaterialError`] when there is no parameter of a name, or a value is not admitted.
-    pub fn build(&self, given: &[(&str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    pub fn build(&self, given: &[(&str, f64)]) -> Made {
         (self.make)(&self.checked(given)?)
     }
 
@@ -248,6 +251,6 @@ impl Law {
 /// A law as the rest of the program sees it.
 pub(super) fn boxed<Energy: StrainEnergy + Send + Sync + 'static>(
     law: Result<Energy, MaterialError>,
-) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+) -> Made {
     Ok(Box::new(law?))
 }

@@ -2,8 +2,10 @@
 
 use crate::table::{Random, delta, differentiated, of, quadruples};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use onset::certificate::{Certainty, certify};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Law, MaterialError, Symmetry, library};
+use onset::method::{Discretization, Method};
 use onset::real::Interval;
 
 /// Every law with its defaults, and with every parameter changed, angles away from the axes.
@@ -347,6 +349,21 @@ fn laws_of_principal_stretches_say_of_no_component_that_they_know_its_bounds() {
         .as_flattened()
         .as_flattened();
     assert!(tangent.iter().all(|x| *x == Interval::ENTIRE));
+}
+
+#[test]
+fn a_law_without_bounds_is_neither_proved_nor_refuted() {
+    let hencky = Law::named("hencky")
+        .expect("a law")
+        .build(&[])
+        .expect("defaults");
+    let method = Method::<2>::new(Discretization::default()).expect("a method");
+    for stretches in [[1.0, 1.0, 1.0], [1.1, 0.9, 1.0], [3.0, 0.3, 1.0]] {
+        let f = DeformationGradient::from_stretches(stretches).expect("a state");
+        let proof = certify(&method, &*hencky, &f, 1e-3).expect("a state");
+        assert!(matches!(proof.material, Certainty::Undecided { .. }));
+        assert!(matches!(proof.discretization, Certainty::Undecided { .. }));
+    }
 }
 
 #[test]
