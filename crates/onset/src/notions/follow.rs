@@ -1,7 +1,7 @@
 //! Where along a loading a notion is lost, and regained.
 
 use super::root::{bracket_zero, dip};
-use super::{Jump, JumpSearch, LoadingPath, Notion, PathState, Witness};
+use super::{Jump, JumpSearch, LoadingPath, Measure, Notion, PathState, Witness};
 
 /// A change of a notion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,16 +82,19 @@ const DIP_STEPS: usize = 48;
 /// ```
 pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<Track> {
     let states = side(path, tension);
-    let measure = |state: &PathState| notion.measure(&path.ask(state));
-    let values: Vec<f64> = states
+    let measures: Vec<Measure> = states
         .iter()
-        .map(|state| measure(state).map(|measure| measure.signed()))
+        .map(|state| notion.measure(&path.ask(state)))
         .collect::<Option<_>>()?;
+    let values: Vec<f64> = measures.iter().map(Measure::signed).collect();
     let mut value = |s: f64| Some(notion.measure(&path.state(s)?)?.signed());
     let parameter = |n: usize| states[n].parameter;
     let mut knots: Vec<(f64, f64)> = Vec::with_capacity(values.len());
     for n in 0..values.len() {
-        knots.push((parameter(n), values[n]));
+        // Where the sign can be rounding the notion counts as before.
+        if n == 0 || measures[n].value.abs() > measures[n].rounding {
+            knots.push((parameter(n), values[n]));
+        }
         if n == 0 || n + 1 >= values.len() {
             continue;
         }
@@ -106,9 +109,8 @@ pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<T
         );
         if down >= 0.0 && up >= 0.0 && own * values[n] <= down.max(up) {
             let mut upright = |s: f64| Some(own * value(s)?);
-            if let Some((s, found)) =
-                dip(&mut upright, parameter(n - 1), parameter(n + 1), DIP_STEPS)
-            {
+            let found = dip(&mut upright, parameter(n - 1), parameter(n + 1), DIP_STEPS);
+            if let Some((s, found)) = found.filter(|found| found.1.abs() > measures[n].rounding) {
                 knots.push((s, own * found));
             }
         }
@@ -123,10 +125,13 @@ pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<T
         }
         let (before, behind) = bracket_zero(&mut value, pair[0], pair[1], RESOLUTION);
         let lost = holds[0];
-        let witness = notion
-            .measure(&path.state(if lost { behind } else { before })?)?
-            .witness;
-        events.push(event(lost, before, behind, witness));
+        let (place, knot) = if lost {
+            (behind, pair[1].0)
+        } else {
+            (before, pair[0].0)
+        };
+        let state = path.state(place).or_else(|| path.state(knot))?;
+        events.push(event(lost, before, behind, notion.measure(&state)?.witness));
     }
     Some(Track {
         holds_at_start,
@@ -181,9 +186,7 @@ pub fn follow_jumps(
         .filter(|state| state.parameter.abs() < limit);
     let mut before = 0.0;
     for state in inside {
-        let found = search
-            .lowest(&state.response)
-            .filter(|jump| jump.excess < 0.0);
+        let found = search.lowest(&state.response).filter(Jump::gains);
         let Some(jump) = found else {
             before = state.parameter;
             continue;
@@ -222,7 +225,7 @@ fn break_even(
             .at(middle)
             .and_then(|state| search.descend(&state.response, &jump));
         match followed {
-            Some(found) if found.excess < 0.0 => (behind, jump) = (middle, found),
+            Some(found) if found.gains() => (behind, jump) = (middle, found),
             _ => before = middle,
         }
     }

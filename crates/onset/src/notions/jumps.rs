@@ -14,11 +14,18 @@ pub struct Jump {
     pub direction: Vector3<f64>,
     /// `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2`; units of stress. In the limit of small jumps `a . Q(N) a / |a|^2`.
     pub excess: f64,
+    /// How much of the excess can be rounding.
+    pub rounding: f64,
     /// Whether it leads to the edge of the reach; it is then not the lowest of its valley, and not as accurate.
     pub at_edge: bool,
 }
 
 impl Jump {
+    /// Whether it gains energy, beyond what rounding can pretend.
+    pub fn gains(&self) -> bool {
+        self.excess < -self.rounding
+    }
+
     /// The jump as a witness.
     pub fn witness(&self) -> Witness {
         Witness::Jump {
@@ -157,8 +164,18 @@ impl<'a> JumpSearch<'a> {
             amplitude: a,
             direction: m / m.norm(),
             excess: value,
+            rounding: self.rounding(state, &x),
             at_edge: self.is_at_edge(&(state.deformation.matrix() + a * m.transpose() / m.norm())),
         })
+    }
+
+    /// How much of a scaled excess can be rounding: a thousand units in the last place of the energies that it is a difference of.
+    fn rounding(&self, state: &Response, variables: &Vector6<f64>) -> f64 {
+        let a: Vector3<f64> = variables.fixed_rows::<3>(0).into();
+        let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
+        let work = a.dot(&(state.first_piola * m)) / m.norm();
+        let energies = 2.0 * state.energy.abs() + 2.0 * work.abs();
+        2e3 * f64::EPSILON * energies / a.norm_squared()
     }
 
     /// Whether a state has a principal stretch within a hundredth of an end of the reach.

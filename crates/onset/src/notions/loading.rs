@@ -146,11 +146,8 @@ impl Loading {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial | Mode::SimpleShear, Lateral::Free) => &[1, 2],
             (Mode::Uniaxial, Lateral::PlaneStrain) => &[1],
-            (Mode::Uniaxial | Mode::Equibiaxial | Mode::Planar | Mode::SimpleShear, lateral)
-                if matches!(lateral, Lateral::PlaneStress | Lateral::Free) =>
-            {
-                &[2]
-            }
+            (Mode::Hydrostatic, _) => &[],
+            (_, Lateral::PlaneStress | Lateral::Free) => &[2],
             _ => &[],
         }
     }
@@ -292,6 +289,8 @@ pub struct LoadingPath<'a> {
 const STEPS: usize = 192;
 /// How often a step of the path is halved before the path counts as ended.
 const HALVINGS: i32 = 44;
+/// No states are kept nearer than this, in `ln lambda`, to where a law ends.
+const BEFORE_END: f64 = 1e-6;
 /// Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
 
@@ -439,7 +438,15 @@ fn branch(
                     if (trial - here.parameter).abs() <= smallest || trial == here.parameter {
                         let stretch = here.parameter.exp();
                         let end = match missing {
-                            Missing::Law(source) => PathEnd::Law { stretch, source },
+                            Missing::Law(source) => {
+                                // Numbers that grow without bound leave nothing but rounding.
+                                let end = here.parameter;
+                                states.retain(|state| {
+                                    state.parameter == 0.0
+                                        || (state.parameter - end).abs() > BEFORE_END
+                                });
+                                PathEnd::Law { stretch, source }
+                            }
                             Missing::Equilibrium => PathEnd::NoState { stretch },
                         };
                         return (states, end);
@@ -492,8 +499,9 @@ fn solve(
             return Err(Missing::Equilibrium);
         };
         let size = correction.amax();
-        // The corrections of a converged iteration are rounding; they stop to shrink.
-        if size <= 4.0 * f64::EPSILON || (size < 1e-11 && size >= 0.5 * last) {
+        // The corrections of a converged iteration are rounding, and so are its tractions; they stop to shrink.
+        let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
+        if size <= 4.0 * f64::EPSILON || settled {
             let slope = linear.solve(&-linear.imposed).ok_or(Missing::Equilibrium)?;
             let mut rate = imposed_rate;
             for (n, axis) in free.iter().enumerate() {
@@ -535,7 +543,12 @@ struct Linear {
     matrix: [[f64; 2]; 2],
     /// `dtau_kk / ds` of what is imposed.
     imposed: Vector2<f64>,
+    /// The size of the numbers that the tractions are differences of.
+    magnitude: f64,
 }
+
+/// Tractions smaller than this, in units of the numbers that they are differences of, are rounding.
+const BALANCED: f64 = 1e-12;
 
 impl Linear {
     fn of(response: &Response, free: &[usize], imposed_rate: &Matrix3<f64>) -> Self {
@@ -545,7 +558,9 @@ impl Linear {
             traction: Vector2::zeros(),
             matrix: [[0.0; 2]; 2],
             imposed: Vector2::zeros(),
+            magnitude: 0.0,
         };
+        let mut largest: f64 = 0.0;
         for (a, &k) in free.iter().enumerate() {
             linear.traction[a] = response.first_piola[(k, k)] * f[k][k];
             for (b, &m) in free.iter().enumerate() {
@@ -554,11 +569,18 @@ impl Linear {
                 linear.matrix[a][b] = stiffness + geometric;
             }
             for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+                largest = largest.max((f[k][k] * response.tangent[(k, k, i, j)] * f[i][j]).abs());
                 linear.imposed[a] +=
                     f[k][k] * response.tangent[(k, k, i, j)] * imposed_rate[(i, j)];
             }
         }
+        linear.magnitude = largest + response.first_piola.amax() * f[0][0].max(f[1][1]);
         linear
+    }
+
+    /// Whether the tractions vanish to rounding.
+    fn is_balanced(&self) -> bool {
+        self.traction.amax() <= BALANCED * self.magnitude
     }
 
     /// The solution of `matrix x = right`; `None` where the matrix is singular.

@@ -128,6 +128,8 @@ pub struct Measure {
     pub value: f64,
     /// Values above `-neutral` count as held; zero but for notions that are neutral at whole sets of states.
     pub neutral: f64,
+    /// Values nearer to zero than this can be rounding: their sign says nothing.
+    pub rounding: f64,
     /// The perturbation with this value.
     pub witness: Witness,
 }
@@ -285,7 +287,7 @@ impl Notion {
             Self::RankOneConvexity => None,
             Self::BakerEricksen => state.isotropic.as_ref().map(|tangent| {
                 let (value, wave) = tangent.softest_shear();
-                Measure::of(value, wave)
+                state.of(value, wave)
             }),
             Self::Hill => Some(state.hill()),
             Self::PureStrain => Some(state.pure_strain()),
@@ -298,16 +300,8 @@ impl Notion {
 
 /// How far below zero, in units of the largest component of the tangent, rounding can leave a form that is zero.
 const NEUTRAL: f64 = 3e-14;
-
-impl Measure {
-    fn of(value: f64, witness: Witness) -> Self {
-        Self {
-            value,
-            neutral: 0.0,
-            witness,
-        }
-    }
-}
+/// How much of the largest component of the tangent can be rounding.
+const ROUNDING: f64 = 1e-13;
 
 /// A state at which notions are asked: the response of a law, its principal axes, and the loading that led there.
 #[derive(Clone, Debug)]
@@ -360,21 +354,30 @@ impl State {
         &self.response
     }
 
+    fn of(&self, value: f64, witness: Witness) -> Measure {
+        Measure {
+            value,
+            neutral: 0.0,
+            rounding: ROUNDING * self.form.magnitude(),
+            witness,
+        }
+    }
+
     fn strong_ellipticity(&self) -> Measure {
         if let Some(tangent) = &self.isotropic {
             let (value, wave) = tangent.softest_wave();
-            return Measure::of(value, wave);
+            return self.of(value, wave);
         }
         let minimum = Stiffness::<3>::of(&self.response).minimum();
         let witness = wave(&minimum.direction, &minimum.polarization);
-        Measure::of(minimum.eigenvalue.re, witness)
+        self.of(minimum.eigenvalue.re, witness)
     }
 
     fn plane_ellipticity(&self) -> Measure {
         let minimum = Stiffness::<2>::of(&self.response).minimum();
         let spatial = |v: nalgebra::Vector2<f64>| Vector3::new(v[0], v[1], 0.0);
         let witness = wave(&spatial(minimum.direction), &spatial(minimum.polarization));
-        Measure::of(minimum.eigenvalue.re, witness)
+        self.of(minimum.eigenvalue.re, witness)
     }
 
     fn hill(&self) -> Measure {
@@ -382,7 +385,7 @@ impl State {
         Measure {
             value,
             neutral: NEUTRAL * self.form.magnitude(),
-            witness: Witness::DeformationRate { rate: rows(&rate) },
+            ..self.of(value, Witness::DeformationRate { rate: rows(&rate) })
         }
     }
 
@@ -390,7 +393,7 @@ impl State {
         let rotation = self.left * self.right.transpose();
         let rates = forms::symmetric_rates().map(|s| rotation * s);
         let (value, rate) = self.form.smallest(&rates);
-        Measure::of(value, Witness::DeformationRate { rate: rows(&rate) })
+        self.of(value, Witness::DeformationRate { rate: rows(&rate) })
     }
 
     fn drucker(&self) -> Measure {
@@ -408,13 +411,13 @@ impl State {
         let tau = self.response.first_piola * f.transpose();
         let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| (tau * (a * b + b * a)).trace() * 0.5;
         let (value, rate) = self.form.smallest_with(&rates.map(|d| d * f), rates, work);
-        Measure::of(value, Witness::StrainRate { rate: rows(&rate) })
+        self.of(value, Witness::StrainRate { rate: rows(&rate) })
     }
 
     fn load_maximum(&self, rate: &Matrix3<f64>) -> Measure {
         let value = self.form.at(rate, rate);
         let unit = rate / rate.norm();
-        Measure::of(value, Witness::DeformationRate { rate: rows(&unit) })
+        self.of(value, Witness::DeformationRate { rate: rows(&unit) })
     }
 }
 

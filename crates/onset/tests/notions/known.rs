@@ -1,8 +1,11 @@
 //! Limits that are known in closed form, or published.
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
-use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin};
-use onset::notions::{Change, Lateral, Mode, Notion, Witness};
+use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, library};
+use onset::notions::{
+    Change, Knowledge, Lateral, Loading, LoadingPath, Mode, Notion, Range, Witness, follow_jumps,
+    is_isotropic, polyconvexity,
+};
 
 const ELLIPTIC: Notion = Notion::StrongEllipticity;
 
@@ -176,4 +179,39 @@ fn hencky_satisfies_drucker_everywhere_and_loses_ellipticity_in_a_bar() {
     let load = limit(&bar, Notion::LoadMaximum, true).expect("a largest load");
     assert_close(load, std::f64::consts::E, 1e-12);
     assert!(limit(&bar, ELLIPTIC, true).expect("lost") > load);
+}
+
+/// Polyconvexity implies rank-one convexity, and so ellipticity, at all states; also where a law ends and where its numbers are enormous.
+#[test]
+fn laws_that_are_known_to_be_polyconvex_lose_neither_ellipticity_nor_convexity_along_jumps() {
+    let mut asked = 0;
+    for law in library() {
+        let defaults = law.parameters.iter();
+        let parameters: Vec<(&str, f64)> = defaults
+            .map(|parameter| (parameter.name, parameter.default))
+            .collect();
+        if polyconvexity(law.name, &parameters).knowledge != Knowledge::Polyconvex {
+            continue;
+        }
+        asked += 1;
+        let material = law.build(&[]).expect("admissible");
+        let loading = Loading {
+            mode: Mode::Planar,
+            lateral: Lateral::PlaneStrain,
+        };
+        let isotropic = is_isotropic(&*material);
+        let path = LoadingPath::new(&*material, isotropic, loading, &Range::default())
+            .expect("a state in the reference");
+        for tension in [true, false] {
+            let elliptic = track(&path, ELLIPTIC, tension);
+            assert!(
+                elliptic.holds_at_start && elliptic.events.is_empty(),
+                "{}",
+                law.name
+            );
+            let jumps = follow_jumps(&path, &elliptic, (0.1, 10.0), tension);
+            assert_eq!(jumps.limit(), None, "{}", law.name);
+        }
+    }
+    assert!(asked >= 6, "{asked}");
 }

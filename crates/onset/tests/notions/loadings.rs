@@ -2,7 +2,7 @@
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
 use onset::kinematics::DeformationGradient;
-use onset::material::{BlatzKo, ModifiedMooneyRivlin, StrainEnergy};
+use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, StrainEnergy};
 use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, PathEnd, Range};
 use onset::real::Real;
 
@@ -157,4 +157,16 @@ fn ranges_without_1_are_refused() {
         let error = Range::new(low, high).expect_err("no range").to_string();
         assert!(error.contains("for example 0.1,10"), "{error}");
     }
+}
+
+/// Hyperfoam with `beta = 0` and exponent 8: there is a state at every amount of shear, since the energy grows without bound to both ends of
+/// the free stretch, but stiffnesses are many orders of magnitude apart.
+#[test]
+fn a_path_goes_on_where_tractions_are_differences_of_large_numbers() {
+    let law = Law::named("hyperfoam")
+        .expect("a law of the library")
+        .build(&[])
+        .expect("admissible");
+    let path = path(&*law, Mode::SimpleShear, Lateral::Free);
+    assert!(path.tension_end == PathEnd::Range && path.compression_end == PathEnd::Range);
 }
