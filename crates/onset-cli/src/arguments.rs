@@ -27,10 +27,11 @@ fn keys() -> String {
         .partition(|key| key.name == "material.model");
     let lines = |keys: Vec<&Key>| keys.into_iter().map(line).collect::<String>();
     format!(
-        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {} names; `onset list materials` tells which it has\n{}",
+        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` tells which it has\n{}",
         lines(model),
         "material.<parameter>",
         of_laws.len(),
+        "",
         lines(others)
     )
 }

@@ -183,3 +183,37 @@ fn the_examples_of_the_book_are_studies() {
         assert!(is_valid_under_schema(example), "{example}");
     }
 }
+
+#[test]
+fn the_book_has_every_law_as_the_library_describes_it() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/materials.md");
+    let page = std::fs::read_to_string(page).expect("the page on materials");
+    let mut rows = 0;
+    for law in onset::material::library() {
+        let mut block = format!(
+            "### {}\n\n```text\n{}\n```\n\n| parameter | unit | default | expects | meaning |\n|---|---|---|---|---|\n",
+            law.name, law.formula
+        );
+        for parameter in law.parameters {
+            block += &format!(
+                "| `{}` | {} | {} | {} | {} |\n",
+                parameter.name,
+                parameter.unit,
+                parameter.default,
+                parameter.admitted,
+                parameter.meaning
+            );
+        }
+        block += &format!(
+            "\nSymmetry: {}. Holds: {}. Small strains: {}. Source: {}.\n",
+            law.symmetry.name(),
+            law.domain,
+            law.small_strains,
+            law.source
+        );
+        assert!(page.contains(&block), "the page lacks this:\n{block}");
+        rows += law.parameters.len();
+    }
+    let of_page = page.lines().filter(|line| line.starts_with("| `"));
+    assert_eq!(of_page.count(), rows, "the page has a row too many");
+}

@@ -1,7 +1,7 @@
 //! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
 
 use super::{MapSettings, Model, StateSettings, Value};
-use onset::material::{Admitted, Parameter};
+use onset::material::Parameter;
 use onset::method::Discretization;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -118,11 +118,8 @@ fn parameter_keys() -> Vec<Key> {
                 Some((model, own.find(|own| own.name == parameter.name)?))
             })
         };
-        let is_positive = of_name().all(|(_, own)| own.admitted == Admitted::Positive);
-        let kind = match is_positive {
-            true => Kind::Positive(parameter.unit),
-            false => Kind::Number(parameter.unit),
-        };
+        // What a number must be is told by the law: a model of one's own may use the name otherwise.
+        let kind = Kind::Number(parameter.unit);
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
     keys

@@ -60,8 +60,10 @@ impl MaterialSettings {
             return SettingError::new(origin, message).hint(self.model.hint());
         }
         let error = SettingError::new(origin, format!("unknown key `material.{name}`"));
-        match nearest(name, self.model.names()) {
-            Some(nearest) => error.hint(format!("did you mean `material.{nearest}`?")),
+        let names = std::iter::once("model").chain(self.model.names());
+        let full: Vec<String> = names.map(|name| format!("material.{name}")).collect();
+        match nearest(&format!("material.{name}"), full.iter().map(String::as_str)) {
+            Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
             None => error.hint(format!("{}: {}", self.model.name(), self.model.hint())),
         }
     }

@@ -77,6 +77,7 @@ fn number(parameter: &Parameter) -> Value {
         Admitted::Any => json!({}),
         Admitted::Positive => json!({ "exclusiveMinimum": 0 }),
         Admitted::NotNegative => json!({ "minimum": 0 }),
+        Admitted::Fraction => json!({ "minimum": 0, "maximum": 1 }),
         Admitted::Between(low, high) => {
             json!({ "exclusiveMinimum": low, "exclusiveMaximum": high })
         }
@@ -135,6 +136,7 @@ fn axes() -> Value {
             "type": "object",
             "properties": {
                 "quantity": {
+                    "type": "string",
                     "anyOf": [{ "enum": names }, { "pattern": "^material\\.[A-Za-z][A-Za-z0-9_]*$" }],
                     "description": "what the axis varies"
                 },

@@ -1,6 +1,7 @@
 //! The library: every law described once, beside its formula.
 
-use super::{Hyperelastic, MaterialError, StrainEnergy, blatz_ko, modified_mooney_rivlin};
+use super::laws::LIBRARY;
+use super::{Hyperelastic, MaterialError, StrainEnergy};
 
 /// What values a parameter admits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub enum Admitted {
     Positive,
     /// Finite numbers from zero on.
     NotNegative,
+    /// Numbers from 0 to 1.
+    Fraction,
     /// Numbers between two limits, which are not admitted themselves.
     Between(f64, f64),
 }
@@ -23,6 +26,7 @@ impl Admitted {
                 Self::Any => true,
                 Self::Positive => value > 0.0,
                 Self::NotNegative => value >= 0.0,
+                Self::Fraction => (0.0..=1.0).contains(&value),
                 Self::Between(low, high) => low < value && value < high,
             }
     }
@@ -34,6 +38,7 @@ impl std::fmt::Display for Admitted {
             Self::Any => write!(formatter, "a finite number"),
             Self::Positive => write!(formatter, "a positive finite number"),
             Self::NotNegative => write!(formatter, "zero or a positive finite number"),
+            Self::Fraction => write!(formatter, "a number from 0 to 1"),
             Self::Between(low, high) => write!(formatter, "a number above {low} and below {high}"),
         }
     }
@@ -113,6 +118,9 @@ pub(super) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffne
     })
 }
 
+/// A material, or why it cannot be made.
+type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
+
 /// A law of the library: what it is called, what it says, what it needs, where it holds, and how it is made.
 ///
 /// ```
@@ -147,7 +155,7 @@ pub struct Law {
     /// The stiffness at small strains in closed form, from parameters in their order; units of stress.
     pub(super) stiffness: fn(&[f64]) -> SmallStrainStiffness,
     /// The law with parameters in their order, each of them admitted.
-    pub(super) make: fn(&[f64]) -> Result<Box<dyn Hyperelastic>, MaterialError>,
+    pub(super) make: fn(&[f64]) -> Made,
 }
 
 /// Laws are told apart by their names.
@@ -156,9 +164,6 @@ impl PartialEq for Law {
         self.name == other.name
     }
 }
-
-/// All laws, the default first.
-static LIBRARY: &[Law] = &[modified_mooney_rivlin::LAW, blatz_ko::LAW];
 
 /// All laws that have a name, the default first.
 ///
@@ -187,7 +192,7 @@ impl Law {
     ///
     /// # Errors
     /// [`MaterialError`] when there is no parameter of a name, or a value is not admitted.
-    pub fn build(&self, given: &[(&str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    pub fn build(&self, given: &[(&str, f64)]) -> Made {
         (self.make)(&self.checked(given)?)
     }
 
@@ -246,6 +251,6 @@ impl Law {
 /// A law as the rest of the program sees it.
 pub(super) fn boxed<Energy: StrainEnergy + Send + Sync + 'static>(
     law: Result<Energy, MaterialError>,
-) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+) -> Made {
     Ok(Box::new(law?))
 }

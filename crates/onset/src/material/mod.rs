@@ -5,14 +5,14 @@
 //! rest of the program sees only the object-safe [`Hyperelastic`]. A material knows nothing of
 //! particles.
 
-mod blatz_ko;
 mod law;
-mod modified_mooney_rivlin;
+mod laws;
+mod principal;
 mod tensors;
 
-pub use blatz_ko::BlatzKo;
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
-pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
+pub use laws::{BlatzKo, ModifiedMooneyRivlin};
+pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
 use crate::kinematics::DeformationGradient;

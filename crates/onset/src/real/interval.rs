@@ -345,6 +345,9 @@ impl Real for Interval {
     fn value(self) -> f64 {
         self.midpoint()
     }
+    fn number(self) -> Option<f64> {
+        None
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         if self.high < threshold {
             Some(Side::Below)

@@ -81,6 +81,9 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     fn value(self) -> f64 {
         self.value.value()
     }
+    fn number(self) -> Option<f64> {
+        self.value.number()
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)
     }

@@ -45,6 +45,11 @@ pub trait Real:
     /// The floating-point value, without derivatives.
     fn value(self) -> f64;
 
+    /// The floating-point number that this is, derivatives apart; `None` of an interval, which stands for many.
+    fn number(self) -> Option<f64> {
+        Some(self.value())
+    }
+
     /// On which side of a threshold the number is; `None` where an interval holds numbers of both.
     fn side(self, threshold: f64) -> Option<Side> {
         Some(if self.value() < threshold {

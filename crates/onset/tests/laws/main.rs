@@ -5,6 +5,8 @@ mod ellipticity;
 mod energy;
 mod extremes;
 mod intervals;
+mod library;
 mod numbers;
 mod rates;
+mod stretches;
 mod table;

@@ -218,7 +218,8 @@ impl Study {
                     .split(" + ")
                     .map(|name| self.origin_of(&format!("material.{name}")));
                 let mut set = origins.filter(|origin| *origin != self.origins.file);
-                set.next().unwrap_or_else(|| self.origins.file.clone())
+                set.next()
+                    .unwrap_or_else(|| self.origin_of("material.model"))
             }
             _ => self.origins.file.clone(),
         }

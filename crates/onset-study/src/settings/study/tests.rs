@@ -465,10 +465,18 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         Kind::Text => "J \" \\ \n".into(),
         Kind::Numbers => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
-        Kind::Number(_) | Kind::Positive(_) if key.parts().0 == "material" => 1.5.into(),
+        _ if key.is_parameter() => default_of(key).into(),
         _ => key.default_json(),
     };
     (model, value)
+}
+
+/// The default that a parameter has in the first law that has it.
+fn default_of(key: &Key) -> f64 {
+    Model::all()
+        .flat_map(Model::parameters)
+        .find(|parameter| parameter.name == key.parts().1)
+        .map_or(f64::NAN, |parameter| parameter.default)
 }
 
 #[test]
@@ -511,14 +519,15 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
 #[test]
 fn every_quantity_can_be_an_axis() {
     for quantity in Quantity::all() {
-        let (before, other) = match quantity {
-            Quantity::Stretch(1) => ("", "stretch-2"),
-            Quantity::Setting(key) if key.name == "material.mu" => {
-                ("material.model = 'blatz-ko'\n", "stretch-1")
+        let range = |low: f64| format!("[{low:?}, {:?}]", low + 0.01 + 0.02 * low.abs());
+        let (before, other, range) = match quantity {
+            Quantity::Stretch(1) => (String::new(), "stretch-2", range(1.1)),
+            Quantity::Setting(key) if key.is_parameter() => {
+                (setting(key).0, "stretch-1", range(default_of(key)))
             }
-            _ => ("", "stretch-1"),
+            _ => (String::new(), "stretch-1", range(1.1)),
         };
-        let text = with_axis(before, quantity.name(), "[1.1, 1.5]").replacen(
+        let text = with_axis(&before, quantity.name(), &range).replacen(
             "quantity = \"stretch-1\"",
             &format!("quantity = \"{other}\""),
             1,

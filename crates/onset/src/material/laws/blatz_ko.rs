@@ -1,11 +1,11 @@
 //! The Blatz-Ko law.
 
-use super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::{MaterialError, StrainEnergy};
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{MaterialError, StrainEnergy};
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
-pub(super) const LAW: Law = Law {
+pub(in super::super) const LAW: Law = Law {
     name: "blatz-ko",
     formula: "W = mu/2 (I2 / J^2 + 2 J - 5)",
     parameters: &[Parameter::new(

@@ -1,11 +1,11 @@
 //! The compressible law of equation (5).
 
-use super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::{MaterialError, StrainEnergy};
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{MaterialError, StrainEnergy};
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
-pub(super) const LAW: Law = Law {
+pub(in super::super) const LAW: Law = Law {
     name: "modified-mooney-rivlin",
     formula: "W = c1/2 I1 + c2/2 I2 - 3/2 c1 I3^(1/3) - 3/2 c2 I3^(2/3) + lambda/4 (ln I3)^2",
     parameters: &[
