@@ -394,7 +394,7 @@ fn material_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Result<Che
 fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let error = largest(measured.iter().map(|state| {
         let piola = Convention::FirstPiola.tangent(&state.change, &state.change.gradient);
-        Delivery::Tensor(piola).asymmetry()
+        Delivery::Tensor(Box::new(piola)).asymmetry()
     }));
     Check::new(
         "symmetry of dP/dF",
