@@ -53,28 +53,28 @@ pub enum UmatError {
     /// The process ended during a call.
     #[error(
         "the UMAT's process ended during a call ({how}){}{}",
-        at(state),
+        at(state.as_deref()),
         said(output)
     )]
     Ended {
         /// The signal or the exit code, in words.
         how: String,
         /// The state; none while the library was loaded.
-        state: Option<Matrix3<f64>>,
+        state: Option<Box<Matrix3<f64>>>,
         /// The last lines that it printed.
         output: String,
     },
     /// No answer within the limit.
     #[error(
         "the UMAT gave no answer within {seconds} s and was ended; is there an endless loop?{}{}",
-        at(state),
+        at(state.as_deref()),
         said(output)
     )]
     Silent {
         /// The limit.
         seconds: f64,
         /// The state; none while the library was loaded.
-        state: Option<Matrix3<f64>>,
+        state: Option<Box<Matrix3<f64>>>,
         /// The last lines that it printed.
         output: String,
     },
@@ -82,7 +82,7 @@ pub enum UmatError {
     #[error(
         "the UMAT returned {value} in {what}{}\n  hint: does it read more properties than the {properties} that are given, \
          or divide by a strain that is zero?",
-        at(&Some(*state))
+        at_state(state)
     )]
     NotFinite {
         /// The array and its index.
@@ -92,25 +92,25 @@ pub enum UmatError {
         /// How many properties were given.
         properties: usize,
         /// The state.
-        state: Matrix3<f64>,
+        state: Box<Matrix3<f64>>,
     },
     /// It wrote behind the end of an array.
     #[error(
         "the UMAT wrote behind the end of STATEV, which holds {variables} state variables{}\n  hint: set \
          material.state-variables to the number that it needs (*DEPVAR)",
-        at(&Some(*state))
+        at_state(state)
     )]
     Overrun {
         /// How many state variables there are.
         variables: usize,
         /// The state.
-        state: Matrix3<f64>,
+        state: Box<Matrix3<f64>>,
     },
     /// It asks for a smaller increment.
     #[error(
         "the UMAT asks for a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
-        at(&Some(*state))
+        at_state(state)
     )]
     SmallerIncrement {
         /// `PNEWDT`.
@@ -120,15 +120,15 @@ pub enum UmatError {
         /// How many there are.
         increments: u32,
         /// The state.
-        state: Matrix3<f64>,
+        state: Box<Matrix3<f64>>,
     },
     /// The state cannot be split into stretch and rotation.
-    #[error("increment {increment} has no logarithmic strain{}", at(&Some(*state)))]
+    #[error("increment {increment} has no logarithmic strain{}", at_state(state))]
     Increment {
         /// The increment, counted from 1.
         increment: u32,
         /// The state.
-        state: Matrix3<f64>,
+        state: Box<Matrix3<f64>>,
     },
     /// The processes of other systems lack what is needed.
     #[error("UMATs run on Linux and macOS only")]
@@ -143,14 +143,13 @@ impl From<UmatError> for MaterialError {
     }
 }
 
-fn at(state: &Option<Matrix3<f64>>) -> String {
-    match state {
-        None => "\n  while the library was loaded".to_owned(),
-        Some(f) => {
-            let row = |i: usize| format!("{:?}, {:?}, {:?}", f[(i, 0)], f[(i, 1)], f[(i, 2)]);
-            format!("\n  at F = [{}; {}; {}]", row(0), row(1), row(2))
-        }
-    }
+fn at(state: Option<&Matrix3<f64>>) -> String {
+    state.map_or_else(|| "\n  while the library was loaded".to_owned(), at_state)
+}
+
+fn at_state(f: &Matrix3<f64>) -> String {
+    let row = |i: usize| format!("{:?}, {:?}, {:?}", f[(i, 0)], f[(i, 1)], f[(i, 2)]);
+    format!("\n  at F = [{}; {}; {}]", row(0), row(1), row(2))
 }
 
 fn said(output: &str) -> String {

@@ -174,6 +174,7 @@ impl Process {
 
     /// Ends the process and says what happened.
     fn obituary(&mut self, error: &io::Error, state: Option<Matrix3<f64>>) -> UmatError {
+        let state = state.map(Box::new);
         let is_silent = matches!(
             error.kind(),
             io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut

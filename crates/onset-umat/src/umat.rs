@@ -171,8 +171,9 @@ impl Umat {
     }
 
     fn outcome(&self, path: &[Matrix3<f64>], reply: Reply) -> Result<Outcome, UmatError> {
-        let Some(&state) = path.last() else {
-            return Err(UmatError::Increments { increments: 0 });
+        let state = match path.last() {
+            Some(state) => Box::new(*state),
+            None => return Err(UmatError::Increments { increments: 0 }),
         };
         let numbers = reply.numbers;
         let increment = reply.increment;

@@ -161,6 +161,18 @@ fn description(settings: &MaterialSettings) -> String {
     }
 }
 
+/// Differences that are known no better than this tell no convention from another.
+const UNKNOWN: f64 = 1e-4;
+
+/// How far a tangent may be from differences that are known to an uncertainty.
+fn tolerance(uncertainty: f64) -> f64 {
+    if uncertainty > UNKNOWN {
+        0.0
+    } else {
+        TOLERANCE.max(10.0 * uncertainty)
+    }
+}
+
 /// Finds out what the tangent is.
 fn tangent(subject: &Subject<'_>, reference: &Measured, measured: &[Measured]) -> TangentFinding {
     let changes: Vec<StressChange> = measured.iter().map(|state| state.change.clone()).collect();
@@ -179,7 +191,7 @@ fn tangent(subject: &Subject<'_>, reference: &Measured, measured: &[Measured]) -
         .iter()
         .map(|state| state.uncertainty)
         .fold(0.0, f64::max);
-    let tolerance = TOLERANCE.max(10.0 * uncertainty);
+    let tolerance = tolerance(uncertainty);
     // What is expected goes before what fits as well, and fewer slips before more.
     let mut fitting: Vec<&Match> = all
         .iter()

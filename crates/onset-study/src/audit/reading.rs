@@ -10,9 +10,9 @@ use serde::Serialize;
 #[derive(Clone, Debug)]
 pub enum Delivery {
     /// A matrix between stresses and engineering strains, as `DDSDDE`.
-    Matrix(Matrix6<f64>),
+    Matrix(Box<Matrix6<f64>>),
     /// All 81 components.
-    Tensor(FourthOrder),
+    Tensor(Box<FourthOrder>),
 }
 
 /// What shear strain the columns of shear are per.
@@ -216,10 +216,13 @@ impl Delivery {
     /// The largest difference of a component and its mirror image across the diagonal, relative to all.
     pub fn asymmetry(&self) -> f64 {
         match self {
-            Self::Matrix(matrix) => (matrix - matrix.transpose()).norm() / matrix.norm(),
+            Self::Matrix(matrix) => (**matrix - matrix.transpose()).norm() / matrix.norm(),
             Self::Tensor(tensor) => {
                 let mirrored = FourthOrder::from_fn(|i, j, k, l| tensor[(k, l, i, j)]);
-                relative(&self.components(), &Self::Tensor(mirrored).components())
+                relative(
+                    &self.components(),
+                    &Self::Tensor(Box::new(mirrored)).components(),
+                )
             }
         }
     }

@@ -106,7 +106,7 @@ fn of_law(
         deformation: *f,
         cauchy: change.cauchy,
         energy: response.energy,
-        delivery: Delivery::Tensor(convention.tangent(&change, &reference)),
+        delivery: Delivery::Tensor(Box::new(convention.tangent(&change, &reference))),
     })
 }
 
@@ -124,7 +124,7 @@ fn of_user(
                 deformation: *f,
                 cauchy: delivered.cauchy(),
                 energy: delivered.sse,
-                delivery: Delivery::Matrix(delivered.ddsdde),
+                delivery: Delivery::Matrix(Box::new(delivered.ddsdde)),
             })
         })
         .collect()
