@@ -87,6 +87,26 @@ impl<const D: usize> Taylor<Complex, D> {
 }
 
 impl<const D: usize> Taylor<f64, D> {
+    /// The quotient with another function.
+    pub(super) fn over(&self, scale: &Self) -> Self {
+        let value = self.value / scale.value;
+        let gradient: [f64; D] =
+            std::array::from_fn(|a| (self.gradient[a] - value * scale.gradient[a]) / scale.value);
+        Self {
+            value,
+            gradient,
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    (self.hessian[a][b]
+                        - gradient[a] * scale.gradient[b]
+                        - gradient[b] * scale.gradient[a]
+                        - value * scale.hessian[a][b])
+                        / scale.value
+                })
+            }),
+        }
+    }
+
     /// The gradient as a vector.
     pub(super) fn slope(&self) -> SVector<f64, D> {
         SVector::from(self.gradient)

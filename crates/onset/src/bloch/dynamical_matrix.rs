@@ -1,9 +1,10 @@
 //! The dynamical matrix as a sum of plane-wave phases.
 
+use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
 use crate::algebra::{Complex, eigenvalues};
 use crate::continuum::Stiffness;
-use crate::lattice::BravaisLattice;
+use crate::lattice::{BravaisLattice, Mirror};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
@@ -326,6 +327,16 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// The force constants by rows, where `D` is planar and real.
     pub(super) fn planar_rows(&self) -> Option<&PlanarRows> {
         self.rows.as_ref()
+    }
+
+    /// The sums along a mirror line, where `D` is planar, real, periodic and has one of the mirrors, and a translation is
+    /// free.
+    pub(super) fn mirror_sums(&self, mirrors: &[Mirror]) -> Option<MirrorSums> {
+        let rows = self.rows.as_ref()?;
+        let is_free = self.rigid.amax() == 0.0;
+        is_free
+            .then(|| MirrorSums::new(&self.terms, mirrors, rows.constant()))
+            .flatten()
     }
 
     /// Where in its cell a vector ends.

@@ -7,6 +7,7 @@
 mod assembly;
 mod branches;
 mod dynamical_matrix;
+mod mirror;
 mod moments;
 mod planar;
 mod search;
