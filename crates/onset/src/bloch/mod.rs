@@ -13,6 +13,7 @@ mod planar;
 mod search;
 mod spectrum;
 
+pub(crate) use assembly::{Local, dynamical_matrix_with};
 use assembly::moment_matrix;
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
