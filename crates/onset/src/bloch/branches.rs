@@ -165,6 +165,19 @@ impl<const D: usize> Expansion<Complex, D> {
 }
 
 impl<const D: usize> Expansion<f64, D> {
+    /// Minus the growth rate of a complex pair; infinite where branches are real.
+    pub(super) fn negative_growth(&self) -> Taylor<f64, D> {
+        let p = self.discriminant();
+        let complex = |x: f64| Complex::new(x, 0.0);
+        if p.value >= 0.0 {
+            return p.map(|_| f64::INFINITY);
+        }
+        let root = p.map(complex).root();
+        let frequency = self.half_trace().map(complex).zip(&root, |x, y| x + y).root();
+        let sign = frequency.value.im.signum();
+        frequency.map(|x| -sign * x.im)
+    }
+
     /// The same as for complex matrices.
     pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
         if D == 1 {

@@ -128,6 +128,21 @@ impl<const D: usize> Stiffness<D> {
         self.minimum_of_unit()
     }
 
+    /// The same by a descent from the lowest of many directions: several times faster in two dimensions, for stiffnesses
+    /// that need no certainty.
+    pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
+        if D != 2 {
+            return self.minimum();
+        }
+        let direction = planar::descended_direction(self);
+        let (eigenvalue, polarization) = self.smallest_eigenpair(&direction);
+        AcousticMinimum {
+            eigenvalue,
+            direction: oriented(direction),
+            polarization,
+        }
+    }
+
     /// The largest component.
     fn magnitude(&self) -> f64 {
         self.0

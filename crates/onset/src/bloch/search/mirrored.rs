@@ -217,6 +217,17 @@ impl<'a> Mirrored<'a> {
             .collect();
         self.descend(&mut valleys, &bests);
         descents.append(&mut valleys);
+        // Where branches are complex they grow fastest elsewhere than where the discriminant is lowest.
+        let is_complex = |descent: &&Descent| {
+            descent.objective == Objective::Discriminant && descent.value < 0.0
+        };
+        let mut growing: Vec<Descent> = descents
+            .iter()
+            .filter(is_complex)
+            .map(|descent| Descent::from(Objective::Growth, descent.place))
+            .collect();
+        self.descend(&mut growing, &[]);
+        descents.append(&mut growing);
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
             _ => Some(Bottom {
@@ -269,17 +280,24 @@ impl<'a> Mirrored<'a> {
                 let expansions = self.sums.expansions(&lane(0), &lane(1));
                 for (lane, n) in chunk.iter().enumerate() {
                     let Descent { objective, place, .. } = descents[*n];
-                    let floor = requests
-                        .iter()
-                        .filter(|request| request.objective == objective)
-                        .map(|request| request.floor)
-                        .chain(descents.iter().filter(|other| other.objective == objective).map(|other| other.value))
-                        .fold(f64::INFINITY, f64::min);
+                    let floor = Self::floor(objective, requests, descents);
                     let taylor = self.objective(objective, &expansions.of(lane), place);
                     descents[*n].proceed(&taylor, floor, self);
                 }
             }
         }
+    }
+
+    /// What a descent has to get below: the floor of the search, and what others have reached; of the discriminant, all of
+    /// whose wells are wanted, the former alone.
+    fn floor(objective: Objective, requests: &[Request], descents: &[Descent]) -> f64 {
+        let requests = requests.iter().filter(|request| request.objective == objective);
+        let floor = requests.map(|request| request.floor).fold(f64::INFINITY, f64::min);
+        if objective == Objective::Discriminant {
+            return floor;
+        }
+        let others = descents.iter().filter(|other| other.objective == objective);
+        others.map(|other| other.value).fold(floor, f64::min)
     }
 
     /// How many steps of the grid a place is from the origin.
@@ -293,7 +311,8 @@ impl<'a> Mirrored<'a> {
         match objective {
             Objective::Highest => d.branch(1.0).map(|x| -x),
             Objective::Lowest => d.branch(-1.0),
-            Objective::Discriminant | Objective::Growth => {
+            Objective::Growth => d.negative_growth(),
+            Objective::Discriminant => {
                 let discriminant = d.discriminant();
                 if self.steps_from_origin(place) < FLAT {
                     discriminant.map(|_| f64::INFINITY)

@@ -124,9 +124,8 @@ impl<const D: usize> ZoneSearch<D> {
             })
             .unwrap_or(rest);
         let fluttering = self.flutter(matrix, &wells);
-        let fastest_growing = fluttering.map_or(lowest, |mode| {
-            self.fastest(matrix, &wells.grid(self, matrix), lowest, mode)
-        });
+        let fastest_growing =
+            fluttering.map_or(lowest, |mode| self.fastest(matrix, &wells, lowest, mode));
         let highest = wells
             .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -174,7 +173,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         if measure < -tolerance {
             (Stability::Divergence, measure)
-        } else if self.flutter(matrix, &Wells::Grid(Arc::new(grid))).is_some() {
+        } else if self.flutter(matrix, &Wells::Grid(grid)).is_some() {
             (Stability::Flutter, measure)
         } else {
             (Stability::Stable, measure)
@@ -204,14 +203,14 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The limit `k -> 0` of the scaled measure, minimized over all directions algebraically.
+    /// The limit `k -> 0` of the scaled measure, minimized over all directions.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
         let map = self.grids.long_wave_map();
         let minimum = matrix
             .long_wave_stiffness()
             .with_directions_mapped(map)
-            .minimum();
+            .minimum_by_descent();
         Mode {
             wave_vector: (map * minimum.direction).normalize(),
             is_long_wave: true,
@@ -325,7 +324,7 @@ impl<const D: usize> ZoneSearch<D> {
         let mirrors = if self.is_periodic { self.grids.mirrors() } else { &[] };
         let Some(sums) = matrix.mirror_sums(mirrors) else {
             let grid = self.grid(matrix, points_per_period, long_wave.wave_vector);
-            return Wells::Grid(Arc::new(grid));
+            return Wells::Grid(grid);
         };
         let waves = self.grids.mirrored(sums.number, mirrored::intervals(&sums));
         let request = |objective, floor| Request { objective, floor };
@@ -343,7 +342,6 @@ impl<const D: usize> ZoneSearch<D> {
         Wells::Mirrored {
             bottoms: search.bottoms(requests, soft),
             largest: -search.lowest,
-            soft_direction: k,
         }
     }
 
@@ -354,19 +352,30 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
-    /// one that is `fluttering` and from the fastest point of the grid.
+    /// one that is `fluttering` and from the fastest points of the grid.
     fn fastest(
         &self,
         matrix: &DynamicalMatrix<D>,
-        grid: &Grid<D>,
+        wells: &Wells<D>,
         lowest: Mode<D>,
         fluttering: Mode<D>,
     ) -> Mode<D> {
-        grid.fastest_flutter()
-            .take(4)
-            .chain([fluttering.wave_vector])
-            .map(|k| self.settled(matrix, Objective::Growth, k))
-            .filter_map(|k| self.fluttering_mode(matrix, &k))
+        let ends: Vec<SVector<f64, D>> = match wells {
+            Wells::Grid(grid) => grid
+                .fastest_flutter()
+                .take(4)
+                .chain([fluttering.wave_vector])
+                .map(|k| self.settled(matrix, Objective::Growth, k))
+                .collect(),
+            Wells::Mirrored { bottoms, .. } => bottoms
+                .iter()
+                .filter(|bottom| bottom.objective == Objective::Growth)
+                .map(|bottom| self.with_phases(bottom.phases))
+                .chain([fluttering.wave_vector])
+                .collect(),
+        };
+        ends.iter()
+            .filter_map(|k| self.fluttering_mode(matrix, k))
             .chain([lowest])
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
             .unwrap_or(lowest)
@@ -391,13 +400,12 @@ impl<const D: usize> ZoneSearch<D> {
 /// The wells of the zone.
 enum Wells<const D: usize> {
     /// Of a grid, to be followed.
-    Grid(Arc<Grid<D>>),
+    Grid(Grid<D>),
     /// Followed to their bottoms, where the matrix has a mirror line.
     Mirrored {
         bottoms: Vec<Bottom>,
         /// The largest `Re omega^2` of the grid.
         largest: f64,
-        soft_direction: SVector<f64, D>,
     },
 }
 
@@ -435,16 +443,6 @@ impl<const D: usize> Wells<D> {
                 highest.map(|value| value.abs()).fold(0.0, f64::max)
             }
             Self::Mirrored { largest, .. } => *largest,
-        }
-    }
-
-    /// The grid.
-    fn grid(&self, search: &ZoneSearch<D>, matrix: &DynamicalMatrix<D>) -> Arc<Grid<D>> {
-        match self {
-            Self::Grid(grid) => Arc::clone(grid),
-            Self::Mirrored { soft_direction, .. } => {
-                Arc::new(search.grid(matrix, FINE, *soft_direction))
-            }
         }
     }
 }
