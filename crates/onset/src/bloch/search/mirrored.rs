@@ -33,8 +33,8 @@ const LONG_WAVE: f64 = 5e-3;
 /// which vanishes there with the fourth power, is not sought.
 const NEAR: f64 = 1.5;
 const FLAT: f64 = 0.5;
-/// Descents along a valley that come as near to its bottom, in phases, lead nowhere else.
-const SAME: f64 = 0.1;
+/// Descents from around a bottom that come as near to it, in phases, lead nowhere else.
+const SAME: f64 = 0.03;
 
 /// What is sought on the grid, in the order in which it lies in memory.
 const SOUGHT: [(Objective, bool); 5] = [
@@ -190,22 +190,14 @@ impl<'a> Mirrored<'a> {
             self.start(request, soft, &mut descents);
         }
         self.descend(&mut descents, requests);
-        // A shallow valley can have several bottoms within a few steps of the grid, which then sees one.
-        let mut valleys = Vec::new();
+        // Near a crossing of branches, and along a shallow valley, there can be several bottoms within a step of the grid,
+        // which then sees one.
+        let mut others = Vec::new();
         for request in requests {
-            if !is_of_lowest_branch(request.objective) {
-                continue;
-            }
             if let Some(best) = lowest_of(&descents, request.objective)
-                && let State::Settled(Some(along)) = best.state
+                && is_of_lowest_branch(request.objective)
             {
-                for side in [-ALONG_VALLEY, ALONG_VALLEY] {
-                    let place = [0, 1].map(|n| best.place[n] + side * along[n]);
-                    valleys.push(Descent {
-                        bottom: Some(best.place),
-                        ..Descent::from(request.objective, place)
-                    });
-                }
+                self.look_around(best, &mut others);
             }
         }
         let bests: Vec<Request> = requests
@@ -215,8 +207,8 @@ impl<'a> Mirrored<'a> {
                 ..*request
             })
             .collect();
-        self.descend(&mut valleys, &bests);
-        descents.append(&mut valleys);
+        self.descend(&mut others, &bests);
+        descents.append(&mut others);
         // Where branches are complex they grow fastest elsewhere than where the discriminant is lowest.
         let is_complex = |descent: &&Descent| {
             descent.objective == Objective::Discriminant && descent.value < 0.0
@@ -238,6 +230,25 @@ impl<'a> Mirrored<'a> {
             }),
         });
         bottoms.collect()
+    }
+
+    /// Descents from around a bottom.
+    fn look_around(&self, best: &Descent, others: &mut Vec<Descent>) {
+        let mut start = |offset: [f64; 2]| {
+            others.push(Descent {
+                bottom: Some(best.place),
+                ..Descent::from(best.objective, [0, 1].map(|n| best.place[n] + offset[n]))
+            });
+        };
+        let [u, v] = self.waves.steps;
+        for (i, j) in [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (-1.0, 1.0)] {
+            start([i * u, j * v]);
+            start([-i * u, -j * v]);
+        }
+        if let State::Settled(Some(along)) = best.state {
+            start(along.map(|x| ALONG_VALLEY * x));
+            start(along.map(|x| -ALONG_VALLEY * x));
+        }
     }
 
     /// The starts of the descents for one objective.
@@ -388,8 +399,9 @@ impl Descent {
             self.state = State::Lost;
             return;
         }
-        // Steps are at most a tenth of what is given.
-        let (step, is_convex) = newton_step(&slope, &curvature, 4.0);
+        // Steps are at most a tenth of what is given: a step of the grid.
+        let [u, v] = search.waves.steps;
+        let (step, is_convex) = newton_step(&slope, &curvature, 10.0 * u.max(v));
         let decrease = -slope.dot(&step);
         self.step = [step[0], step[1]];
         self.place = [0, 1].map(|n| self.last[n] + self.step[n]);
