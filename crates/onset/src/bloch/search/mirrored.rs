@@ -195,9 +195,26 @@ impl<'a> Mirrored<'a> {
         let mut others = Vec::new();
         for request in requests {
             if let Some(best) = lowest_of(&descents, request.objective)
-                && is_of_lowest_branch(request.objective)
+                && request.objective != Objective::Discriminant
             {
                 self.look_around(best, &mut others);
+            }
+        }
+        // Pockets of complex branches lie along the valleys of the discriminant, on which branches nearly cross.
+        let is_valley = |descent: &&Descent| {
+            let is_sought = descent.objective == Objective::Discriminant;
+            is_sought && matches!(descent.state, State::Settled(Some(_)))
+        };
+        for best in descents.iter().filter(is_valley) {
+            if let State::Settled(Some(along)) = best.state {
+                for step in [-2.0, -1.0, 1.0, 2.0] {
+                    let length = step * self.waves.steps[0].max(self.waves.steps[1]);
+                    let place = [0, 1].map(|n| best.place[n] + length * along[n]);
+                    others.push(Descent {
+                        bottom: Some(best.place),
+                        ..Descent::from(Objective::Discriminant, place)
+                    });
+                }
             }
         }
         let bests: Vec<Request> = requests
@@ -220,6 +237,8 @@ impl<'a> Mirrored<'a> {
             .collect();
         self.descend(&mut growing, &[]);
         descents.append(&mut growing);
+        if std::env::var("DBG").is_ok() { for w in &self.wells { if w.objective==Objective::Discriminant {eprintln!("W {:?} {:e} {:e}", w.place, w.value, w.bound);} } for d in &descents { eprintln!("D {:?} {} {:?} {:?} {:e}", d.objective, match d.state { State::Running=>"run", State::Settled(Some(_))=>"valley", State::Settled(None)=>"settled", State::Left=>"left", State::Lost=>"lost"}, d.place, d.step, d.value); }
+        eprintln!("G {:?} {:?} {:?}", self.sums.reach, self.sums.effective_reach(), self.waves.intervals); }
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
             _ => Some(Bottom {
