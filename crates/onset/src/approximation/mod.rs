@@ -325,7 +325,9 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
                 let gradient = SVector::from_fn(|j, _| term.a1[j][b]);
                 motion.terms.push((term.a[b], gradient));
                 let shift = SVector::from_fn(|t, _| shift[t][b]);
-                motion.shifts.push((shift, SMatrix::from_fn(|j, t| slope[j][t][b])));
+                motion
+                    .shifts
+                    .push((shift, SMatrix::from_fn(|j, t| slope[j][t][b])));
             }
             motion.own.push(SMatrix::from_fn(|j, t| {
                 self.alpha1[j].dot(&term.a1[t]) - self.alpha.dot(&term.a2[j][t])

@@ -85,14 +85,22 @@ fn assembled<const D: usize>(
             Frame::Lagrangian => {
                 let factor = point.volume / method.particle_mass();
                 let mut pairs = Pairs::new(point.cells.len(), D);
-                pairs.add_gradients(point, 0, |own| contracted(&local.tangent, own, None, factor));
+                pairs.add_gradients(point, 0, |own| {
+                    contracted(&local.tangent, own, None, factor)
+                });
                 pairs.sum(point, &mut constants);
             }
             Frame::Eulerian => {
                 let current = point.deformation.jacobian() * point.volume;
                 let factor = current / method.particle_mass();
                 let spatial = local.spatial(&point.deformation);
-                add_eulerian(&mut constants, point, &spatial, discretization.linearization, factor);
+                add_eulerian(
+                    &mut constants,
+                    point,
+                    &spatial,
+                    discretization.linearization,
+                    factor,
+                );
             }
         }
     }
@@ -217,12 +225,14 @@ impl<const D: usize> Local<D> {
     /// Cauchy stress `sigma_ij = P_iJ F_jJ / J` and spatial tangent `a_ijkl = F_jJ F_lL A_iJkL / J` at the state.
     fn spatial(&self, state: &DeformationGradient) -> Spatial<D> {
         let (f, jacobian) = (state.leading::<D>(), state.jacobian());
-        let half: Tangent<D> = tangent_from(|i, j, k, l| {
-            (0..D).map(|m| f[(j, m)] * self.tangent[i][m][k][l]).sum()
-        });
+        let half: Tangent<D> =
+            tangent_from(|i, j, k, l| (0..D).map(|m| f[(j, m)] * self.tangent[i][m][k][l]).sum());
         Spatial {
             stress: SMatrix::from_fn(|i, j| {
-                (0..D).map(|m| self.first_piola[i][m] * f[(j, m)]).sum::<f64>() / jacobian
+                (0..D)
+                    .map(|m| self.first_piola[i][m] * f[(j, m)])
+                    .sum::<f64>()
+                    / jacobian
             }),
             tangent: tangent_from(|i, j, k, l| {
                 (0..D).map(|m| f[(l, m)] * half[i][j][k][m]).sum::<f64>() / jacobian
@@ -273,7 +283,9 @@ fn add_eulerian<const D: usize>(
         _ => &shape.hessians,
     };
     let is_interpolated = !point.is_node && !linearization.moves_points_with_plane_wave();
-    let motion = shape.motion().filter(|_| linearization.is_exact_in_kernel());
+    let motion = shape
+        .motion()
+        .filter(|_| linearization.is_exact_in_kernel());
     let rank = D + usize::from(is_interpolated) + motion.map_or(0, |motion| 2 * motion.basis);
     let mut pairs = Pairs::new(point.cells.len(), rank);
     pairs.add_gradients(point, 0, |own| {
@@ -291,7 +303,9 @@ fn add_eulerian<const D: usize>(
         for b in 0..motion.basis {
             let at = |i: usize| i * motion.basis + b;
             let of_i = |i: usize| [[factor * motion.terms[at(i)].0; D]; D];
-            pairs.add(number, of_i, |k| block_of(&(sigma * motion.shifts[at(k)].1)));
+            pairs.add(number, of_i, |k| {
+                block_of(&(sigma * motion.shifts[at(k)].1))
+            });
             let of_i = |i: usize| {
                 let along = sigma * motion.terms[at(i)].1;
                 std::array::from_fn(|row| [-factor * along[row]; D])
@@ -371,7 +385,11 @@ impl<const D: usize> Pairs<D> {
 
     /// Adds up all pairs.
     fn sum(&self, point: &ConfiguredPoint<D>, constants: &mut ForceConstants<D>) {
-        let places: Vec<usize> = point.cells.iter().map(|cell| constants.place(cell)).collect();
+        let places: Vec<usize> = point
+            .cells
+            .iter()
+            .map(|cell| constants.place(cell))
+            .collect();
         Arch::new().dispatch(Summing {
             pairs: self,
             places: &places,

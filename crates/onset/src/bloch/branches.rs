@@ -165,17 +165,16 @@ impl<const D: usize> Expansion<Complex, D> {
 }
 
 impl<const D: usize> Expansion<f64, D> {
-    /// Minus the growth rate of a complex pair; infinite where branches are real.
-    pub(super) fn negative_growth(&self) -> Taylor<f64, D> {
-        let p = self.discriminant();
-        let complex = |x: f64| Complex::new(x, 0.0);
-        if p.value >= 0.0 {
-            return p.map(|_| f64::INFINITY);
-        }
-        let root = p.map(complex).root();
-        let frequency = self.half_trace().map(complex).zip(&root, |x, y| x + y).root();
-        let sign = frequency.value.im.signum();
-        frequency.map(|x| -sign * x.im)
+    /// Minus the square of the growth rate of a complex pair, `(h - sqrt(det D)) / 2`; as smooth where branches are real, and
+    /// positive there. Planar only.
+    pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {
+        let product = self.entry(0, 0).times(&self.entry(1, 1));
+        let mixed = self.entry(0, 1).times(&self.entry(1, 0));
+        let determinant = product.zip(&mixed, |x, y| x - y);
+        let root = determinant.value.sqrt();
+        let first = 0.5 / root;
+        let root = determinant.chain(root, first, -0.5 * first / determinant.value);
+        self.half_trace().zip(&root, |x, y| 0.5 * (x - y))
     }
 
     /// The same as for complex matrices.

@@ -182,7 +182,12 @@ impl<const D: usize> ForceConstants<D> {
                 cell[i] = (rest % side) as i32 - self.reach;
                 rest /= side;
             }
-            pairs.push((cell, 0, matrix(&self.blocks[index]), matrix(&self.blocks[opposite])));
+            pairs.push((
+                cell,
+                0,
+                matrix(&self.blocks[index]),
+                matrix(&self.blocks[opposite]),
+            ));
         }
         while let Some((_, (fractional, forward))) = self.loose.pop_first() {
             let backward = self
@@ -213,7 +218,11 @@ impl<const D: usize> ForceConstants<D> {
         let mut terms = Vec::new();
         for (cell, site, forward, backward) in pairs {
             let even = forward + backward;
-            let odd = if is_inverted { SMatrix::zeros() } else { forward - backward };
+            let odd = if is_inverted {
+                SMatrix::zeros()
+            } else {
+                forward - backward
+            };
             rigid += even;
             if even.amax() > 0.0 || odd.amax() > 0.0 {
                 let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);

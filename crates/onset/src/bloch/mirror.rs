@@ -94,7 +94,11 @@ impl MirrorSums {
             let even = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|at| term.even[at]);
             for (e, even) in even.into_iter().enumerate() {
                 magnitude += even.abs();
-                let (kept, lost) = if e == 0 || e == 3 { (even, sign * even) } else { (-sign * even, even) };
+                let (kept, lost) = if e == 0 || e == 3 {
+                    (even, sign * even)
+                } else {
+                    (-sign * even, even)
+                };
                 factors[index][e] += kept;
                 rest[index][e] += lost;
             }
@@ -164,7 +168,8 @@ impl MirrorSums {
             let factors = self.row(j);
             for i in self.indices(j) {
                 let [f11, f12, f21, f22] = factors[i];
-                let (cosines, sines) = (&cosines[i * width..][..width], &sines[i * width..][..width]);
+                let (cosines, sines) =
+                    (&cosines[i * width..][..width], &sines[i * width..][..width]);
                 for n in 0..width {
                     d11[n] += f11 * cosines[n];
                     d22[n] += f22 * cosines[n];

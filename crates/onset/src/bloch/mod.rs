@@ -13,8 +13,8 @@ mod planar;
 mod search;
 mod spectrum;
 
-pub(crate) use assembly::{Local, dynamical_matrix_with};
 use assembly::moment_matrix;
+pub(crate) use assembly::{Local, dynamical_matrix_with};
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};

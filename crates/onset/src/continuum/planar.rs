@@ -240,9 +240,8 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
             return mean;
         }
         let p1 = 2.0 * half[0] * half[1] + b[1] * c[0] + b[0] * c[1];
-        let p2 = 2.0 * (half[1] * half[1] + half[0] * half[2] + b[1] * c[1])
-            + b[2] * c[0]
-            + b[0] * c[2];
+        let p2 =
+            2.0 * (half[1] * half[1] + half[0] * half[2] + b[1] * c[1]) + b[2] * c[0] + b[0] * c[2];
         let root = p.sqrt();
         [
             mean[0] - root,

@@ -30,9 +30,14 @@ impl Mirror {
         if D != 2 {
             return Vec::new();
         }
-        let place = |cell: [i32; 2]| lattice.vectors() * SVector::from_fn(|i, _| f64::from(cell[i]));
+        let place =
+            |cell: [i32; 2]| lattice.vectors() * SVector::from_fn(|i, _| f64::from(cell[i]));
         let range = || -REACH..=REACH;
-        let cells = || range().flat_map(|m| range().map(move |n| [m, n])).filter(is_primitive);
+        let cells = || {
+            range()
+                .flat_map(|m| range().map(move |n| [m, n]))
+                .filter(is_primitive)
+        };
         let mut mirrors = Vec::new();
         for p in cells().filter(|p| *p > [0, 0]) {
             for q in cells() {
@@ -70,7 +75,8 @@ impl Mirror {
 
     /// `i` and `j` of a lattice vector.
     pub(crate) fn coordinates_of(&self, cell: [i32; 2]) -> [i32; 2] {
-        self.coordinates.map(|row| row[0] * cell[0] + row[1] * cell[1])
+        self.coordinates
+            .map(|row| row[0] * cell[0] + row[1] * cell[1])
     }
 
     /// Whether `i + j` is even for all lattice vectors.
@@ -136,7 +142,9 @@ impl MirrorWaves {
         let inverse_laplacian = [1.0, -1.0].map(|sign| {
             let inverse = |u: f64, v: f64| {
                 let t = mirror.phases([u, sign * v]);
-                1.0 / (0..2).map(|n| weights[n] * (0.5 * t[n]).sin().powi(2)).sum::<f64>()
+                1.0 / (0..2)
+                    .map(|n| weights[n] * (0.5 * t[n]).sin().powi(2))
+                    .sum::<f64>()
             };
             let across = v.iter();
             across

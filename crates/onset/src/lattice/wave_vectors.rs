@@ -1,7 +1,7 @@
 //! Grids of wave vectors over a cell of the reciprocal lattice, and what of them no state changes.
 
-use super::mirror::{Mirror, MirrorWaves};
 use super::BravaisLattice;
+use super::mirror::{Mirror, MirrorWaves};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -163,7 +163,13 @@ impl<const D: usize> WaveGrids<D> {
         let intervals = [filled, steps[1].next_multiple_of(3)];
         let mut made = self.mirrored.lock().unwrap_or_else(PoisonError::into_inner);
         let made = made.entry((number, intervals));
-        let make = || Arc::new(MirrorWaves::new(&self.lattice, self.mirrors[number], intervals));
+        let make = || {
+            Arc::new(MirrorWaves::new(
+                &self.lattice,
+                self.mirrors[number],
+                intervals,
+            ))
+        };
         Arc::clone(made.or_insert_with(make))
     }
 

@@ -214,7 +214,10 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             })
         });
         let energy = self.energy(&DeformationGradient::from_components(jets));
-        let mut values = energy.gradient.iter().chain(energy.hessian.iter().flatten());
+        let mut values = energy
+            .gradient
+            .iter()
+            .chain(energy.hessian.iter().flatten());
         if values.all(|value| value.is_finite()) {
             Ok(PlaneResponse {
                 first_piola: energy.gradient,

@@ -375,7 +375,8 @@ impl<const D: usize> Method<D> {
 fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<QuadraturePoint<D>>> {
     let is_lattice_vector = |x: SVector<f64, D>| (x - x.map(f64::round)).amax() < 1e-12;
     let are_opposite = |a: &QuadraturePoint<D>, b: &QuadraturePoint<D>| {
-        let is_alike = a.is_node == b.is_node && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs();
+        let is_alike =
+            a.is_node == b.is_node && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs();
         is_alike && is_lattice_vector(a.place + b.place)
     };
     let mut halves: Vec<QuadraturePoint<D>> = Vec::new();
@@ -384,7 +385,8 @@ fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<Quadra
         if taken[n] {
             continue;
         }
-        let opposite = (n..points.len()).find(|m| !taken[*m] && are_opposite(&points[n], &points[*m]))?;
+        let opposite =
+            (n..points.len()).find(|m| !taken[*m] && are_opposite(&points[n], &points[*m]))?;
         taken[n] = true;
         taken[opposite] = true;
         let multiplicity = if opposite == n { 1.0 } else { 2.0 };

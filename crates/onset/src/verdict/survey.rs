@@ -214,6 +214,11 @@ impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
     fn from(assessment: &Assessment<D>) -> Self {
         let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
         let material = &assessment.material;
-        Self::new(material.is_elliptic, material.minimum, &assessment.spectrum, has_zero_mode)
+        Self::new(
+            material.is_elliptic,
+            material.minimum,
+            &assessment.spectrum,
+            has_zero_mode,
+        )
     }
 }

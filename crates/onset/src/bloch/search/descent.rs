@@ -436,7 +436,9 @@ pub(super) fn newton_step<const D: usize>(
 
 /// Principal values and axes of a symmetric matrix of up to two rows; of three rows, the axes of the components with
 /// the diagonal, which is good enough to go down.
-pub(super) fn principal<const D: usize>(m: &SMatrix<f64, D, D>) -> ([f64; D], [SVector<f64, D>; D]) {
+pub(super) fn principal<const D: usize>(
+    m: &SMatrix<f64, D, D>,
+) -> ([f64; D], [SVector<f64, D>; D]) {
     let mut values: [f64; D] = std::array::from_fn(|i| m[(i, i)]);
     let mut axes: [SVector<f64, D>; D] =
         std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));

@@ -4,10 +4,10 @@
 //! which need not have the mirror, at each and at its image. Wells of all objectives are found in one pass over a few lines
 //! of the grid at a time, and followed to their bottoms several at once by Newton's method with exact derivatives.
 
-use super::descent::{newton_step, principal};
 use super::Objective;
-use crate::bloch::branches::Taylor;
+use super::descent::{newton_step, principal};
 use crate::bloch::Expansion;
+use crate::bloch::branches::Taylor;
 use crate::bloch::mirror::{LANES, Lanes, MirrorSums};
 use crate::lattice::{BravaisLattice, FILL, Mirror, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
@@ -24,7 +24,7 @@ const STEPS: usize = 24;
 /// A step that is shorter than this over the fastest multiple of a phase leaves an error below rounding.
 const SHORT: f64 = 2e-4;
 /// A well is a valley when its curvatures differ by this factor.
-const SHALLOW: f64 = 0.1;
+const SHALLOW: f64 = 0.3;
 /// How far along a valley others are looked for, in phases.
 const ALONG_VALLEY: f64 = 0.4;
 /// Below these phases a wave counts as long, which the limit covers.
@@ -111,6 +111,8 @@ struct Descent {
     value: f64,
     /// A known bottom of the same valley.
     bottom: Option<[f64; 2]>,
+    /// Whether it has ended in a valley or near a crossing of branches, where the grid does not tell all wells.
+    is_intricate: bool,
     state: State,
 }
 
@@ -141,6 +143,8 @@ pub(super) struct Mirrored<'a> {
     wells: Vec<Well>,
     /// Minus the largest `Re omega^2` of the grid.
     pub(super) lowest: f64,
+    /// Rounding error of the discriminant, negative.
+    rounding: f64,
 }
 
 impl<'a> Mirrored<'a> {
@@ -150,9 +154,12 @@ impl<'a> Mirrored<'a> {
         sums: &'a MirrorSums,
         waves: &'a MirrorWaves,
         requests: &[Request],
+        noise: f64,
     ) -> Self {
         let floor = |objective| {
-            let request = requests.iter().find(|request| request.objective == objective);
+            let request = requests
+                .iter()
+                .find(|request| request.objective == objective);
             request.map_or(f64::NEG_INFINITY, |request| request.floor)
         };
         let mut sweep = Sweep {
@@ -163,7 +170,9 @@ impl<'a> Mirrored<'a> {
             lowest: 0.0,
         };
         Arch::new().dispatch(Sweeping(&mut sweep));
-        let Sweep { mut wells, lowest, .. } = sweep;
+        let Sweep {
+            mut wells, lowest, ..
+        } = sweep;
         wells.sort_by(|a, b| a.value.total_cmp(&b.value));
         Self {
             sums,
@@ -171,6 +180,7 @@ impl<'a> Mirrored<'a> {
             laplacian: Laplacian::new(lattice, &waves.mirror),
             wells,
             lowest,
+            rounding: noise * lowest,
         }
     }
 
@@ -196,6 +206,7 @@ impl<'a> Mirrored<'a> {
         for request in requests {
             if let Some(best) = lowest_of(&descents, request.objective)
                 && request.objective != Objective::Discriminant
+                && best.is_intricate
             {
                 self.look_around(best, &mut others);
             }
@@ -220,7 +231,8 @@ impl<'a> Mirrored<'a> {
         let bests: Vec<Request> = requests
             .iter()
             .map(|request| Request {
-                floor: lowest_of(&descents, request.objective).map_or(request.floor, |best| best.value),
+                floor: lowest_of(&descents, request.objective)
+                    .map_or(request.floor, |best| best.value),
                 ..*request
             })
             .collect();
@@ -228,7 +240,7 @@ impl<'a> Mirrored<'a> {
         descents.append(&mut others);
         // Where branches are complex they grow fastest elsewhere than where the discriminant is lowest.
         let is_complex = |descent: &&Descent| {
-            descent.objective == Objective::Discriminant && descent.value < 0.0
+            descent.objective == Objective::Discriminant && descent.value < self.rounding
         };
         let mut growing: Vec<Descent> = descents
             .iter()
@@ -237,8 +249,35 @@ impl<'a> Mirrored<'a> {
             .collect();
         self.descend(&mut growing, &[]);
         descents.append(&mut growing);
-        if std::env::var("DBG").is_ok() { for w in &self.wells { if w.objective==Objective::Discriminant {eprintln!("W {:?} {:e} {:e}", w.place, w.value, w.bound);} } for d in &descents { eprintln!("D {:?} {} {:?} {:?} {:e}", d.objective, match d.state { State::Running=>"run", State::Settled(Some(_))=>"valley", State::Settled(None)=>"settled", State::Left=>"left", State::Lost=>"lost"}, d.place, d.step, d.value); }
-        eprintln!("G {:?} {:?} {:?}", self.sums.reach, self.sums.effective_reach(), self.waves.intervals); }
+        if std::env::var("DBG").is_ok() {
+            for w in &self.wells {
+                if w.objective == Objective::Discriminant {
+                    eprintln!("W {:?} {:e} {:e}", w.place, w.value, w.bound);
+                }
+            }
+            for d in &descents {
+                eprintln!(
+                    "D {:?} {} {:?} {:?} {:e}",
+                    d.objective,
+                    match d.state {
+                        State::Running => "run",
+                        State::Settled(Some(_)) => "valley",
+                        State::Settled(None) => "settled",
+                        State::Left => "left",
+                        State::Lost => "lost",
+                    },
+                    d.place,
+                    d.step,
+                    d.value
+                );
+            }
+            eprintln!(
+                "G {:?} {:?} {:?}",
+                self.sums.reach,
+                self.sums.effective_reach(),
+                self.waves.intervals
+            );
+        }
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
             _ => Some(Bottom {
@@ -272,8 +311,14 @@ impl<'a> Mirrored<'a> {
 
     /// The starts of the descents for one objective.
     fn start(&self, request: &Request, soft: [f64; 2], descents: &mut Vec<Descent>) {
-        let own = || self.wells.iter().filter(|well| well.objective == request.objective);
-        let best = own().next().map_or(request.floor, |well| request.floor.min(well.value));
+        let own = || {
+            self.wells
+                .iter()
+                .filter(|well| well.objective == request.objective)
+        };
+        let best = own()
+            .next()
+            .map_or(request.floor, |well| request.floor.min(well.value));
         for well in own().filter(|well| well.bound <= best).take(WELLS) {
             descents.push(Descent::from(request.objective, well.place));
         }
@@ -284,9 +329,12 @@ impl<'a> Mirrored<'a> {
         // in angle for the grid. What falls on beyond is seen from there.
         let steps = [0.15, 0.35, 0.7, 1.2];
         let places = steps.map(|step| soft.map(|x| x * step));
-        let expansions = self.sums.expansions(&places.map(|place| place[0]), &places.map(|place| place[1]));
+        let expansions = self
+            .sums
+            .expansions(&places.map(|place| place[0]), &places.map(|place| place[1]));
         let ray: [f64; LANES] = std::array::from_fn(|lane| {
-            self.objective(request.objective, &expansions.of(lane), places[lane]).value
+            self.objective(request.objective, &expansions.of(lane), places[lane])
+                .value
         });
         let is_dip = |n: &usize| (*n == 0 || ray[n - 1] >= ray[*n]) && ray[n + 1] >= ray[*n];
         if let Some(n) = (0..LANES - 1).find(is_dip) {
@@ -309,20 +357,42 @@ impl<'a> Mirrored<'a> {
                 };
                 let expansions = self.sums.expansions(&lane(0), &lane(1));
                 for (lane, n) in chunk.iter().enumerate() {
-                    let Descent { objective, place, .. } = descents[*n];
+                    let Descent {
+                        objective, place, ..
+                    } = descents[*n];
                     let floor = Self::floor(objective, requests, descents);
-                    let taylor = self.objective(objective, &expansions.of(lane), place);
-                    descents[*n].proceed(&taylor, floor, self);
+                    let expansion = expansions.of(lane);
+                    let taylor = self.objective(objective, &expansion, place);
+                    let descent = &mut descents[*n];
+                    descent.proceed(&taylor, floor, self);
+                    if let State::Settled(valley) = descent.state {
+                        descent.is_intricate =
+                            valley.is_some() || self.is_near_crossing(&expansion);
+                    }
                 }
             }
         }
     }
 
+    /// Whether the discriminant may vanish within two steps of the grid.
+    fn is_near_crossing(&self, d: &Expansion<f64, 2>) -> bool {
+        let p = d.discriminant();
+        let along = |axis: usize| {
+            let step = 2.0 * self.waves.steps[axis];
+            step * p.gradient[axis].abs() + 0.5 * step * step * p.hessian[axis][axis].abs()
+        };
+        p.value < along(0) + along(1)
+    }
+
     /// What a descent has to get below: the floor of the search, and what others have reached; of the discriminant, all of
     /// whose wells are wanted, the former alone.
     fn floor(objective: Objective, requests: &[Request], descents: &[Descent]) -> f64 {
-        let requests = requests.iter().filter(|request| request.objective == objective);
-        let floor = requests.map(|request| request.floor).fold(f64::INFINITY, f64::min);
+        let requests = requests
+            .iter()
+            .filter(|request| request.objective == objective);
+        let floor = requests
+            .map(|request| request.floor)
+            .fold(f64::INFINITY, f64::min);
         if objective == Objective::Discriminant {
             return floor;
         }
@@ -337,11 +407,16 @@ impl<'a> Mirrored<'a> {
     }
 
     /// An objective with its derivatives by the phases; infinite for waves that are too long to be sought.
-    fn objective(&self, objective: Objective, d: &Expansion<f64, 2>, place: [f64; 2]) -> Taylor<f64, 2> {
+    fn objective(
+        &self,
+        objective: Objective,
+        d: &Expansion<f64, 2>,
+        place: [f64; 2],
+    ) -> Taylor<f64, 2> {
         match objective {
             Objective::Highest => d.branch(1.0).map(|x| -x),
             Objective::Lowest => d.branch(-1.0),
-            Objective::Growth => d.negative_growth(),
+            Objective::Growth => d.negative_square_of_growth(),
             Objective::Discriminant => {
                 let discriminant = d.discriminant();
                 if self.steps_from_origin(place) < FLAT {
@@ -377,7 +452,9 @@ fn is_of_lowest_branch(objective: Objective) -> bool {
 }
 
 fn lowest_of(descents: &[Descent], objective: Objective) -> Option<&Descent> {
-    let own = descents.iter().filter(|descent| descent.objective == objective);
+    let own = descents
+        .iter()
+        .filter(|descent| descent.objective == objective);
     own.filter(|descent| matches!(descent.state, State::Settled(_)))
         .min_by(|a, b| a.value.total_cmp(&b.value))
 }
@@ -391,6 +468,7 @@ impl Descent {
             step: [0.0; 2],
             value: f64::INFINITY,
             bottom: None,
+            is_intricate: false,
             state: State::Running,
         }
     }
@@ -398,7 +476,8 @@ impl Descent {
     /// A step of Newton's method with what is known of the place reached, back towards the last one if that was lower.
     fn proceed(&mut self, here: &Taylor<f64, 2>, floor: f64, search: &Mirrored) {
         let reach = search.sums.reach;
-        let length = |step: [f64; 2]| (step[0].abs() * reach[0] as f64).max(step[1].abs() * reach[1] as f64);
+        let length =
+            |step: [f64; 2]| (step[0].abs() * reach[0] as f64).max(step[1].abs() * reach[1] as f64);
         if here.value == f64::INFINITY && search.steps_from_origin(self.last) < NEAR {
             self.state = State::Left;
             return;
@@ -430,7 +509,10 @@ impl Descent {
         if length(self.step) < SHORT || decrease <= 1e-14 * self.value.abs() {
             self.value -= 0.5 * decrease;
             self.state = State::Settled(valley(&curvature));
-        } else if self.bottom.is_some_and(|bottom| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < SAME)) {
+        } else if self
+            .bottom
+            .is_some_and(|bottom| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < SAME))
+        {
             self.state = State::Left;
         } else if self.value - 4.0 * decrease > floor {
             self.state = State::Left;
@@ -494,7 +576,10 @@ impl Sweep<'_> {
         let (lowest, rest) = rest.split_at_mut(width);
         let (highest, discriminant) = rest.split_at_mut(width);
         let [own, other] = &self.waves.inverse_laplacian;
-        let (own, other) = (&own[line * width..][..width], &other[line * width..][..width]);
+        let (own, other) = (
+            &own[line * width..][..width],
+            &other[line * width..][..width],
+        );
         let [cosines, sines] = &self.waves.across;
         for start in (0..width).step_by(FILL) {
             let mut entries = [[0.0; FILL]; 4];
@@ -508,7 +593,8 @@ impl Sweep<'_> {
                     }
                 }
             }
-            let at = |values: &'_ [f64]| -> [f64; FILL] { std::array::from_fn(|l| values[start + l]) };
+            let at =
+                |values: &'_ [f64]| -> [f64; FILL] { std::array::from_fn(|l| values[start + l]) };
             let (own, other) = (at(own), at(other));
             for l in 0..FILL {
                 let mean = 0.5 * (entries[0][l] + entries[3][l]);
@@ -559,13 +645,26 @@ impl Sweep<'_> {
                 if objective == Objective::Highest {
                     self.lowest = self.lowest.min(here[n]);
                 }
-                self.record(objective, is_image, [n, line], [before, here, behind], self.floors[number]);
+                self.record(
+                    objective,
+                    is_image,
+                    [n, line],
+                    [before, here, behind],
+                    self.floors[number],
+                );
             }
         }
     }
 
     /// Notes a well of the grid, unless it is not going to reach below the floor.
-    fn record(&mut self, objective: Objective, is_image: bool, at: [usize; 2], lines: [&[f64]; 3], floor: f64) {
+    fn record(
+        &mut self,
+        objective: Objective,
+        is_image: bool,
+        at: [usize; 2],
+        lines: [&[f64]; 3],
+        floor: f64,
+    ) {
         let n = at[0];
         let [a, b, c] = lines.map(|line| [line[n - 1], line[n], line[n + 1]]);
         let value = b[1];
@@ -579,7 +678,12 @@ impl Sweep<'_> {
         // To the bottom of the paraboloid through the points around.
         let slope = Vector2::new(0.5 * (b[2] - b[0]), 0.5 * (c[1] - a[1]));
         let mixed = 0.25 * (c[2] - c[0] - a[2] + a[0]);
-        let curvature = Matrix2::new(b[2] + b[0] - 2.0 * value, mixed, mixed, c[1] + a[1] - 2.0 * value);
+        let curvature = Matrix2::new(
+            b[2] + b[0] - 2.0 * value,
+            mixed,
+            mixed,
+            c[1] + a[1] - 2.0 * value,
+        );
         let determinant = curvature.determinant();
         if determinant > 0.0 && determinant.is_finite() {
             let step = [

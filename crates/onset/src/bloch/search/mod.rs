@@ -242,7 +242,9 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The rigid translation, with the scaled measure of its neighborhood.
     fn rest(&self, matrix: &DynamicalMatrix<D>, scaled: f64) -> Mode<D> {
-        let d = matrix.rigid_translation().map(|entry| Complex::new(entry, 0.0));
+        let d = matrix
+            .rigid_translation()
+            .map(|entry| Complex::new(entry, 0.0));
         let omega_squared = eigenvalues(&d, matrix.noise())[0];
         Mode {
             wave_vector: SVector::zeros(),
@@ -321,7 +323,11 @@ impl<const D: usize> ZoneSearch<D> {
         long_wave: &Mode<D>,
         rest: &Mode<D>,
     ) -> Wells<D> {
-        let mirrors = if self.is_periodic { self.grids.mirrors() } else { &[] };
+        let mirrors = if self.is_periodic {
+            self.grids.mirrors()
+        } else {
+            &[]
+        };
         let Some(sums) = matrix.mirror_sums(mirrors) else {
             let grid = self.grid(matrix, points_per_period, long_wave.wave_vector);
             return Wells::Grid(grid);
@@ -334,8 +340,12 @@ impl<const D: usize> ZoneSearch<D> {
             request(Objective::Highest, f64::INFINITY),
             request(Objective::Discriminant, 0.0),
         ];
-        let requests = if matrix.is_hermitian() { &requests[..3] } else { &requests };
-        let search = Mirrored::new(self.reference(), &sums, &waves, requests);
+        let requests = if matrix.is_hermitian() {
+            &requests[..3]
+        } else {
+            &requests
+        };
+        let search = Mirrored::new(self.reference(), &sums, &waves, requests, matrix.noise());
         let k = long_wave.wave_vector;
         let phases = |n: usize| k.dot(&self.reference().vectors().column(n));
         let soft = search.step_along([phases(0), phases(1)]);
@@ -422,7 +432,11 @@ impl<const D: usize> Wells<D> {
             Self::Grid(grid) => return search.bottom(matrix, grid, objective, floor),
             Self::Mirrored { bottoms, .. } => bottoms,
         };
-        let own = || bottoms.iter().filter(|bottom| bottom.objective == objective);
+        let own = || {
+            bottoms
+                .iter()
+                .filter(|bottom| bottom.objective == objective)
+        };
         let settled = own().filter(|bottom| bottom.is_settled);
         let mut best = settled
             .min_by(|a, b| a.value.total_cmp(&b.value))
