@@ -292,3 +292,81 @@ impl<const COUNT: usize> Multiples<COUNT> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LANES, MirrorSums};
+    use crate::bloch::{DynamicalMatrix, dynamical_matrix};
+    use crate::kinematics::DeformationGradient;
+    use crate::material::ModifiedMooneyRivlin;
+    use crate::method::{Discretization, Frame, Method};
+    use nalgebra::Vector2;
+
+    fn eulerian() -> Method<2> {
+        Method::new(Discretization {
+            frame: Frame::Eulerian,
+            ..Discretization::default()
+        })
+        .expect("an admissible method")
+    }
+
+    fn at(method: &Method<2>, f: [[f64; 2]; 2]) -> (DynamicalMatrix<2>, Option<MirrorSums>) {
+        let state = DeformationGradient::plane_strain(f, 1.0).expect("positive");
+        let d = dynamical_matrix(method, &ModifiedMooneyRivlin::default(), &state).expect("finite");
+        let sums = d.mirror_sums(method.wave_grids().mirrors());
+        (d, sums)
+    }
+
+    #[test]
+    fn only_states_that_keep_a_mirror_line_have_the_sums() {
+        let method = eulerian();
+        assert!(at(&method, [[1.2, 0.0], [0.0, 0.9]]).1.is_some());
+        // A quarter turn exchanges the axes.
+        assert!(at(&method, [[0.0, -0.9], [1.2, 0.0]]).1.is_some());
+        assert!(at(&method, [[1.2, 1e-6], [0.0, 0.9]]).1.is_none());
+        let (sine, cosine) = 0.4_f64.sin_cos();
+        // The lattice turned against the load.
+        let turned = [[1.2 * cosine, -1.2 * sine], [0.9 * sine, 0.9 * cosine]];
+        assert!(at(&method, turned).1.is_none());
+        // By a multiple of 30 degrees it has a mirror again, another one.
+        let (sine, cosine) = (std::f64::consts::PI / 6.0).sin_cos();
+        let turned = [[1.2 * cosine, -1.2 * sine], [0.9 * sine, 0.9 * cosine]];
+        let (first, other) = (
+            at(&method, [[1.2, 0.0], [0.0, 0.9]]).1,
+            at(&method, turned).1,
+        );
+        assert_ne!(first.map(|sums| sums.number), other.map(|sums| sums.number));
+    }
+
+    #[test]
+    fn sums_along_the_mirror_lines_are_the_matrix_with_its_derivatives() {
+        let method = eulerian();
+        let (d, sums) = at(&method, [[1.2, 0.0], [0.0, 0.7]]);
+        let sums = sums.expect("a mirror line");
+        let (u, v) = ([0.3, -1.2, 2.0, 0.1], [1.1, 0.4, -0.7, 2.9]);
+        let expansions = sums.expansions(&u, &v);
+        let exact = |u: f64, v: f64| {
+            let phases = Vector2::from(sums.mirror.phases([u, v])) / std::f64::consts::TAU;
+            d.at(&(method.lattice().reciprocal() * phases))
+                .map(|entry| entry.re)
+        };
+        let h = 1e-4;
+        for lane in 0..LANES {
+            let (u, v) = (u[lane], v[lane]);
+            let expansion = expansions.of(lane);
+            assert!((expansion.value - exact(u, v)).amax() < 1e-12);
+            let [ahead, behind] = [h, -h].map(|h| exact(u + h, v));
+            assert!((expansion.gradient[0] - (ahead - behind) / (2.0 * h)).amax() < 1e-5);
+            let second = (ahead + behind - exact(u, v) * 2.0) / (h * h);
+            assert!((expansion.hessian[0][0] - second).amax() < 1e-4);
+            let [up, down] = [h, -h].map(|h| exact(u, v + h));
+            assert!((expansion.gradient[1] - (up - down) / (2.0 * h)).amax() < 1e-5);
+            let second = (up + down - exact(u, v) * 2.0) / (h * h);
+            assert!((expansion.hessian[1][1] - second).amax() < 1e-4);
+            let corner = |a: f64, b: f64| exact(u + a * h, v + b * h);
+            let mixed =
+                corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0);
+            assert!((expansion.hessian[0][1] - mixed / (4.0 * h * h)).amax() < 1e-4);
+        }
+    }
+}

@@ -148,7 +148,8 @@ impl<const D: usize> ZoneSearch<D> {
         // on a coarse grid, sought in the order of what they cost.
         let long_wave = self.long_wave_limit(matrix);
         let mut measure = long_wave.scaled;
-        if self.rest(matrix, measure).omega_squared.re < 0.0 {
+        let rest = self.rest(matrix, measure);
+        if rest.omega_squared.re < 0.0 {
             return (Stability::Divergence, measure);
         }
         if measure >= -tolerance {
@@ -157,23 +158,27 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return (Stability::Divergence, measure);
         }
-        let coarse = self.grid(matrix, COARSE, long_wave.wave_vector);
-        measure = measure.min(coarse.minimum(Objective::Scaled).0);
-        if measure < -tolerance {
-            return (Stability::Divergence, measure);
-        }
-        // Branches of a matrix that is not Hermitian can be complex in small pockets.
-        let grid = if matrix.is_hermitian() {
-            coarse
-        } else {
-            self.grid(matrix, FINE, long_wave.wave_vector)
+        let wells = match self.wells(matrix, COARSE, &long_wave, &rest) {
+            Wells::Grid(coarse) => {
+                measure = measure.min(coarse.minimum(Objective::Scaled).0);
+                if measure < -tolerance {
+                    return (Stability::Divergence, measure);
+                }
+                // Branches of a matrix that is not Hermitian can be complex in small pockets.
+                Wells::Grid(if matrix.is_hermitian() {
+                    coarse
+                } else {
+                    self.grid(matrix, FINE, long_wave.wave_vector)
+                })
+            }
+            mirrored => mirrored,
         };
-        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, ACCURATE) {
+        if let Some(bottom) = wells.bottom(self, matrix, Objective::Scaled, ACCURATE) {
             measure = measure.min(bottom.0);
         }
         if measure < -tolerance {
             (Stability::Divergence, measure)
-        } else if self.flutter(matrix, &Wells::Grid(grid)).is_some() {
+        } else if self.flutter(matrix, &wells).is_some() {
             (Stability::Flutter, measure)
         } else {
             (Stability::Stable, measure)
@@ -452,10 +457,7 @@ impl<const D: usize> Wells<D> {
     /// The largest `Re omega^2` of the grid.
     fn largest(&self) -> f64 {
         match self {
-            Self::Grid(grid) => {
-                let highest = grid.spectrum.highest.iter();
-                highest.map(|value| value.abs()).fold(0.0, f64::max)
-            }
+            Self::Grid(grid) => grid.largest(),
             Self::Mirrored { largest, .. } => *largest,
         }
     }
