@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use onset::bloch::{SpectrumSummary, dynamical_matrix};
 use onset::kinematics::DeformationGradient;
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{Discretization, Frame, Method, MethodError};
+use onset::method::{Background, CurrentLattice, Discretization, Frame, Method, MethodError};
 use onset::quadrature::Quadrature;
 use onset::verdict::{Survey, speed_squared, zone_search};
 use proptest::prelude::*;
@@ -38,11 +38,12 @@ proptest! {
     #![proptest_config(config(120))]
 
     #[test]
-    fn the_axes_of_space_move_no_extreme(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
+    fn a_quarter_of_the_zone_tells_no_less_than_the_whole(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
         // Along the axes force constants have a mirror line; turned by an angle that is none of the lattice's the whole zone
-        // is searched. The lattice is the same. (A regular arrangement does not turn with the state.)
+        // is searched. (A regular arrangement does not turn with the state, nor does an interpolated background.)
         let discretization = Discretization {
-            lattice: onset::method::CurrentLattice::Convected,
+            lattice: CurrentLattice::Convected,
+            background: Background::Imposed,
             ..case.discretization
         };
         let case = Case { discretization, ..case };
@@ -54,13 +55,14 @@ proptest! {
             return Ok(());
         };
         let (a, b) = (mirrored.softest.scaled, whole.softest.scaled);
-        prop_assert!((a - b).abs() <= 1e-9 + 1e-9 * b.abs(), "softest {a} and {b}");
+        prop_assert!(a <= b + 1e-9 + 1e-9 * b.abs(), "softest {a} above {b}");
         let (a, b) = (mirrored.lowest.omega_squared.re, whole.lowest.omega_squared.re);
         let largest = whole.maximum_omega.powi(2);
-        prop_assert!((a - b).abs() <= 1e-8 * largest, "lowest {a} and {b}");
-        prop_assert!((mirrored.maximum_omega.powi(2) - largest).abs() <= 1e-9 * largest);
+        prop_assert!(a <= b + 1e-9 * largest, "lowest {a} above {b}");
+        prop_assert!(mirrored.maximum_omega.powi(2) >= largest * (1.0 - 1e-9));
         let (a, b) = (mirrored.growth_rate(), whole.growth_rate());
-        prop_assert!((a - b).abs() <= 1e-4 * largest.sqrt(), "growth {a} and {b}");
+        // Pockets in which branches are complex can be narrower than any grid.
+        prop_assert!(a >= b - 1e-3 * largest.sqrt(), "growth {a} below {b}");
     }
 }
 
