@@ -141,6 +141,22 @@ impl<const D: usize> Stiffness<D> {
         Self(self.0.map(|row| row.map(|block| block / scale)))
     }
 
+    /// The same by a descent from the lowest of many directions: several times faster in two dimensions, for stiffnesses
+    /// that need no certainty, and without a bound.
+    pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
+        if D != 2 {
+            return self.minimum();
+        }
+        let direction = planar::descended_direction(self);
+        let (eigenvalue, polarization) = self.smallest_eigenpair(&direction);
+        AcousticMinimum {
+            eigenvalue,
+            direction: oriented(direction),
+            polarization,
+            bound: f64::NEG_INFINITY,
+        }
+    }
+
     /// The largest component.
     fn magnitude(&self) -> f64 {
         self.0

@@ -100,6 +100,15 @@ pub trait StrainEnergy {
 /// The tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]`.
 pub type PlaneTangent = [[f64; 4]; 4];
 
+/// The parts of stress and tangent that act within the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneResponse {
+    /// `P_iJ` at `[2 i + J]`.
+    pub first_piola: [f64; 4],
+    /// `A_iJkL`.
+    pub tangent: PlaneTangent,
+}
+
 /// A material as the rest of the program sees it.
 pub trait Hyperelastic: Send + Sync {
     /// Energy, stress and tangent at a state.
@@ -119,6 +128,21 @@ pub trait Hyperelastic: Send + Sync {
         Ok(std::array::from_fn(|a| {
             std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
         }))
+    }
+
+    /// The parts of stress and tangent that act within the plane. Units of stress.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] when they over- or underflow.
+    fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
+        let response = self.response(f)?;
+        let tangent = &response.tangent;
+        Ok(PlaneResponse {
+            first_piola: std::array::from_fn(|a| response.first_piola[(a / 2, a % 2)]),
+            tangent: std::array::from_fn(|a| {
+                std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
+            }),
+        })
     }
 
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.
@@ -198,6 +222,10 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
+        Ok(self.plane_response(f)?.tangent)
+    }
+
+    fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         self.admits(f)?;
         // The other components are constants: four variables instead of nine.
         let components = f.components();
@@ -209,13 +237,15 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             })
         });
         let energy = self.energy(&DeformationGradient::from_components(jets));
-        if energy
-            .hessian
+        let mut values = energy
+            .gradient
             .iter()
-            .flatten()
-            .all(|value| value.is_finite())
-        {
-            Ok(energy.hessian)
+            .chain(energy.hessian.iter().flatten());
+        if values.all(|value| value.is_finite()) {
+            Ok(PlaneResponse {
+                first_piola: energy.gradient,
+                tangent: energy.hessian,
+            })
         } else {
             Err(MaterialError::NotFinite {
                 jacobian: f.jacobian(),
