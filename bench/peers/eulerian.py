@@ -94,6 +94,17 @@ def neighborhood(smallest_stretches):
     return Neighborhood(points, window, vectors, (vectors + last) @ flat, (last - vectors) @ flat)
 
 
+def all_points(smallest_stretches):
+    """All quadrature points of a cell, with all of their neighbors at states with at least these stretches."""
+    points = []
+    for place in (lattice.NODE, lattice.TRIANGLE, 2.0 * lattice.TRIANGLE):
+        cells = lattice.cells_within(place, lattice.SUPPORT, smallest_stretches)
+        offsets, every = (cells - place) @ lattice.VECTORS, np.arange(len(cells))
+        is_node = place is lattice.NODE
+        points.append(Point(is_node, 1.0, offsets, every, every, np.ones(len(cells)), None, None))
+    return points
+
+
 def cosines(neighborhood, fractions):
     """cos(k.R) - 1 [K, R], without cancellation for long waves."""
     return -2.0 * np.sin(np.pi * fractions @ neighborhood.vectors.T) ** 2

@@ -13,6 +13,7 @@ from jax import lax
 
 from . import eulerian, lagrangian, lattice, material
 from .bins import Bins
+from .states import LOW
 from .threads import CORES, in_threads
 from .zone import Zone, finished
 
@@ -162,6 +163,40 @@ def eulerian_extremes(cosines, scale, index, constants, seen):
     return (lost(minimum), *map(lost, rest))
 
 
+def eulerian_matrices_plain(points, k, s):
+    """D(k) [K, 4] of one state, as one writes it at first: Fourier sums over a fixed list of neighbors."""
+    f = diagonal(s[:, None])
+    jacobian, sigma, a = eulerian.spatial(jnp, f)
+    d, seen = 0.0, True
+    for point in points:
+        of_i, of_k, alone, enough = eulerian.factors(jnp, point, f, sigma, a, lattice.VOLUME_FRACTION * jacobian)
+        of_i, of_k = of_i[..., 0], of_k[..., 0]
+        phases = jnp.exp(1j * (k @ point.offsets.T))
+        # A translation is free: D(0) = 0.
+        for waves, sign in ((phases, 1.0), (jnp.ones((1, len(point.offsets))), -1.0)):
+            left, right = waves.conj() @ of_i, waves @ of_k
+            part = left[:, 12:13] * right[:, 3:7]
+            for n in range(3):
+                part = part + left[:, 4 * n : 4 * n + 4] * right[:, n : n + 1]
+            if alone is not None:
+                part = part + waves.conj() @ alone[..., 0]
+            d = d + sign * part
+        seen = seen & enough[0]
+    return d, seen
+
+
+def eulerian_extremes_plain(points, k, scale, s):
+    """The extremes of one state."""
+    d, seen = eulerian_matrices_plain(points, k, s)
+    mean, half = 0.5 * (d[:, 0] + d[:, 3]), 0.5 * (d[:, 0] - d[:, 3])
+    root = jnp.sqrt(half * half + d[:, 1] * d[:, 2])
+    omega_squared = jnp.stack([mean - root, mean + root])
+    scaled = jnp.min(omega_squared.real, axis=0) * scale
+    growth = 0.5 * (jnp.abs(omega_squared) - omega_squared.real)
+    found = jnp.min(scaled), jnp.argmin(scaled), jnp.max(omega_squared.real), jnp.max(growth)
+    return tuple(jnp.where(seen, value, jnp.nan) for value in found)
+
+
 class LagrangianMap:
     """The extremes of states over the zone of the Lagrangian kernel."""
 
@@ -230,3 +265,22 @@ class EulerianMap:
 
     def __call__(self, states, cores=CORES):
         return finished(self.zone, *self.bins.map(self.evaluate, states, self.batch, cores, in_threads))
+
+
+class PlainEulerianMap:
+    """The same as one writes it at first: `vmap` over states, all points of the zone, complex exponentials."""
+
+    def __init__(self, resolution=48, batch=16):
+        self.zone = Zone(resolution, "none")
+        self.batch = batch
+        points = eulerian.all_points((LOW, LOW))
+        k, scale = lattice.wave_vectors(self.zone.fractions), self.zone.scale
+        self.evaluate = jax.jit(jax.vmap(lambda s: eulerian_extremes_plain(points, k, scale, s)))
+
+    def __call__(self, states, cores=CORES):
+        count = len(states)
+        padded = np.concatenate([states, np.repeat(states[-1:], -count % self.batch, axis=0)])
+        work = lambda s: [np.asarray(x) for x in self.evaluate(s)]
+        parts = in_threads(work, padded.reshape(-1, self.batch, 2), cores)
+        columns = [np.concatenate(column)[:count] for column in zip(*parts)]
+        return finished(self.zone, *columns)

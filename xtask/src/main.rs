@@ -1,6 +1,7 @@
 //! Tasks of the workspace: `cargo xtask test`, `figures`, `schema` and `bench`.
 
 mod bench;
+mod fortran;
 mod python;
 
 use std::path::Path;
@@ -60,7 +61,7 @@ fn main() -> ExitCode {
     let done = match task.as_deref() {
         Some("test") => test(),
         Some("schema") => write_schema(),
-        Some("figures") => run(FIGURES, None) && copy_figures(),
+        Some("figures") => run(FIGURES, &[]) && copy_figures(),
         Some("bench") => reported(bench::run(
             std::env::args().nth(2).as_deref() == Some("--quick"),
         )),
@@ -78,13 +79,24 @@ fn main() -> ExitCode {
     }
 }
 
-/// All that must hold, with an interpreter for the tests that open results in Python.
+/// All that must hold, with an interpreter for the tests that open results in Python and a compiler for those that run user
+/// materials in Fortran.
 fn test() -> bool {
     let requirements = Path::new("crates/onset-cli/tests/python/requirements.txt");
-    match python::environment("test", requirements) {
-        Ok(interpreter) => run(TEST, Some(&interpreter)),
+    let tools = python::environment("test", requirements)
+        .map_err(|error| format!("Python environment: {error}"))
+        .and_then(|interpreter| {
+            let compiler =
+                fortran::compiler().map_err(|error| format!("Fortran compiler: {error}"))?;
+            Ok((interpreter, compiler))
+        });
+    match tools {
+        Ok((interpreter, compiler)) => run(
+            TEST,
+            &[("ONSET_PYTHON", &interpreter), ("ONSET_FORTRAN", &compiler)],
+        ),
         Err(error) => {
-            eprintln!("== Python environment: {error}");
+            eprintln!("== {error}");
             false
         }
     }
@@ -98,17 +110,15 @@ fn reported(result: Result<(), String>) -> bool {
     result.is_ok()
 }
 
-fn run(steps: &[Step], interpreter: Option<&Path>) -> bool {
+fn run(steps: &[Step], tools: &[(&str, &Path)]) -> bool {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     steps.iter().all(|(purpose, arguments)| {
         eprintln!("== {purpose}: cargo {}", arguments.join(" "));
         let mut command = Command::new(&cargo);
         command
             .args(*arguments)
-            .env("RUSTDOCFLAGS", "--deny warnings");
-        if let Some(interpreter) = interpreter {
-            command.env("ONSET_PYTHON", interpreter);
-        }
+            .env("RUSTDOCFLAGS", "--deny warnings")
+            .envs(tools.iter().copied());
         let status = command.status();
         let done = status.as_ref().is_ok_and(std::process::ExitStatus::success);
         if !done {

@@ -1,24 +1,62 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand};
-use onset_study::settings::KEYS;
+use onset_study::audit::Convention;
+use onset_study::localization::PARAMETERS;
+use onset_study::notions::{Mode, Range as Stretches};
+use onset_study::settings::{KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
 
 /// The keys that `--set` takes, from the one table that defines them.
 fn keys() -> String {
-    let line = |key: &onset_study::settings::Key| {
-        let (meaning, default) = (key.meaning, key.default_value());
+    let line = |key: &Key| {
+        let default = match key.default_value().as_str() {
+            "" => String::new(),
+            default => format!(" [default: {default}]"),
+        };
+        let meaning = key.meaning;
         format!(
-            "  {:<31} {meaning} [default: {default}]\n{:34}{}\n",
+            "  {:<31} {meaning}{default}\n{:34}{}\n",
             key.name,
             "",
             key.expects()
         )
     };
+    let (of_laws, others): (Vec<&Key>, Vec<&Key>) = KEYS.iter().partition(|key| key.is_parameter());
+    let (model, others): (Vec<&Key>, Vec<&Key>) = others
+        .into_iter()
+        .partition(|key| key.name == "material.model");
+    let lines = |keys: Vec<&Key>| keys.into_iter().map(line).collect::<String>();
+    format!(
+        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` tells which it has\n{}",
+        lines(model),
+        "material.<parameter>",
+        of_laws.len(),
+        "",
+        lines(others)
+    )
+}
+
+/// The parameters of `onset localize`, from the one table that defines them.
+fn plastic_parameters() -> String {
+    let line = |parameter: &onset_study::localization::Parameter| {
+        let (name, meaning, default) = (parameter.name, parameter.meaning, parameter.default);
+        let condition = parameter
+            .only_with
+            .map_or(String::new(), |(needed, words)| {
+                let needed = needed.trim_start_matches("plasticity.");
+                format!("; only with {needed} = {}", words.join(" or "))
+            });
+        format!(
+            "  {name:<31} {meaning} [default: {default}]\n{:34}{}{condition}\n",
+            "",
+            parameter.kind.expects()
+        )
+    };
     format!(
         "Keys of --set:\n{}",
-        KEYS.iter().map(line).collect::<String>()
+        PARAMETERS.iter().map(line).collect::<String>()
     )
 }
 
@@ -105,12 +143,21 @@ pub enum Command {
         #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
         to: String,
     },
+    /// Where along a loading path does a plastic material localize, in which kind of band, and at which angle?
+    #[command(after_help = plastic_parameters())]
+    Localize(LocalizeArguments),
     /// The verdict on every state of a study, with numbers, into a Zarr store that can be interrupted and gone on with.
     Map(MapArguments),
+    /// Along standard loadings, where does each notion of stability end: ellipticity, Hill, Drucker, Baker-Ericksen, largest load, ...?
+    #[command(after_help = keys())]
+    Notions(NotionsArguments),
+    /// The safe range of a law on one page: the stretches within which it is strongly elliptic.
+    #[command(after_help = keys())]
+    Card(CardArguments),
     /// What there is to choose from, with formulas, parameters and sources.
     List {
-        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes or
-        /// linearizations; everything when left out.
+        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
+        /// linearizations, or formula for the language of typed laws; everything when left out.
         topic: Option<String>,
         /// Print one JSON document.
         #[arg(long)]
@@ -161,6 +208,12 @@ pub enum Command {
         #[arg(long, value_name = "PATH", default_value = ".")]
         out: PathBuf,
     },
+    /// Is a material what its author believes: does its stress follow from an energy, and which tangent is its tangent?
+    #[command(after_help = keys())]
+    Audit(AuditArguments),
+    /// Print the Fortran source of Abaqus's utility routines (SINV, SPRINC, ROTSIG, XIT, ...), to compile with a UMAT that calls
+    /// them.
+    UmatUtilities,
     /// Print the JSON Schema of study files, for editors and other programs.
     Schema,
     /// Reproduce the paper: every figure, and a table with a verdict on every claim.
@@ -172,6 +225,47 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+}
+
+/// A law, and the stretches of interest.
+#[derive(Debug, Args)]
+pub struct LawArguments {
+    /// A study file whose law is meant [default: the law of --set alone].
+    pub file: Option<PathBuf>,
+    /// Set a key, for example material.model=blatz-ko (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+    /// The smallest and the largest stretch.
+    #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
+    pub range: Stretches,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Notions of stability.
+#[derive(Debug, Args)]
+pub struct NotionsArguments {
+    /// The law.
+    #[command(flatten)]
+    pub law: LawArguments,
+    /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
+    #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
+    pub modes: Vec<Mode>,
+    /// Folder for notions.svg and notions.png; no figure when left out.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A card.
+#[derive(Debug, Args)]
+pub struct CardArguments {
+    /// The law.
+    #[command(flatten)]
+    pub law: LawArguments,
+    /// Folder for card.html, card.json, card.svg and card.png.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
 }
 
 /// A map.
@@ -203,6 +297,108 @@ pub struct MapArguments {
     pub assignments: Vec<String>,
 }
 
+/// A plastic material and its loading.
+#[derive(Debug, Args)]
+pub struct LocalizeArguments {
+    /// Yield surface and flow rule: drucker-prager or j2; short for --set plasticity.model=MODEL.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<String>,
+    /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear or triaxial-compression; short for
+    /// --set plasticity.path=PATH.
+    #[arg(long, value_name = "PATH")]
+    pub path: Option<String>,
+    /// tension or compression; short for --set plasticity.load=LOAD.
+    #[arg(long, value_name = "LOAD")]
+    pub load: Option<String>,
+    /// Set a parameter, for example plasticity.friction=0.7 (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+    /// Folder for localize.svg, localize.png, localize.csv and localize-directions.csv; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A range of stretches as typed.
+fn stretches(text: &str) -> Result<Stretches, String> {
+    let numbers = text.split_once(',').and_then(|(low, high)| {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        Some((number(low)?, number(high)?))
+    });
+    match numbers {
+        Some((low, high)) => Stretches::new(low, high).map_err(|error| error.to_string()),
+        None => Err("expected two numbers around 1, for example 0.1,10".to_owned()),
+    }
+}
+
+/// A mode of loading as typed.
+fn mode(text: &str) -> Result<Mode, String> {
+    let named = Mode::ALL.into_iter().find(|mode| mode.name() == text);
+    named.ok_or_else(|| {
+        let names = Mode::ALL.map(Mode::name);
+        format!("expected one of {}", names.join(", "))
+    })
+}
+
+/// An audit.
+#[derive(Debug, Args)]
+pub struct AuditArguments {
+    /// The material.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// How large the strains of the states are, unless states are given.
+    #[arg(
+        long,
+        value_name = "E",
+        default_value_t = 0.1,
+        value_parser = strain,
+        conflicts_with_all = ["stretch", "deformation_gradient"],
+        help_heading = "States"
+    )]
+    pub strain: f64,
+    /// Two or three principal stretches along the axes, for example 1.2,0.9 (may be given several times).
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        help_heading = "States"
+    )]
+    pub stretch: Vec<String>,
+    /// Deformation gradient F11,F12,F21,F22 or all nine components (may be given several times).
+    #[arg(
+        long,
+        value_name = "F11,F12,F21,F22",
+        allow_hyphen_values = true,
+        help_heading = "States"
+    )]
+    pub deformation_gradient: Vec<String>,
+    /// The tangent of a law of onset's own, taken as if delivered in this convention [default: first-piola]; a UMAT's is
+    /// jaumann-kirchhoff.
+    #[arg(long = "as", value_name = "CONVENTION", value_parser = convention)]
+    pub convention: Option<Convention>,
+    /// End with exit code 1 when a check fails.
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// A convention as typed.
+fn convention(text: &str) -> Result<Convention, String> {
+    Convention::of_name(text).ok_or_else(|| {
+        let names = Convention::ALL.map(Convention::name);
+        format!("expected one of {}", names.join(", "))
+    })
+}
+
+/// The size of strains as typed.
+fn strain(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 0.8 => Ok(number),
+        _ => Err("expected a number above 0 and at most 0.8, for example 0.05".to_owned()),
+    }
+}
+
 /// A tolerance as typed.
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -231,6 +427,15 @@ pub struct ProblemArguments {
     /// Set a key, for example discretization.support=1.6 (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
+    /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
+    /// --set material.mu=1. Short for material.model=formula and material.energy.
+    #[arg(
+        long,
+        value_name = "FORMULA",
+        allow_hyphen_values = true,
+        help_heading = "Problem"
+    )]
+    pub energy: Option<String>,
     /// Print one JSON document, numbers with 17 significant digits.
     #[arg(long)]
     pub json: bool,

@@ -1,7 +1,10 @@
 //! What each command does: ask, and print the answer.
 
+mod audit;
 mod boundary;
 mod check;
+mod localize;
+mod notions;
 mod plot;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
@@ -95,13 +98,18 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let to = Strain::of_either("--to", &to, problem.dimension())?;
             print(&PathAnswer::new(&problem, &from, &to)?, json)
         }
+        Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        Command::Notions(arguments) => notions::notions(&arguments),
+        Command::Card(arguments) => notions::card(&arguments),
         Command::List { topic, json } => list(topic.as_deref(), json),
         Command::Check {
             files,
             assignments,
             json,
         } => check::check(&files, &assignments, json),
+        Command::Audit(arguments) => audit::audit(&arguments),
+        Command::UmatUtilities => print_text(onset_umat::UTILITIES.trim_end()),
         Command::Schema => check::schema(),
         Command::Boundary {
             file,
@@ -127,7 +135,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
 }
 
 /// Reads a study, changed by assignments.
-fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
+pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file)
         .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
@@ -138,7 +146,12 @@ fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
 
 impl ProblemArguments {
     fn build(&self) -> Result<Problem, Failure> {
-        let settings = Settings::from_assignments(&self.assignments).map_err(Failure::input)?;
+        let mut assignments = self.assignments.clone();
+        if let Some(energy) = &self.energy {
+            assignments.push("material.model=formula".to_owned());
+            assignments.push(format!("material.energy={energy}"));
+        }
+        let settings = Settings::from_assignments(&assignments).map_err(Failure::input)?;
         Ok(Problem::new(settings)?)
     }
 }
@@ -239,6 +252,11 @@ fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Fai
 
 pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
     print_text(&json::document(answer).map_err(Failure::machine)?)
+}
+
+/// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
+pub fn tell(text: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.

@@ -1,8 +1,9 @@
-//! Interrupts (Ctrl-C): the first asks for an end, the second ends at once.
+//! Interrupts (Ctrl-C, and the SIGTERM and SIGHUP of batch systems and closed terminals): the first asks for an end, the second
+//! ends at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The exit code of an interrupted command: 128 and the number of the signal.
+/// The exit code of an interrupted command, whatever the signal: 128 and the number of SIGINT.
 pub const CODE: u8 = 130;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
@@ -17,7 +18,7 @@ pub fn listen(told: Option<&'static str>) -> Result<(), ctrlc::Error> {
             std::process::exit(i32::from(CODE));
         }
         if let Some(told) = told {
-            eprintln!("{told}");
+            crate::commands::tell(told);
         }
     })
 }

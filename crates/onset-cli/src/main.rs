@@ -1,7 +1,7 @@
 //! The `onset` command: where a material and its particle discretization are stable.
 //!
 //! Thin: arguments become a problem, the answer is printed. Exit codes: 0 done, 1 a claim of the paper is not
-//! what is recorded or a file cannot be written, 2 the input is wrong, 130 interrupted.
+//! what is recorded, a strict audit has findings or a file cannot be written, 2 the input is wrong, 130 interrupted.
 
 mod arguments;
 mod commands;
@@ -13,10 +13,14 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // This program is also the one that user materials run in.
+    if let Some(code) = onset_umat::serve_if_asked() {
+        return code;
+    }
     match commands::run(Arguments::parse()) {
         Ok(code) => code,
         Err(failure) => {
-            eprintln!("error: {}", failure.message);
+            commands::tell(format_args!("error: {}", failure.message));
             ExitCode::from(failure.code)
         }
     }

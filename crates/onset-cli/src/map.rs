@@ -1,11 +1,10 @@
 //! `onset map`: the verdict on every state of a study, into a store.
 
 use crate::arguments::MapArguments;
-use crate::commands::{Failure, print_json, print_text};
+use crate::commands::{Failure, print_json, print_text, study, tell};
 use crate::interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::map::{MapError, Plan, Summary, Watch};
-use onset_study::settings::Study;
 use onset_study::store::{StoreError, ZarrStore};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -38,9 +37,7 @@ struct Answer<'a> {
 
 /// Computes a map, or the tiles of it that were asked for.
 pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
-    let study = study(&arguments.file)?
-        .override_with(&arguments.assignments)
-        .map_err(Failure::input)?;
+    let study = study(&arguments.file, &arguments.assignments)?;
     let plan = Plan::new(&study)?;
     let tiles = plan.tiles(arguments.tiles.clone())?;
     let path = arguments
@@ -76,17 +73,10 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     }
     if is_interrupted {
         let again = resuming(arguments, &path);
-        eprintln!("interrupted; go on with\n  {again}");
+        tell(format_args!("interrupted; go on with\n  {again}"));
         return Ok(ExitCode::from(interrupt::CODE));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Reads a study.
-fn study(file: &Path) -> Result<Study, Failure> {
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Failure::input(format!("cannot read {}: {error}", file.display())))?;
-    Study::parse(&file.display().to_string(), &text).map_err(Failure::input)
 }
 
 /// The name of a study file, with `.zarr`, in the current folder.

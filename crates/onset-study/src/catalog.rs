@@ -1,6 +1,8 @@
 //! What there is to choose from: every word of every choice, with its formula, its parameters and its source.
 
 use crate::settings::{KEYS, Model};
+use onset::formula::{FUNCTIONS, VARIABLES};
+use onset::material::{Law, Parameter};
 use serde::Serialize;
 
 /// A word that can be chosen.
@@ -10,10 +12,85 @@ pub struct Entry {
     pub name: &'static str,
     /// What it stands for, as a formula or in words.
     pub formula: &'static str,
-    /// Parameters with their defaults.
-    pub parameters: Vec<(&'static str, f64)>,
     /// Where it is from.
     pub source: &'static str,
+    /// What there is to know about a law, where it is one.
+    #[serde(flatten)]
+    pub law: Option<LawEntry>,
+}
+
+/// What there is to know about a law.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LawEntry {
+    /// Its parameters.
+    pub parameters: Vec<ParameterEntry>,
+    /// Where it holds.
+    pub domain: &'static str,
+    /// Which rotations of the reference change nothing.
+    pub symmetry: &'static str,
+    /// The moduli at small strains, in words.
+    pub small_strains: &'static str,
+    /// Why there is stress in the reference, where there is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stressed_reference: Option<&'static str>,
+}
+
+/// A parameter of a law.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit; `1` without dimension.
+    pub unit: &'static str,
+    /// Its default.
+    pub default: f64,
+    /// What it may be.
+    pub expected: String,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+impl From<&Parameter> for ParameterEntry {
+    fn from(parameter: &Parameter) -> Self {
+        Self {
+            name: parameter.name,
+            unit: parameter.unit,
+            default: parameter.default,
+            expected: parameter.admitted.to_string(),
+            meaning: parameter.meaning,
+        }
+    }
+}
+
+impl From<&Law> for LawEntry {
+    fn from(law: &Law) -> Self {
+        Self {
+            parameters: law.parameters.iter().map(ParameterEntry::from).collect(),
+            domain: law.domain,
+            symmetry: law.symmetry.name(),
+            small_strains: law.small_strains,
+            stressed_reference: law.stressed_reference,
+        }
+    }
+}
+
+impl From<Model> for Entry {
+    fn from(model: Model) -> Self {
+        match model {
+            Model::Law(law) => Self {
+                name: law.name,
+                formula: law.formula,
+                source: law.source,
+                law: Some(law.into()),
+            },
+            Model::Own(own) => Self {
+                name: own.name,
+                formula: own.formula,
+                source: own.source,
+                law: None,
+            },
+        }
+    }
 }
 
 /// The words of one key.
@@ -38,22 +115,6 @@ type Row = (
 );
 
 const ROWS: &[Row] = &[
-    (
-        "materials",
-        "material.model",
-        &[
-            (
-                "modified-mooney-rivlin",
-                "W = c1/2 I1 + c2/2 I2 - 3/2 c1 I3^(1/3) - 3/2 c2 I3^(2/3) + lambda/4 (ln I3)^2",
-                "equation (5) of the paper; constants in MPa",
-            ),
-            (
-                "blatz-ko",
-                "W = mu/2 (I2 / J^2 + 2 J - 5)",
-                "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; psi",
-            ),
-        ],
-    ),
     (
         "arrangements",
         "discretization.arrangement",
@@ -221,19 +282,61 @@ pub fn topics() -> Vec<Topic> {
     let entry = |(name, formula, source): &(&'static str, &'static str, &'static str)| Entry {
         name,
         formula,
-        parameters: Model::ALL
-            .iter()
-            .filter(|model| model.name() == *name)
-            .flat_map(|model| model.parameters().to_vec())
-            .collect(),
         source,
+        law: None,
     };
     let topic = |(name, key, rows): &Row| Topic {
         name,
         key,
         entries: rows.iter().map(entry).collect(),
     };
-    ROWS.iter().map(topic).collect()
+    let materials = Topic {
+        name: "materials",
+        key: "material.model",
+        entries: Model::all().map(Entry::from).collect(),
+    };
+    std::iter::once(materials)
+        .chain(ROWS.iter().map(topic))
+        .chain(std::iter::once(language()))
+        .collect()
+}
+
+/// The language of typed laws.
+fn language() -> Topic {
+    let entry = |name, formula| Entry {
+        name,
+        formula,
+        source: "",
+        law: None,
+    };
+    let grammar = [
+        (
+            "name",
+            "any other name is a parameter: set material.name, or vary it along an axis",
+        ),
+        (
+            "+ - * / ^",
+            "-x^2 is -(x^2), 2^3^2 is 2^(3^2); products need their *",
+        ),
+        (
+            "let name = ...;",
+            "names a part; helpers come first: let a = I1 - 3; c1*a + c2*a^2",
+        ),
+        ("pi", "3.14159..."),
+    ];
+    let variables = VARIABLES.iter().map(|group| (group.label, group.meaning));
+    let functions = FUNCTIONS
+        .iter()
+        .map(|function| (function.name, function.meaning));
+    Topic {
+        name: "formula",
+        key: "material.energy",
+        entries: variables
+            .chain(functions)
+            .chain(grammar)
+            .map(|(name, meaning)| entry(name, meaning))
+            .collect(),
+    }
 }
 
 /// The topics with a name; the known names when there is none.
@@ -257,37 +360,64 @@ impl std::fmt::Display for Topic {
         writeln!(formatter, "{} ({}: {meaning})", self.name, self.key)?;
         for entry in &self.entries {
             writeln!(formatter, "  {:<24} {}", entry.name, entry.formula)?;
-            let parameters: Vec<String> = entry
-                .parameters
-                .iter()
-                .map(|(name, value)| format!("{name} = {value}"))
-                .collect();
-            if !parameters.is_empty() {
-                writeln!(
-                    formatter,
-                    "  {:<24} parameters: {}",
-                    "",
-                    parameters.join(", ")
-                )?;
+            if let Some(law) = &entry.law {
+                law.write(formatter)?;
             }
-            writeln!(formatter, "  {:<24} source: {}", "", entry.source)?;
+            if !entry.source.is_empty() {
+                writeln!(formatter, "  {:<24} source: {}", "", entry.source)?;
+            }
         }
         Ok(())
+    }
+}
+
+impl LawEntry {
+    fn write(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut line = |what: &str, text: &str| writeln!(formatter, "  {:<24} {what}{text}", "");
+        for parameter in &self.parameters {
+            let ParameterEntry {
+                name,
+                unit,
+                default,
+                expected,
+                meaning,
+            } = parameter;
+            let unit = match *unit {
+                "1" => String::new(),
+                unit => format!(" ({unit})"),
+            };
+            line(
+                "",
+                &format!("{name} = {default}{unit}: {meaning}; {expected}"),
+            )?;
+        }
+        line("holds: ", self.domain)?;
+        line("symmetry: ", self.symmetry)?;
+        line("small strains: ", self.small_strains)?;
+        match self.stressed_reference {
+            Some(reason) => line("stressed in the reference: ", reason),
+            None => Ok(()),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::topics;
-    use crate::settings::KEYS;
+    use crate::settings::{KEYS, Kind};
 
     #[test]
     fn the_catalog_has_exactly_the_words_that_the_keys_expect() {
+        let mut of_words = 0;
         for topic in topics() {
             let key = KEYS
                 .iter()
                 .find(|key| key.name == topic.key)
                 .expect("a known key");
+            if key.kind == Kind::Text {
+                continue;
+            }
+            of_words += 1;
             let mut expected: Vec<&str> = key.words().to_vec();
             let mut listed: Vec<&str> = topic.entries.iter().map(|entry| entry.name).collect();
             expected.sort_unstable();
@@ -296,20 +426,8 @@ mod tests {
         }
         let with_words = KEYS.iter().filter(|key| !key.words().is_empty()).count();
         assert_eq!(
-            topics().len(),
-            with_words,
+            of_words, with_words,
             "every key that takes words is a topic"
-        );
-    }
-
-    #[test]
-    fn every_material_lists_its_parameters() {
-        let materials = super::topic("materials").expect("a topic");
-        assert!(
-            materials
-                .entries
-                .iter()
-                .all(|entry| !entry.parameters.is_empty())
         );
     }
 }

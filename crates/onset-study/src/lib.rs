@@ -4,12 +4,15 @@
 //! serializable structures; [`reproduce`] runs the paper from end to end; [`figure`] draws.
 
 pub mod answers;
+pub mod audit;
 pub mod boundary;
 pub mod catalog;
 pub mod domain;
 pub mod figure;
 pub mod json;
+pub mod localization;
 pub mod map;
+pub mod notions;
 pub mod plot;
 pub mod reproduce;
 pub mod settings;

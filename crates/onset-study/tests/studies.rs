@@ -1,6 +1,6 @@
 //! The studies that are kept in `studies/`, and the schema beside them.
 
-use onset_study::settings::{Study, schema, study_keys};
+use onset_study::settings::{Quantity, Study, schema, study_keys};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -126,8 +126,15 @@ fn what_the_schema_refuses_is_refused_by_the_program_too() {
 fn the_book_has_every_key_of_a_study() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/study.md");
     let page = std::fs::read_to_string(page).expect("the page on studies");
-    for key in study_keys() {
-        let expects = key.expects().replace(" | ", ", ");
+    // The page on materials has the parameters of the laws.
+    let keys_of_page = || study_keys().filter(|key| !key.is_parameter());
+    for key in keys_of_page() {
+        let expects = match key.name {
+            "material.model" => {
+                "a law of [the library](materials.md), or one of your own".to_owned()
+            }
+            _ => key.expects().replace(" | ", ", "),
+        };
         let row = format!(
             "| `{}` | {expects} | {} | {} |",
             key.name,
@@ -144,10 +151,13 @@ fn the_book_has_every_key_of_a_study() {
     });
     assert_eq!(
         rows.count(),
-        study_keys().count(),
+        keys_of_page().count(),
         "the page has a row too many"
     );
-    for quantity in onset_study::settings::Quantity::all() {
+    let of_state = Quantity::OF_STATE.into_iter();
+    let of_discretization =
+        Quantity::all().filter(|quantity| quantity.name().starts_with("discretization."));
+    for quantity in of_state.chain(of_discretization) {
         assert!(
             page.contains(&format!("`{}`", quantity.name())),
             "{}",
@@ -172,4 +182,38 @@ fn the_examples_of_the_book_are_studies() {
         }
         assert!(is_valid_under_schema(example), "{example}");
     }
+}
+
+#[test]
+fn the_book_has_every_law_as_the_library_describes_it() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/materials.md");
+    let page = std::fs::read_to_string(page).expect("the page on materials");
+    let mut rows = 0;
+    for law in onset::material::library() {
+        let mut block = format!(
+            "### {}\n\n```text\n{}\n```\n\n| parameter | unit | default | expects | meaning |\n|---|---|---|---|---|\n",
+            law.name, law.formula
+        );
+        for parameter in law.parameters {
+            block += &format!(
+                "| `{}` | {} | {} | {} | {} |\n",
+                parameter.name,
+                parameter.unit,
+                parameter.default,
+                parameter.admitted,
+                parameter.meaning
+            );
+        }
+        block += &format!(
+            "\nSymmetry: {}. Holds: {}. Small strains: {}. Source: {}.\n",
+            law.symmetry.name(),
+            law.domain,
+            law.small_strains,
+            law.source
+        );
+        assert!(page.contains(&block), "the page lacks this:\n{block}");
+        rows += law.parameters.len();
+    }
+    let of_page = page.lines().filter(|line| line.starts_with("| `"));
+    assert_eq!(of_page.count(), rows, "the page has a row too many");
 }

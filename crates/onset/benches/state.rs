@@ -1,9 +1,11 @@
-//! What one state costs: the response of the material, the dynamical matrix, the search over the zone.
+//! What one state costs: the response of the material, the dynamical matrix, the search over the zone, directions in space.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use onset::bloch::dynamical_matrix;
+use onset::certificate::certify_in_space;
+use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method};
 use onset::verdict::{assess, judge, zone_search};
 use std::hint::black_box;
@@ -60,5 +62,32 @@ fn states(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, states);
+/// The smallest acoustic eigenvalue over all directions in space.
+fn directions(criterion: &mut Criterion) {
+    let laws: [(&str, Box<dyn Hyperelastic>); 2] = [
+        ("law (5)", Box::new(ModifiedMooneyRivlin::default())),
+        ("Blatz-Ko", Box::new(BlatzKo::new(1.0).expect("a modulus"))),
+    ];
+    let principal = [[1.3, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]];
+    let sheared = [[1.3, 0.2, -0.1], [0.1, 0.8, 0.3], [-0.2, 0.1, 1.0]];
+    let mut group = criterion.benchmark_group("directions in space");
+    for (name, law) in &laws {
+        for (axes, components) in [("principal axes", principal), ("any axes", sheared)] {
+            let f = DeformationGradient::new(components).expect("a state");
+            let stiffness = Stiffness::<3>::of(&law.response(&f).expect("finite"));
+            group.bench_function(format!("minimum, {name}, {axes}"), |bencher| {
+                bencher.iter(|| black_box(&stiffness).minimum());
+            });
+            group.bench_function(format!("ellipticity, {name}, {axes}"), |bencher| {
+                bencher.iter(|| black_box(&stiffness).is_strongly_elliptic());
+            });
+            group.bench_function(format!("proof, {name}, {axes}"), |bencher| {
+                bencher.iter(|| certify_in_space(&**law, black_box(&f), 1e-6));
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, states, directions);
 criterion_main!(benches);

@@ -7,10 +7,13 @@
 //! 2. [`kinematics`]: the deformation gradient `F`, its invariants, straight paths.
 //! 3. [`material`]: a law is its strain energy `W(F)`; stress `P` and tangent `A` follow.
 //! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity; in one and two dimensions no direction is sampled.
-//! 5. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
-//! 6. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
-//! 7. [`verdict`]: stable or not, why, and where along a path that changes.
-//! 8. [`certificate`]: the same answer proved, or left open.
+//! 5. [`notions`]: other notions of stability side by side, along loadings.
+//! 6. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
+//! 7. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
+//! 8. [`verdict`]: stable or not, why, and where along a path that changes.
+//! 9. [`certificate`]: the same answer proved, or left open.
+//!
+//! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -32,11 +35,14 @@ pub mod approximation;
 pub mod bloch;
 pub mod certificate;
 pub mod continuum;
+pub mod formula;
 pub mod kernel;
 pub mod kinematics;
 pub mod lattice;
 pub mod material;
 pub mod method;
+pub mod notions;
+pub mod plasticity;
 pub mod quadrature;
 pub mod real;
 pub mod verdict;

@@ -136,3 +136,70 @@ fn a_file_in_the_place_of_the_folder_is_told_before_any_curve_is_traced() {
     assert!(answer.stderr.contains("cannot write"), "{}", answer.stderr);
     assert_eq!(std::fs::read_to_string(&file).expect("the file"), "mine");
 }
+
+/// What `onset state` says of the particles at a state of [`FLUTTERING`] ones.
+fn stability(state: [f64; 2]) -> &'static str {
+    let stretch = format!("{:?},{:?}", state[0], state[1]);
+    let mut arguments = vec!["state", "--json", "--stretch", &stretch];
+    for assignment in FLUTTERING {
+        arguments.extend(["--set", assignment]);
+    }
+    let answer = onset(&arguments);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    let is_stable = document["discretization"]["stable"]
+        .as_bool()
+        .expect("a fact");
+    match is_stable {
+        true => "stable",
+        false if number(&document, "/discretization/minimum_omega_squared/re") < 0.0 => {
+            "divergence"
+        }
+        false => "flutter",
+    }
+}
+
+const FLUTTERING: [&str; 4] = [
+    "discretization.frame=eulerian",
+    "discretization.support=1.9",
+    "discretization.lattice=regular",
+    "discretization.linearization=paper",
+];
+
+#[test]
+fn flutter_is_told_from_divergence_on_both_sides_of_its_boundaries() {
+    let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.7, 1.15]\nstates = 8\n\
+                [[axes]]\nquantity = 'stretch-2'\nrange = [0.7, 1.15]\nstates = 8\n";
+    let mut more = vec!["--flutter"];
+    for assignment in FLUTTERING {
+        more.extend(["--set", assignment]);
+    }
+    let (answer, folder) = traced(text, &more);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let collection = document(&folder.join("boundary.geojson"));
+    let mut told = 0;
+    for feature in collection["features"].as_array().expect("features") {
+        if feature["properties"]["of"] != "discretization" {
+            continue;
+        }
+        let line = feature["geometry"]["coordinates"]
+            .as_array()
+            .expect("points");
+        let point = |n: usize| [0, 1].map(|axis| line[n][axis].as_f64().expect("a number"));
+        // In the middle of the curve, a little to the left and to the right of it.
+        let (from, to) = (point(line.len() / 2), point(line.len() / 2 + 1));
+        let along = [to[0] - from[0], to[1] - from[1]];
+        let length = along[0].hypot(along[1]);
+        let beside = |step: f64| {
+            let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
+            let (x, y) = (along[0] / length, along[1] / length);
+            stability([middle[0] - step * y, middle[1] + step * x])
+        };
+        let words = ["left", "right"].map(|side| match feature["properties"][side].as_str() {
+            Some("unstable") => "divergence",
+            other => other.expect("a word"),
+        });
+        assert_eq!([beside(1e-5), beside(-1e-5)], words);
+        told += usize::from(words == ["flutter", "divergence"]);
+    }
+    assert!(told > 0, "no boundary between flutter and divergence");
+}

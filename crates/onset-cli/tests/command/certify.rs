@@ -44,6 +44,40 @@ fn an_unstable_state_comes_with_a_wave_that_grows() {
 }
 
 #[test]
+fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
+    // Between the stretches of the plane the ratio is one; to the third one it is beyond 2 + sqrt 3.
+    let line = "state --stretch 0.25,0.25 --set material.model=blatz-ko --certify";
+    let state = document(line);
+    assert_eq!(state["material"]["elliptic"], true);
+    let space = &state["material_in_space"];
+    assert_eq!(space["elliptic"], false);
+    let value = number(space, "/minimum_acoustic_eigenvalue");
+    let bound = number(space, "/bound");
+    assert!(value < 0.0 && bound <= value && bound > 1.001 * value);
+    // Neither the normal nor the polarization lies in the plane or across it: a band through the thickness.
+    for vector in ["direction", "polarization"] {
+        let across = number(space, &format!("/{vector}/2")).abs();
+        assert!(across > 0.01 && across < 0.9999, "{vector}: {across}");
+    }
+    let certificate = &state["certificate"];
+    assert_eq!(certificate["material"]["certainty"], "proved-stable");
+    let proof = &certificate["material_in_space"];
+    assert_eq!(proof["certainty"], "proved-unstable");
+    assert!(number(proof, "/witness/measure/1") < 0.0);
+    let polarization = proof["witness"]["polarization"].as_array();
+    assert_eq!(polarization.map(Vec::len), Some(3));
+    let text = onset_line(line).stdout;
+    assert!(
+        text.contains("for waves in the plane, not for waves out of it"),
+        "{text}"
+    );
+    assert!(
+        text.contains("material in space     proved-unstable"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_proof_is_made_only_when_asked_for() {
     assert!(
         document("state --stretch 1.2,1.0")

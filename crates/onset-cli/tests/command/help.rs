@@ -8,11 +8,16 @@ fn every_command_explains_itself() {
         "state",
         "dispersion",
         "path",
+        "localize",
         "map",
         "list",
         "check",
         "boundary",
         "plot",
+        "notions",
+        "card",
+        "audit",
+        "umat-utilities",
         "schema",
         "reproduce",
     ] {
@@ -29,10 +34,10 @@ fn every_command_explains_itself() {
 fn the_keys_are_known_from_the_help() {
     let keys = [
         "material.model",
-        "material.c1",
-        "material.c2",
-        "material.lambda",
-        "material.mu",
+        "material.<parameter>",
+        "onset list materials",
+        "material.energy",
+        "material.library",
         "discretization.arrangement",
         "discretization.spacing",
         "discretization.density",
@@ -61,7 +66,13 @@ fn the_keys_are_known_from_the_help() {
 fn list_names_every_law_with_formula_parameters_and_source() {
     let run = onset(&["list", "materials"]);
     assert_eq!(run.code, Some(0));
-    for fact in ["blatz-ko", "W = mu/2", "mu = 32", "Trans. Soc. Rheol."] {
+    for fact in [
+        "blatz-ko",
+        "W = mu/2",
+        "mu = 32 (stress): shear modulus; a positive finite number",
+        "Trans. Soc. Rheol.",
+        "c1 = 0.1256",
+    ] {
         assert!(run.stdout.contains(fact), "{fact}: {}", run.stdout);
     }
     let everything = onset(&["list", "--json"]);

@@ -1,20 +1,30 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod audit;
 mod boundary;
 mod certify;
 mod check;
 mod documents;
 mod files;
+mod formula;
 mod grid;
 mod help;
+mod localize;
 mod map;
 mod map_python;
 mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
+mod notions;
 mod numbers;
 mod plot;
 mod refusals;
+#[cfg(unix)]
+mod umat;
+
+#[cfg(unix)]
+#[path = "../../../onset-umat/tests/routines/fortran.rs"]
+mod fortran;
 
 use serde_json::Value;
 use std::path::PathBuf;

@@ -357,3 +357,47 @@ fn a_method_without_neighbors_is_undefined_and_its_continuum_is_not() {
             .all(|value| *value > 0.0)
     );
 }
+
+#[test]
+fn a_map_stores_the_outputs_that_its_study_names_and_no_others() {
+    let text = STUDY.replace("tile = 8", "tile = 32\noutputs = [\"growth_rate\"]");
+    let place = Place::new(&text);
+    place.computed("few.zarr", "");
+    let all = Place::new(STUDY);
+    all.computed("all.zarr", "--set map.tile=32");
+    let few = tree(&place.store("few.zarr"));
+    let whole = tree(&all.store("all.zarr"));
+    let arrays = |tree: &BTreeMap<PathBuf, Option<Vec<u8>>>| -> Vec<String> {
+        let folders = tree.keys().filter(|path| path.components().count() == 1);
+        let names = folders.map(|path| path.display().to_string());
+        names.filter(|name| name != "zarr.json").collect()
+    };
+    let expected = [
+        "component",
+        "evaluated",
+        "growth_rate",
+        "stability",
+        "stretch-1",
+        "stretch-2",
+        "verdict",
+    ];
+    assert_eq!(arrays(&few), expected);
+    assert!(arrays(&whole).len() > expected.len());
+    for name in ["growth_rate/c/0/0", "verdict/c/1/1"] {
+        assert_eq!(few[Path::new(name)], whole[Path::new(name)], "{name}");
+    }
+    let store = place.store("few.zarr").display().to_string();
+    let answer = onset(&["plot", &store, "--field", "scaled_minimum", "--out", &store]);
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("growth_rate"), "{}", answer.stderr);
+}
+
+#[test]
+fn an_output_that_no_map_has_is_refused_with_those_that_there_are() {
+    let place = Place::new(STUDY);
+    let answer = place.map("none.zarr", "--set map.outputs=growth");
+    assert_eq!(answer.code, Some(2));
+    for fact in ["map.outputs", "growth_rate", "critical_time_step"] {
+        assert!(answer.stderr.contains(fact), "{}", answer.stderr);
+    }
+}

@@ -62,6 +62,15 @@ fn a_map_resumed_after_a_kill_has_the_same_bytes() {
 
 #[test]
 fn an_interrupt_finishes_the_tiles_that_have_begun_and_a_resumed_map_has_the_same_bytes() {
+    stopped_by("-INT");
+}
+
+#[test]
+fn the_end_of_a_batch_job_is_an_interrupt() {
+    stopped_by("-TERM");
+}
+
+fn stopped_by(signal: &str) {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let child = started(&place, "interrupted.zarr", "");
@@ -70,7 +79,7 @@ fn an_interrupt_finishes_the_tiles_that_have_begun_and_a_resumed_map_has_the_sam
         std::thread::sleep(Duration::from_millis(1));
     }
     let status = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args([signal, &child.id().to_string()])
         .status();
     assert!(status.expect("kill").success());
     let output = child.wait_with_output().expect("an end");

@@ -3,7 +3,7 @@
 use super::sentence;
 use super::state::list;
 use nalgebra::SVector;
-use onset::certificate::{Certainty, Certificate, Witness};
+use onset::certificate::{Certainty, Certificate, SpaceCertificate, Witness};
 use serde::Serialize;
 use std::fmt;
 
@@ -16,6 +16,9 @@ pub struct CertificateAnswer {
     pub corrects_the_search: bool,
     /// Strong ellipticity; measures are acoustic eigenvalues over `rho0 c^2`.
     pub material: ProofAnswer,
+    /// Strong ellipticity for waves in all directions of space; measures are acoustic eigenvalues over the largest one of the
+    /// undeformed material.
+    pub material_in_space: ProofAnswer,
     /// Waves of the particles; measures are `Re omega^2 / (c^2 |k|_h^2)`.
     pub discretization: ProofAnswer,
 }
@@ -44,6 +47,9 @@ pub struct WitnessAnswer {
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],
+    /// In space the polarization with which the direction was confirmed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub polarization: Option<Vec<f64>>,
     /// Lower bound of the growth rate, in units of sound speed over spacing; of a material, of sound speed times wave number.
     pub growth_rate: f64,
 }
@@ -51,6 +57,7 @@ pub struct WitnessAnswer {
 impl CertificateAnswer {
     pub(super) fn new<const D: usize>(
         certificate: &Certificate<D>,
+        in_space: &SpaceCertificate,
         tolerance: f64,
         corrects_the_search: bool,
     ) -> Self {
@@ -58,6 +65,7 @@ impl CertificateAnswer {
             tolerance,
             corrects_the_search,
             material: ProofAnswer::new(&certificate.material),
+            material_in_space: ProofAnswer::in_space(in_space),
             discretization: ProofAnswer::new(&certificate.discretization),
         }
     }
@@ -92,6 +100,14 @@ impl ProofAnswer {
                 ..nothing
             },
         }
+    }
+
+    fn in_space(certificate: &SpaceCertificate) -> Self {
+        let mut answer = Self::new(&certificate.certainty);
+        if let Some(witness) = &mut answer.witness {
+            witness.polarization = certificate.polarization.as_ref().map(list);
+        }
+        answer
     }
 
     /// One line: the word, and its bound or witness.
@@ -129,6 +145,7 @@ impl WitnessAnswer {
         Self {
             wave_vector: list(wave_vector),
             measure: [witness.measure.low, witness.measure.high],
+            polarization: None,
             growth_rate: witness.growth_rate,
         }
     }
@@ -141,6 +158,11 @@ impl fmt::Display for CertificateAnswer {
             formatter,
             "  material              {}",
             self.material.line("direction", "c |k|")
+        )?;
+        writeln!(
+            formatter,
+            "  material in space     {}",
+            self.material_in_space.line("direction", "c |k|")
         )?;
         write!(
             formatter,

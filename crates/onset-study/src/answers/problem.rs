@@ -79,8 +79,7 @@ fn hint(error: &MethodError) -> &'static str {
              also follow the particles, discretization.support-size=scaled or convected"
         }
         MethodError::NotPlanar { .. } => "\n  hint: give in-plane components only",
-        MethodError::Material(MaterialError::Parameter { .. }) => "",
-        MethodError::Material(_) | MethodError::NotFinite => {
+        MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
             "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
              density are not that large or small"
         }

@@ -5,13 +5,14 @@ use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector, spatial};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use crate::settings::Settings;
+use crate::settings::{Settings, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::certificate::certify;
+use onset::certificate::{certify, certify_in_space};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Discretization, Method};
+use onset::material::Response;
+use onset::method::{Discretization, Method, MethodError};
 use onset::verdict::{Assessment, SurveyedState, Verdict, assess};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -45,6 +46,8 @@ pub struct StateAnswer {
     pub deformation_gradient: [[f64; 3]; 3],
     /// The continuum, as computed in floating point.
     pub material: MaterialAnswer,
+    /// The continuum for waves in all directions of space, of which those of an arrangement in the plane are only some.
+    pub material_in_space: SpaceAnswer,
     /// The particles, as the search in floating point finds them.
     pub discretization: DiscretizationAnswer,
     /// What is proved, if that was asked for.
@@ -58,7 +61,7 @@ pub struct MaterialAnswer {
     /// The law.
     pub model: &'static str,
     /// Its parameters.
-    pub parameters: BTreeMap<&'static str, f64>,
+    pub parameters: BTreeMap<&'static str, Value>,
     /// Cauchy stress `sigma_ij`.
     pub cauchy: [[f64; 3]; 3],
     /// First Piola-Kirchhoff stress `P_iJ`, first index spatial.
@@ -67,7 +70,7 @@ pub struct MaterialAnswer {
     pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
     /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement.
     pub elliptic: bool,
-    /// Whether it is so for waves in all directions of space, (60) instead of (62): a search, not a proof.
+    /// Whether it is so for waves in all directions of space, (60) instead of (62).
     pub elliptic_in_space: bool,
     /// Smallest eigenvalue of the acoustic tensor over all directions of space.
     pub minimum_acoustic_eigenvalue_in_space: f64,
@@ -77,6 +80,38 @@ pub struct MaterialAnswer {
     pub direction: Vec<f64>,
     /// Its polarization.
     pub polarization: Vec<f64>,
+}
+
+/// The slowest plane wave of the continuum in space. A state of plane strain can lose ellipticity out of the plane first.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpaceAnswer {
+    /// Whether the state is strongly elliptic.
+    pub elliptic: bool,
+    /// Smallest eigenvalue of the acoustic tensor over all directions.
+    pub minimum_acoustic_eigenvalue: f64,
+    /// No direction has a smaller one than this: how sure the search is, to rounding. With proofs in intervals see
+    /// the certificate.
+    pub bound: f64,
+    /// Reference direction `N` of the wave.
+    pub direction: [f64; 3],
+    /// Its polarization.
+    pub polarization: [f64; 3],
+}
+
+impl SpaceAnswer {
+    fn new(response: &Response) -> Self {
+        let stiffness = Stiffness::<3>::of(response);
+        let minimum = stiffness.minimum();
+        // Adding zero turns a negative zero into a plain one.
+        let components = |v: SVector<f64, 3>| std::array::from_fn(|i| v[i] + 0.0);
+        Self {
+            elliptic: stiffness.is_strongly_elliptic(),
+            minimum_acoustic_eigenvalue: minimum.eigenvalue.re,
+            bound: minimum.bound,
+            direction: components(minimum.direction),
+            polarization: components(minimum.polarization),
+        }
+    }
 }
 
 /// The discretization at a state.
@@ -151,6 +186,8 @@ fn answer<const D: usize>(
     let mut sentence = sentence::of(&method, &assessment, f);
     if let Some(tolerance) = tolerance {
         let proved = certify(&method, &*problem.material, f, tolerance)?;
+        let in_space =
+            certify_in_space(&*problem.material, f, tolerance).map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
         verdict = corrected.0;
         if corrected != searched {
@@ -158,16 +195,19 @@ fn answer<const D: usize>(
         }
         certificate = Some(CertificateAnswer::new(
             &proved,
+            &in_space,
             tolerance,
             corrected != searched,
         ));
     }
+    let in_space = SpaceAnswer::new(&assessment.material.response);
     Ok(StateAnswer {
         verdict,
         sentence,
         certificate,
         deformation_gradient: *f.components(),
-        material: material_answer(&problem.settings, &assessment),
+        material: material_answer(&problem.settings, &assessment, &in_space),
+        material_in_space: in_space,
         discretization: discretization_answer(&method, &assessment, f),
     })
 }
@@ -175,14 +215,14 @@ fn answer<const D: usize>(
 fn material_answer<const D: usize>(
     settings: &Settings,
     assessment: &Assessment<D>,
+    in_space: &SpaceAnswer,
 ) -> MaterialAnswer {
     let continuum = &assessment.material;
     let response = &continuum.response;
-    let in_space = Stiffness::<3>::of(response);
     let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
     MaterialAnswer {
         model: settings.material.model.name(),
-        parameters: settings.material.values().into_iter().collect(),
+        parameters: settings.material.entries().into_iter().collect(),
         cauchy: rows(&response.cauchy()),
         first_piola: rows(&response.first_piola),
         tangent: (0..3)
@@ -193,8 +233,8 @@ fn material_answer<const D: usize>(
             })
             .collect(),
         elliptic: continuum.is_elliptic,
-        elliptic_in_space: in_space.is_strongly_elliptic(),
-        minimum_acoustic_eigenvalue_in_space: in_space.minimum().eigenvalue.re,
+        elliptic_in_space: in_space.elliptic,
+        minimum_acoustic_eigenvalue_in_space: in_space.minimum_acoustic_eigenvalue,
         minimum_acoustic_eigenvalue: continuum.minimum.eigenvalue.re,
         direction: list(&continuum.minimum.direction),
         polarization: list(&continuum.minimum.polarization),
@@ -274,6 +314,15 @@ impl std::fmt::Display for StateAnswer {
             material.minimum_acoustic_eigenvalue,
             sentence::vector(&material.direction)
         )?;
+        let in_space = &self.material_in_space;
+        writeln!(
+            formatter,
+            "  in space              {:.9} along N = {}, polarized along {}; nowhere below {:.9}",
+            in_space.minimum_acoustic_eigenvalue,
+            sentence::vector(&in_space.direction),
+            sentence::vector(&in_space.polarization),
+            in_space.bound
+        )?;
         writeln!(
             formatter,
             "discretization          {}",
@@ -317,7 +366,7 @@ impl std::fmt::Display for StateAnswer {
 }
 
 fn parameters(material: &MaterialAnswer) -> String {
-    let one = |(name, value): (&&str, &f64)| format!("{name} = {value}");
+    let one = |(name, value): (&&str, &Value)| format!("{name} = {value}");
     material
         .parameters
         .iter()

@@ -22,8 +22,8 @@ pub struct StudySummary {
     pub title: String,
     /// The law.
     pub model: &'static str,
-    /// Its parameters, where no axis varies them; units of stress.
-    pub parameters: BTreeMap<&'static str, f64>,
+    /// What it is made of, where no axis varies it.
+    pub parameters: BTreeMap<&'static str, Value>,
     /// The discretization, where no axis varies it.
     pub discretization: Discretization,
     /// The deformation that no axis varies.
@@ -77,7 +77,7 @@ impl StudySummary {
             .into_iter()
             .filter(|quantity| !varied(&quantity.key_name()))
             .filter_map(|quantity| Some((quantity.name(), study.state.value(quantity.name())?)));
-        let parameters = study.settings.material.values().into_iter();
+        let parameters = study.settings.material.entries().into_iter();
         Ok(Self {
             file: file.to_owned(),
             valid: true,
@@ -204,6 +204,12 @@ fn named(study: &Study, coordinates: &[f64]) -> String {
     values.join(", ")
 }
 
+/// Values by name, in words.
+fn listed<T: std::fmt::Display>(values: &BTreeMap<&'static str, T>) -> String {
+    let value = |(name, value): (&&str, &T)| format!("{name} = {value}");
+    values.iter().map(value).collect::<Vec<_>>().join(", ")
+}
+
 fn warnings(study: &Study, samples: &Samples) -> Vec<String> {
     let mut warnings: Vec<String> = study
         .keys_without_effect()
@@ -235,10 +241,6 @@ fn warnings(study: &Study, samples: &Samples) -> Vec<String> {
 impl std::fmt::Display for StudySummary {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<16}{text}");
-        let list = |values: &BTreeMap<&'static str, f64>| {
-            let value = |(name, value): (&&str, &f64)| format!("{name} = {value}");
-            values.iter().map(value).collect::<Vec<_>>().join(", ")
-        };
         let axis = |axis: &AxisSummary| {
             let unit = if axis.unit == "1" { "" } else { axis.unit };
             let ends = format!(
@@ -253,10 +255,10 @@ impl std::fmt::Display for StudySummary {
         }
         line(
             "material",
-            format!("{}: {}", self.model, list(&self.parameters)),
+            format!("{}: {}", self.model, listed(&self.parameters)),
         )?;
         line("discretization", self.discretization_words())?;
-        line("held fixed", list(&self.held_fixed))?;
+        line("held fixed", listed(&self.held_fixed))?;
         for (number, summary) in self.axes.iter().enumerate() {
             line(if number == 0 { "axes" } else { "" }, axis(summary))?;
         }

@@ -47,6 +47,7 @@ impl Table {
         if map.certify {
             table.extend(proofs());
         }
+        table.retain(|(field, _)| map.outputs.hold(field.name));
         Self(table)
     }
 
@@ -280,6 +281,34 @@ fn vector(
 mod tests {
     use super::*;
     use crate::map::Finding;
+    use crate::settings::{OUTPUTS, Value};
+
+    #[test]
+    fn the_outputs_are_the_numbers_of_a_state_and_what_is_not_asked_for_is_not_stored() {
+        let names: Vec<&str> = numbers().iter().map(|(field, _)| field.name).collect();
+        assert_eq!(names, OUTPUTS);
+        let mut map = MapSettings::default();
+        let names = |map: &MapSettings| -> Vec<&str> {
+            fields(map).iter().map(|field| field.name).collect()
+        };
+        assert!(map.set("outputs", &Value::Words(vec!["growth_rate".to_owned()])));
+        assert_eq!(
+            names(&map),
+            ["verdict", "stability", "evaluated", "growth_rate"]
+        );
+        assert!(map.set("outputs", &Value::Words(vec!["wave_vector".to_owned()])));
+        assert_eq!(
+            names(&map),
+            [
+                "verdict",
+                "stability",
+                "evaluated",
+                "long_wave",
+                "wave_vector"
+            ]
+        );
+        assert!(!map.set("outputs", &Value::Words(vec!["growth".to_owned()])));
+    }
 
     #[test]
     fn every_flag_that_a_state_can_have_has_a_meaning() {

@@ -222,7 +222,7 @@ impl StoredMap {
         };
         let material = |study: &Study| {
             let material = &study.settings.material;
-            (material.model, material.values())
+            (material.model, material.entries())
         };
         if self.study.axes.len() != 2 || other.study.axes.len() != 2 {
             Some("an overlay shows maps with two axes")

@@ -27,7 +27,7 @@ impl Quantity {
 
     /// Every quantity that an axis can vary, in the order of the documentation.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
-        let settings = KEYS.iter().filter(|key| key.unit().is_some());
+        let settings = KEYS.iter().filter(|key| key.is_varied());
         Self::OF_STATE
             .into_iter()
             .chain(settings.map(Self::Setting))
@@ -35,7 +35,11 @@ impl Quantity {
 
     /// The quantity with a name.
     pub fn of_name(name: &str) -> Option<Self> {
-        Self::all().find(|quantity| quantity.name() == name)
+        let setting = || Key::named(name).filter(|key| key.is_varied());
+        Self::OF_STATE
+            .into_iter()
+            .find(|quantity| quantity.name() == name)
+            .or_else(|| setting().map(Self::Setting))
     }
 
     /// Its name in a study.
@@ -139,6 +143,7 @@ impl Axis {
 #[cfg(test)]
 mod tests {
     use super::{Axis, Quantity};
+    use onset::material::library;
 
     #[test]
     fn states_lie_in_the_middle_of_equal_cells() {
@@ -169,9 +174,13 @@ mod tests {
             );
             names.push(axis.name());
         }
-        let every = "stretch-1 stretch-2 stretch-3 shear rotation material.c1 material.c2 material.lambda \
-                     material.mu discretization.spacing discretization.density discretization.support";
-        assert_eq!(names.join(" "), every);
+        for parameter in library().iter().flat_map(|law| law.parameters) {
+            assert!(names.contains(&format!("material.{}", parameter.name).as_str()));
+        }
+        names.retain(|name| !name.starts_with("material."));
+        let others = "stretch-1 stretch-2 stretch-3 shear rotation discretization.spacing discretization.density \
+                      discretization.support";
+        assert_eq!(names.join(" "), others);
         assert_eq!(Quantity::of_name("discretization.frame"), None);
     }
 }

@@ -80,7 +80,7 @@ impl SettingError {
     }
 
     /// Names the word nearest to the one typed, where words are expected.
-    pub(super) fn nearest_word(mut self, value: &Value, words: &[&str]) -> Self {
+    pub(crate) fn nearest_word(mut self, value: &Value, words: &[&str]) -> Self {
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
             && let Some(nearest) = nearest(word, words.iter().copied())
             && words.len() > 1

@@ -1,7 +1,10 @@
 //! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
 
-use super::{MapSettings, Model, StateSettings, Value};
+use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
+use onset::material::Parameter;
 use onset::method::Discretization;
+use std::collections::BTreeMap;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 /// What a key expects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +21,12 @@ pub enum Kind {
     PowerOfTwo(u32, u32),
     /// `true` or `false`.
     Switch,
+    /// A text.
+    Text,
+    /// A list of finite numbers.
+    Numbers,
+    /// A list of some of these words.
+    Subset(&'static [&'static str]),
 }
 
 impl Kind {
@@ -34,6 +43,9 @@ impl Kind {
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
             Self::PowerOfTwo(least, most) => format!("a power of two from {least} to {most}"),
             Self::Switch => "true | false".to_owned(),
+            Self::Text => "a text".to_owned(),
+            Self::Numbers => "a list of numbers".to_owned(),
+            Self::Subset(words) => format!("a list of some of {}", words.join(", ")),
         }
     }
 
@@ -44,7 +56,11 @@ impl Kind {
         };
         match (self, value) {
             (Self::Words(words), Value::Word(word)) => words.contains(&word.as_str()),
-            (Self::Switch, Value::Switch(_)) => true,
+            (Self::Switch, Value::Switch(_)) | (Self::Text, Value::Word(_)) => true,
+            (Self::Subset(words), Value::Words(chosen)) => {
+                chosen.iter().all(|word| words.contains(&word.as_str()))
+            }
+            (Self::Numbers, Value::Numbers(numbers)) => numbers.iter().all(|n| n.is_finite()),
             (kind, Value::Number(number)) if number.is_finite() => match kind {
                 Self::Number(_) => true,
                 Self::Positive(_) => *number > 0.0,
@@ -52,7 +68,9 @@ impl Kind {
                 Self::PowerOfTwo(least, most) => {
                     whole(*number, least, most) && (*number as u32).is_power_of_two()
                 }
-                Self::Words(_) | Self::Switch => false,
+                Self::Words(_) | Self::Switch | Self::Text | Self::Numbers | Self::Subset(_) => {
+                    false
+                }
             },
             _ => false,
         }
@@ -72,7 +90,7 @@ pub struct Key {
     pub only_with: Option<(&'static str, &'static str)>,
 }
 
-const fn key(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
+pub(super) const fn key(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
     Key {
         name,
         kind,
@@ -81,41 +99,61 @@ const fn key(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
     }
 }
 
-const MOONEY: (&str, &str) = ("material.model", "modified-mooney-rivlin");
-const BLATZ_KO: (&str, &str) = ("material.model", "blatz-ko");
 const EULERIAN: (&str, &str) = ("discretization.frame", "eulerian");
 
-/// Every key of material and discretization, in the order of the documentation.
-pub const KEYS: &[Key] = &[
-    key(
-        "material.model",
-        Kind::Words(&["modified-mooney-rivlin", "blatz-ko"]),
-        "the law",
-    ),
-    key(
-        "material.c1",
-        Kind::Number("stress"),
-        "first constant of modified-mooney-rivlin",
-    )
-    .only_with(MOONEY),
-    key(
-        "material.c2",
-        Kind::Number("stress"),
-        "second constant of modified-mooney-rivlin",
-    )
-    .only_with(MOONEY),
-    key(
-        "material.lambda",
-        Kind::Number("stress"),
-        "volumetric constant of modified-mooney-rivlin",
-    )
-    .only_with(MOONEY),
-    key(
-        "material.mu",
-        Kind::Positive("stress"),
-        "shear modulus of blatz-ko",
-    )
-    .only_with(BLATZ_KO),
+/// Every key of material and discretization, in the order of the documentation. Those of materials follow from the
+/// library of laws.
+pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+    let models: Vec<&'static str> = Model::all().map(Model::name).collect();
+    let mut keys = vec![key("material.model", Kind::Words(models.leak()), "the law")];
+    keys.extend(parameter_keys());
+    keys.extend(Model::all().flat_map(Model::keys));
+    keys.extend(DISCRETIZATION_KEYS);
+    keys
+});
+
+/// One key for each name that a parameter of some law has.
+fn parameter_keys() -> Vec<Key> {
+    let mut keys: Vec<Key> = Vec::new();
+    for parameter in Model::all().flat_map(Model::parameters) {
+        let name = format!("material.{}", parameter.name);
+        if keys.iter().any(|key| key.name == name) {
+            continue;
+        }
+        let of_name = || {
+            Model::all().filter_map(|model| {
+                let mut own = model.parameters().iter();
+                Some((model, own.find(|own| own.name == parameter.name)?))
+            })
+        };
+        // What a number must be is told by the law: a model of one's own may use the name otherwise.
+        let kind = Kind::Number(parameter.unit);
+        keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
+    }
+    keys
+}
+
+/// What a parameter means in the laws that have it: laws in which it means the same are told together.
+fn meaning(of_name: impl Iterator<Item = (Model, &'static Parameter)>) -> String {
+    let mut meanings: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (model, parameter) in of_name {
+        match meanings
+            .iter_mut()
+            .find(|(meaning, _)| *meaning == parameter.meaning)
+        {
+            Some((_, models)) => models.push(model.name()),
+            None => meanings.push((parameter.meaning, vec![model.name()])),
+        }
+    }
+    let told: Vec<String> = meanings
+        .into_iter()
+        .map(|(meaning, models)| format!("{meaning} of {}", models.join(", ")))
+        .collect();
+    told.join("; ")
+}
+
+/// The keys of the discretization.
+const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.arrangement",
         Kind::Words(&["square", "hexagonal", "chain"]),
@@ -245,6 +283,11 @@ pub const MAP_KEYS: &[Key] = &[
         Kind::Whole(8, 1024),
         "states along an edge of a tile, the unit of work and of storage",
     ),
+    key(
+        "map.outputs",
+        Kind::Subset(OUTPUTS),
+        "numbers that are stored of each state, beside verdict and stability",
+    ),
 ];
 
 /// Every key that a study can set, in the order of the documentation; axes and title apart.
@@ -252,7 +295,49 @@ pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
     KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)
 }
 
+/// A key for a parameter that no law has, as a model of one's own may have it; the same for the same name.
+fn free_parameter(name: &str) -> &'static Key {
+    static KNOWN: Mutex<BTreeMap<String, &'static Key>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    known.entry(name.to_owned()).or_insert_with(|| {
+        let name: &'static str = name.to_owned().leak();
+        let meaning = "a parameter of one's own";
+        Box::leak(Box::new(key(name, Kind::Number("1"), meaning)))
+    })
+}
+
 impl Key {
+    /// The key with a name: one of [`study_keys`], or `material.` with a name that a model of one's own may give to a
+    /// parameter: letters, digits and `_`, a letter first.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        let is_name = |text: &str| {
+            text.starts_with(|first: char| first.is_ascii_alphabetic())
+                && text
+                    .chars()
+                    .all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
+        };
+        study_keys().find(|key| key.name == name).or_else(|| {
+            let is_free = name.strip_prefix("material.").is_some_and(is_name);
+            is_free.then(|| free_parameter(name))
+        })
+    }
+
+    /// The key with a name that is about to be set: a name that no table has is one's own only for a number.
+    pub(super) fn for_setting(name: &str, is_number: bool) -> Option<&'static Self> {
+        let is_listed = |key: &Key| study_keys().any(|known| known.name == key.name);
+        Self::named(name).filter(|key| is_number || is_listed(key))
+    }
+
+    /// Whether it sets a number of material or discretization that an axis can vary.
+    pub fn is_varied(&self) -> bool {
+        self.unit().is_some() && matches!(self.parts().0, "material" | "discretization")
+    }
+
+    /// Whether it is a parameter of a law.
+    pub fn is_parameter(&self) -> bool {
+        self.parts().0 == "material" && self.unit().is_some()
+    }
+
     const fn only_with(mut self, needed: (&'static str, &'static str)) -> Self {
         self.only_with = Some(needed);
         self
@@ -284,18 +369,24 @@ impl Key {
         }
     }
 
-    /// Its default; for a material constant that of its law.
+    /// Its default; for a parameter of laws that of the laws, `null` where they do not have the same.
     pub fn default_json(&self) -> serde_json::Value {
         let field = |value: Result<serde_json::Value, serde_json::Error>, name: &str| {
             value.map_or(serde_json::Value::Null, |defaults| defaults[name].clone())
         };
         match self.parts() {
             ("material", "model") => Model::default().name().into(),
-            ("material", parameter) => Model::ALL
-                .iter()
-                .flat_map(|model| model.parameters())
-                .find(|(name, _)| *name == parameter)
-                .map_or(serde_json::Value::Null, |(_, value)| (*value).into()),
+            ("material", name) => {
+                let mut defaults = Model::all().flat_map(Model::parameters);
+                let first = defaults.find(|parameter| parameter.name == name);
+                let mut others = defaults.filter(|parameter| parameter.name == name);
+                match first {
+                    Some(first) if others.all(|other| other.default == first.default) => {
+                        first.default.into()
+                    }
+                    _ => serde_json::Value::Null,
+                }
+            }
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
             (_, name) => field(serde_json::to_value(Discretization::default()), name),

@@ -1,7 +1,56 @@
 //! How a map is made.
 
 use super::Value;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+
+/// The numbers of a state that a map can hold, by their names in the store.
+pub const OUTPUTS: &[&str] = &[
+    "acoustic_minimum",
+    "acoustic_direction",
+    "scaled_minimum",
+    "wave_vector",
+    "lowest_omega_squared",
+    "growth_rate",
+    "critical_time_step",
+];
+
+/// Some of [`OUTPUTS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs([bool; OUTPUTS.len()]);
+
+impl Outputs {
+    /// Those with the given names; `None` when there is none with one of them.
+    fn of<S: AsRef<str>>(names: &[S]) -> Option<Self> {
+        let mut chosen = [false; OUTPUTS.len()];
+        for name in names {
+            let place = OUTPUTS.iter().position(|output| *output == name.as_ref())?;
+            chosen[place] = true;
+        }
+        Some(Self(chosen))
+    }
+
+    /// Their names.
+    fn names(self) -> impl Iterator<Item = &'static str> {
+        let chosen = OUTPUTS.iter().zip(self.0).filter(|(_, chosen)| *chosen);
+        chosen.map(|(name, _)| *name)
+    }
+
+    /// Whether a field is stored: the flag that belongs to the wave vector with it, what is no output always.
+    pub fn hold(self, field: &str) -> bool {
+        let name = if field == "long_wave" {
+            "wave_vector"
+        } else {
+            field
+        };
+        !OUTPUTS.contains(&name) || self.names().any(|output| output == name)
+    }
+}
+
+impl Serialize for Outputs {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.names())
+    }
+}
 
 /// How a map is made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -17,6 +66,8 @@ pub struct MapSettings {
     pub tolerance: f64,
     /// States along an edge of a tile.
     pub tile: usize,
+    /// The numbers that are stored, beside verdict and stability.
+    pub outputs: Outputs,
 }
 
 impl Default for MapSettings {
@@ -27,6 +78,7 @@ impl Default for MapSettings {
             certify: false,
             tolerance: 1e-3,
             tile: 64,
+            outputs: Outputs([true; OUTPUTS.len()]),
         }
     }
 }
@@ -40,6 +92,10 @@ impl MapSettings {
             ("certify", Value::Switch(on)) => self.certify = *on,
             ("tolerance", Value::Number(number)) => self.tolerance = *number,
             ("tile", Value::Number(number)) => self.tile = *number as usize,
+            ("outputs", Value::Words(names)) => match Outputs::of(names) {
+                Some(outputs) => self.outputs = outputs,
+                None => return false,
+            },
             _ => return false,
         }
         true

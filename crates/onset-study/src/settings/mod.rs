@@ -8,6 +8,7 @@ mod error;
 mod key;
 mod map;
 mod material;
+mod model;
 mod schema;
 mod state;
 mod study;
@@ -15,8 +16,9 @@ mod study;
 pub use axis::{Axis, Quantity};
 pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
-pub use map::MapSettings;
-pub use material::{MaterialSettings, Model};
+pub use map::{MapSettings, OUTPUTS, Outputs};
+pub use material::MaterialSettings;
+pub use model::{Model, OwnModel};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
@@ -28,6 +30,7 @@ use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
 };
 use onset::quadrature::Quadrature;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 
@@ -67,7 +70,9 @@ impl Settings {
                     .hint("write --set key=value, for example --set discretization.support=1.6"),
             );
         };
-        self.set(name.trim(), &Value::of_text(text.trim()), origin)
+        let (name, text) = (name.trim(), text.trim());
+        let kind = Key::named(name).map(|key| key.kind);
+        self.set(name, &Value::typed(text, kind), origin)
     }
 
     /// Sets one key.
@@ -75,7 +80,9 @@ impl Settings {
     /// # Errors
     /// [`SettingError`] for an unknown key or a value of the wrong kind.
     pub fn set(&mut self, name: &str, value: &Value, origin: Origin) -> Result<(), SettingError> {
-        let Some(key) = KEYS.iter().find(|key| key.name == name) else {
+        let of_problem = |key: &&Key| matches!(key.parts().0, "material" | "discretization");
+        let key = Key::for_setting(name, value.number().is_some());
+        let Some(key) = key.filter(of_problem) else {
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };
         let wrong = |origin: Origin| {
@@ -115,15 +122,14 @@ impl Settings {
                 &mut discretization.linearization,
                 value.word::<Linearization>(),
             ),
-            "material.model" => assign(&mut self.material.model, value.word()),
-            _ => match (name.strip_prefix("material."), number) {
-                (Some(parameter), Some(number)) => {
-                    self.material
-                        .set_parameter(parameter, number, origin.clone());
-                    true
-                }
-                _ => false,
-            },
+            "material.model" => assign(
+                &mut self.material.model,
+                match value {
+                    Value::Word(word) => Model::named(word),
+                    _ => None,
+                },
+            ),
+            _ => self.material.set(key, value, origin.clone()),
         };
         if done { Ok(()) } else { Err(wrong(origin)) }
     }
@@ -135,9 +141,9 @@ impl Settings {
         match name.split_once('.')? {
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
             ("material", name) => {
-                let mut values = self.material.values().into_iter();
-                let (_, value) = values.find(|(parameter, _)| *parameter == name)?;
-                Some(Value::Number(value))
+                let mut entries = self.material.entries().into_iter();
+                let (_, value) = entries.find(|(entry, _)| *entry == name)?;
+                Some(value)
             }
             ("discretization", name) => {
                 let fields = serde_json::to_value(self.discretization).ok()?;
@@ -161,55 +167,90 @@ fn assign<T>(target: &mut T, read: Option<T>) -> bool {
 }
 
 /// A value as typed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     /// A number.
     Number(f64),
-    /// A word.
+    /// A word or a text.
     Word(String),
     /// `true` or `false`.
     Switch(bool),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// A list of words.
+    Words(Vec<String>),
 }
 
 impl Value {
-    /// The value that a text on the command line stands for.
-    fn of_text(text: &str) -> Self {
-        match (text, text.parse()) {
-            ("true", _) => Self::Switch(true),
-            ("false", _) => Self::Switch(false),
-            (_, Ok(number)) => Self::Number(number),
-            (word, Err(_)) => Self::Word(word.trim_matches('"').to_owned()),
+    /// The value that a text on the command line stands for, where a kind of values is expected.
+    pub(crate) fn typed(text: &str, expected: Option<Kind>) -> Self {
+        let word = || Self::Word(text.trim_matches('"').to_owned());
+        match (expected, text, text.parse()) {
+            (Some(Kind::Text), _, _) => word(),
+            (Some(Kind::Numbers), _, _) => numbers(text).map_or_else(word, Self::Numbers),
+            (Some(Kind::Subset(_)), _, _) => Self::Words(words(text)),
+            (_, "true", _) => Self::Switch(true),
+            (_, "false", _) => Self::Switch(false),
+            (_, _, Ok(number)) => Self::Number(number),
+            (_, _, Err(_)) => word(),
         }
     }
 
-    fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            Self::Word(_) | Self::Switch(_) => None,
+            _ => None,
         }
     }
 
     /// The named choice, by the one name that serialization uses too.
-    fn word<T: DeserializeOwned>(&self) -> Option<T> {
+    pub(crate) fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
-            Self::Number(_) | Self::Switch(_) => None,
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
+            _ => None,
         }
     }
+}
+
+/// A list of numbers as typed, with or without brackets.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let inner = match text.strip_prefix('[') {
+        Some(rest) => rest.strip_suffix(']')?,
+        None => text,
+    };
+    match inner.trim() {
+        "" => Some(Vec::new()),
+        inner => inner.split(',').map(|n| n.trim().parse().ok()).collect(),
+    }
+}
+
+/// A list of words as typed, with or without brackets and quotes.
+fn words(text: &str) -> Vec<String> {
+    let inner = text.trim_start_matches('[').trim_end_matches(']');
+    let words = inner.split(',').map(|word| word.trim().trim_matches('"'));
+    words
+        .filter(|word| !word.is_empty())
+        .map(str::to_owned)
+        .collect()
 }
 
 impl std::fmt::Display for Value {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            // Not three hundred digits.
+            Self::Number(number) if number.abs() >= 1e16 => write!(formatter, "{number:e}"),
             Self::Number(number) => write!(formatter, "{number}"),
             Self::Word(word) => write!(formatter, "\"{word}\""),
             Self::Switch(on) => write!(formatter, "{on}"),
+            Self::Numbers(numbers) => write!(formatter, "{numbers:?}"),
+            Self::Words(words) => write!(formatter, "{words:?}"),
         }
     }
 }
 
 /// The error for a key that does not exist, with the nearest one that does.
-fn unknown_key<'a>(
+pub(crate) fn unknown_key<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
     origin: Origin,
@@ -221,11 +262,24 @@ fn unknown_key<'a>(
         .find(|key| key.rsplit('.').next() == Some(name));
     match completed.or_else(|| error::nearest(name, known.clone())) {
         Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
-        None => error.hint(format!(
-            "known keys: {}",
-            known.collect::<Vec<_>>().join(", ")
-        )),
+        None => error.hint(format!("known keys: {}", listed(known))),
     }
+}
+
+/// Names for a hint; the parameters of all laws are told as one.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let is_parameter = |name: &str| {
+        KEYS.iter()
+            .any(|key| key.name == name && key.is_parameter())
+    };
+    let mut listed: Vec<&str> = names
+        .map(|name| match is_parameter(name) {
+            true => "material.<parameter of the law>",
+            false => name,
+        })
+        .collect();
+    listed.dedup();
+    listed.join(", ")
 }
 
 /// The name under which a choice is written.
@@ -248,10 +302,11 @@ mod tests {
 
     #[test]
     fn every_key_can_be_set_with_every_word_that_it_expects() {
-        for key in KEYS {
-            let words = match key.words() {
-                [] => &["1.5"],
-                words => words,
+        for key in KEYS.iter() {
+            let words = match (key.words(), key.kind) {
+                ([], Kind::Whole(..)) => &["2"],
+                ([], _) => &["1.5"],
+                (words, _) => words,
             };
             for word in words {
                 let mut settings = Settings::default();

@@ -2,6 +2,7 @@
 
 use super::study::STATES;
 use super::{Key, Kind, Model, Quantity, study_keys};
+use onset::material::{Admitted, Parameter};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema (draft 2020-12) of a study. What concerns several parts at once (a key that is also an axis, a
@@ -40,21 +41,58 @@ fn table(section: &str) -> Value {
         "additionalProperties": false
     });
     if section == "material" {
-        table["allOf"] = Model::ALL.map(parameters_of).to_vec().into();
+        // A model of one's own names its parameters itself.
+        table["additionalProperties"] = json!({ "type": "number" });
+        table["allOf"] = Model::all().map(keys_of).collect();
     }
     table
 }
 
-/// That a material has its own parameters only.
-fn parameters_of(model: Model) -> Value {
-    let names = model.parameters().iter().map(|(name, _)| *name);
-    let names: Vec<&str> = std::iter::once("model").chain(names).collect();
+/// That a material has its own keys only, and which numbers its law admits.
+fn keys_of(model: Model) -> Value {
     let mut condition = json!({ "properties": { "model": { "const": model.name() } } });
     // Where no model is given the default holds.
     if model != Model::default() {
         condition["required"] = json!(["model"]);
     }
-    json!({ "if": condition, "then": { "propertyNames": { "enum": names } } })
+    let parameters: Map<String, Value> = model
+        .parameters()
+        .iter()
+        .map(|parameter| (parameter.name.to_owned(), number(parameter)))
+        .collect();
+    let names: Vec<&str> = std::iter::once("model").chain(model.names()).collect();
+    let mut consequence = json!({ "properties": parameters });
+    if !model.takes_any_parameter() {
+        consequence["propertyNames"] = json!({ "enum": names });
+    }
+    if let Model::Own(own) = model {
+        consequence["required"] = json!(own.required);
+    }
+    json!({ "if": condition, "then": consequence })
+}
+
+/// What a parameter of a law takes.
+fn number(parameter: &Parameter) -> Value {
+    let mut number = match parameter.admitted {
+        Admitted::Any => json!({}),
+        Admitted::Positive => json!({ "exclusiveMinimum": 0 }),
+        Admitted::NotNegative => json!({ "minimum": 0 }),
+        Admitted::Fraction => json!({ "minimum": 0, "maximum": 1 }),
+        Admitted::Between(low, high) => {
+            json!({ "exclusiveMinimum": low, "exclusiveMaximum": high })
+        }
+    };
+    number["description"] = described(parameter.meaning, Some(parameter.unit));
+    number["default"] = parameter.default.into();
+    number
+}
+
+/// A meaning with its unit.
+fn described(meaning: &str, unit: Option<&str>) -> Value {
+    match unit {
+        None | Some("1") => meaning.into(),
+        Some(unit) => format!("{meaning} ({unit})").into(),
+    }
 }
 
 /// What a key takes.
@@ -72,12 +110,16 @@ fn property(key: &Key) -> Value {
             json!({ "enum": admitted })
         }
         Kind::Switch => json!({ "type": "boolean" }),
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Subset(words) => {
+            json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true })
+        }
+        Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
     };
-    property["description"] = match key.unit() {
-        None | Some("1") => key.meaning.into(),
-        Some(unit) => format!("{} ({unit})", key.meaning).into(),
-    };
-    property["default"] = key.default_json();
+    property["description"] = described(key.meaning, key.unit());
+    if let default @ (Value::Bool(_) | Value::Number(_) | Value::String(_)) = key.default_json() {
+        property["default"] = default;
+    }
     property
 }
 
@@ -96,7 +138,11 @@ fn axes() -> Value {
         "items": {
             "type": "object",
             "properties": {
-                "quantity": { "enum": names, "description": "what the axis varies" },
+                "quantity": {
+                    "type": "string",
+                    "anyOf": [{ "enum": names }, { "pattern": "^material\\.[A-Za-z][A-Za-z0-9_]*$" }],
+                    "description": "what the axis varies"
+                },
                 "range": {
                     "type": "array",
                     "description": "its ends, the lower one first; the states lie in the middle of equal cells between them",

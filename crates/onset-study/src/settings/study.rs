@@ -159,6 +159,9 @@ impl Study {
 
     /// Whether what a key needs is given.
     fn has_effect(&self, key: &Key) -> bool {
+        if let ("material", name) = key.parts() {
+            return name == "model" || self.settings.material.model.takes(name);
+        }
         key.only_with.is_none_or(|(needed, word)| {
             self.value(needed).is_some_and(|value| {
                 value == Value::Word(word.to_owned()) || value.to_string() == word
@@ -171,6 +174,14 @@ impl Study {
         let of_json = |value: &serde_json::Value| match value {
             serde_json::Value::String(word) => Some(Value::Word(word.clone())),
             serde_json::Value::Bool(on) => Some(Value::Switch(*on)),
+            serde_json::Value::Array(items) => {
+                let word = |item: &serde_json::Value| item.as_str().map(str::to_owned);
+                items
+                    .iter()
+                    .map(word)
+                    .collect::<Option<_>>()
+                    .map(Value::Words)
+            }
             other => other.as_f64().map(Value::Number),
         };
         match name.split_once('.')? {

@@ -131,9 +131,11 @@ fn hint(error: &io::Error) -> &'static str {
     }
 }
 
-/// A chunk can be computed again; the metadata cannot.
+/// A chunk of results can be computed again; metadata and coordinates (which alone have one dimension: `c/0`) are written
+/// with the store.
 fn damage_hint(path: &Path) -> &'static str {
-    if path.ends_with("zarr.json") {
+    let is_coordinate = path.parent().is_some_and(|folder| folder.ends_with("c"));
+    if path.ends_with("zarr.json") || is_coordinate {
         "restore it from a copy, or begin anew in another folder with --out"
     } else {
         "to have the tile computed again, remove the file of the same number in `verdict`, then --resume"

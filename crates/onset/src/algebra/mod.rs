@@ -2,10 +2,12 @@
 
 mod eigen;
 mod pack;
+mod symmetric;
 mod trigonometric;
 
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use pack::{Mask, Pack, WIDEST};
+pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
 
 /// Complex numbers of the whole crate.

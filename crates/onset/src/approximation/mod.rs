@@ -48,9 +48,23 @@ pub struct ShapeFunctions<const D: usize> {
     pub hessians: Vec<SMatrix<f64, D, D>>,
     /// As `hessians`, but with the normalization `alpha` held fixed: `alpha . (p W)_,jt`.
     pub frozen_hessians: Vec<SMatrix<f64, D, D>>,
-    /// `d phi_I,j / d x_K,t` at `[I * neighbors + K]`: how the gradient at a fixed point changes
-    /// when particle `K` moves. Empty unless asked for. 1/length^2.
-    sensitivities: Vec<SMatrix<f64, D, D>>,
+    /// How the gradients change when particles move, if asked for.
+    motion: Option<Motion<D>>,
+}
+
+/// How the gradient `phi_I,j` at a fixed point changes when a particle `K` moves: `d phi_I,j / d x_K,t = sum_b (d_jt alpha_b)_K
+/// (a_b)_I - (d_t alpha_b)_K (a_b,j)_I`, a sum of products of what depends on `K`, through the coefficients `alpha_b`, and on
+/// `I`; for `K = I` also what the particle's own term `a` does. 1/length^2.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion<const D: usize> {
+    /// Number of basis functions.
+    pub(crate) basis: usize,
+    /// `a_b` with its gradient, at `[I * basis + b]`.
+    pub(crate) terms: Vec<(f64, SVector<f64, D>)>,
+    /// `d alpha_b / d x_K,t` and its derivative `j` along the evaluation point (row `j`, column `t`), at `[K * basis + b]`.
+    pub(crate) shifts: Vec<(SVector<f64, D>, SMatrix<f64, D, D>)>,
+    /// What is added for `K = I`.
+    pub(crate) own: Vec<SMatrix<f64, D, D>>,
 }
 
 /// Which derivatives are wanted.
@@ -65,12 +79,24 @@ pub enum Order {
 }
 
 impl<const D: usize> ShapeFunctions<D> {
-    /// `d phi_I,j / d x_K,t`, row `j`, column `t`.
-    ///
-    /// # Panics
-    /// When the functions were made without [`Order::Sensitivities`].
-    pub fn sensitivity(&self, of: usize, to: usize) -> &SMatrix<f64, D, D> {
-        &self.sensitivities[of * self.values.len() + to]
+    /// `d phi_I,j / d x_K,t`, row `j`, column `t`; not a number when the functions were made without
+    /// [`Order::Sensitivities`].
+    pub fn sensitivity(&self, of: usize, to: usize) -> SMatrix<f64, D, D> {
+        let Some(motion) = &self.motion else {
+            return SMatrix::repeat(f64::NAN);
+        };
+        let mut sum = SMatrix::zeros();
+        for b in 0..motion.basis {
+            let (value, gradient) = motion.terms[of * motion.basis + b];
+            let (shift, slope) = motion.shifts[to * motion.basis + b];
+            sum += slope * value - gradient * shift.transpose();
+        }
+        if of == to { sum + motion.own[of] } else { sum }
+    }
+
+    /// How the gradients change when particles move, if it was asked for.
+    pub(crate) fn motion(&self) -> Option<&Motion<D>> {
+        self.motion.as_ref()
     }
 }
 
@@ -272,40 +298,41 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
             gradients: terms.iter().map(gradient).collect(),
             hessians: optional(&hessian),
             frozen_hessians: optional(&frozen),
-            sensitivities: if order == Order::Sensitivities {
-                self.sensitivities(terms)
-            } else {
-                Vec::new()
-            },
+            motion: (order == Order::Sensitivities).then(|| self.motion(terms)),
         }
     }
 
-    /// `d phi_I,j / d x_K,t` for all pairs, with `phi_I,j = D_j alpha . a_I - alpha . a_I,j`.
-    fn sensitivities(&self, terms: &[Term<D, B>]) -> Vec<SMatrix<f64, D, D>> {
-        let count = terms.len();
-        let mut result = vec![SMatrix::zeros(); count * count];
-        for (k, moved) in terms.iter().enumerate() {
+    /// From `phi_I,j = D_j alpha . a_I - alpha . a_I,j`.
+    fn motion(&self, terms: &[Term<D, B>]) -> Motion<D> {
+        let mut motion = Motion {
+            basis: B,
+            terms: Vec::with_capacity(B * terms.len()),
+            shifts: Vec::with_capacity(B * terms.len()),
+            own: Vec::with_capacity(terms.len()),
+        };
+        for term in terms {
             // d alpha / d x_K,t = -M^-1 m_,t alpha, and its derivative along the evaluation point.
             let shift: [SVector<f64, B>; D] =
-                std::array::from_fn(|t| -(self.inverse * (moved.m1[t] * self.alpha)));
-            let shift1: [[SVector<f64, B>; D]; D] = std::array::from_fn(|j| {
+                std::array::from_fn(|t| -(self.inverse * (term.m1[t] * self.alpha)));
+            let slope: [[SVector<f64, B>; D]; D] = std::array::from_fn(|j| {
                 std::array::from_fn(|t| {
                     self.inverse
-                        * (moved.m2[j][t] * self.alpha + self.moment1[j] * shift[t]
-                            - moved.m1[t] * self.alpha1[j])
+                        * (term.m2[j][t] * self.alpha + self.moment1[j] * shift[t]
+                            - term.m1[t] * self.alpha1[j])
                 })
             });
-            for (i, of) in terms.iter().enumerate() {
-                result[i * count + k] = SMatrix::from_fn(|j, t| {
-                    let through_alpha = shift1[j][t].dot(&of.a) - shift[t].dot(&of.a1[j]);
-                    if i == k {
-                        through_alpha + self.alpha1[j].dot(&of.a1[t]) - self.alpha.dot(&of.a2[j][t])
-                    } else {
-                        through_alpha
-                    }
-                });
+            for b in 0..B {
+                let gradient = SVector::from_fn(|j, _| term.a1[j][b]);
+                motion.terms.push((term.a[b], gradient));
+                let shift = SVector::from_fn(|t, _| shift[t][b]);
+                motion
+                    .shifts
+                    .push((shift, SMatrix::from_fn(|j, t| slope[j][t][b])));
             }
+            motion.own.push(SMatrix::from_fn(|j, t| {
+                self.alpha1[j].dot(&term.a1[t]) - self.alpha.dot(&term.a2[j][t])
+            }));
         }
-        result
+        motion
     }
 }

@@ -1,12 +1,14 @@
 //! The dynamical matrix from the linearized discrete forces.
 
 use super::DynamicalMatrix;
-use super::dynamical_matrix::ForceConstants;
+use super::dynamical_matrix::{Block, ForceConstants};
 use crate::approximation::Order;
+use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic, Response};
+use crate::material::{Hyperelastic, MaterialError};
 use crate::method::{Configuration, ConfiguredPoint, Frame, Linearization, Method, MethodError};
 use nalgebra::{SMatrix, SVector};
+use pulp::{Arch, NullaryFnOnce};
 
 /// The dynamical matrix of a method and a material at a homogeneous state.
 ///
@@ -35,48 +37,74 @@ pub fn dynamical_matrix<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
+    assembled(method, f, order(method), |deformation| {
+        Local::new(material, deformation)
+    })
+}
+
+/// The same with a response that is known at `f`, the deformation that all points carry.
+pub(crate) fn dynamical_matrix_with<const D: usize>(
+    method: &Method<D>,
+    local: &Local<D>,
+    f: &DeformationGradient,
+) -> Result<DynamicalMatrix<D>, MethodError> {
+    assembled(method, f, order(method), |_| Ok(*local))
+}
+
+/// The derivatives of the shape functions that a method needs.
+fn order<const D: usize>(method: &Method<D>) -> Order {
     let discretization = method.discretization();
-    let order = match (
+    match (
         discretization.frame,
         discretization.linearization.is_exact_in_kernel(),
     ) {
         (Frame::Lagrangian, _) => Order::First,
         (Frame::Eulerian, false) => Order::Second,
         (Frame::Eulerian, true) => Order::Sensitivities,
-    };
-    let configuration = method.configuration(f, order)?;
+    }
+}
+
+fn assembled<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+    order: Order,
+    respond: impl Fn(&DeformationGradient) -> Result<Local<D>, MaterialError>,
+) -> Result<DynamicalMatrix<D>, MethodError> {
+    let discretization = method.discretization();
+    let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
     let mut constants = ForceConstants::new(reach(&configuration));
-    let mut known: Option<Response> = None;
+    let mut known: Option<(DeformationGradient, Local<D>)> = None;
     for point in &configuration.points {
         // With the imposed background all points carry the same deformation.
-        let response = match known.take() {
-            Some(response) if response.deformation == point.deformation => response,
-            _ => material.response(&point.deformation)?,
+        let local = match known {
+            Some((deformation, local)) if deformation == point.deformation => local,
+            _ => respond(&point.deformation)?,
         };
+        known = Some((point.deformation, local));
         match discretization.frame {
             Frame::Lagrangian => {
                 let factor = point.volume / method.particle_mass();
-                add_gradient_stiffness(&mut constants, point, &response.tangent, None, factor);
+                let mut pairs = Pairs::new(point.cells.len(), D);
+                pairs.add_gradients(point, 0, |own| {
+                    contracted(&local.tangent, own, None, factor)
+                });
+                pairs.sum(point, &mut constants);
             }
             Frame::Eulerian => {
                 let current = point.deformation.jacobian() * point.volume;
                 let factor = current / method.particle_mass();
-                let cauchy = response.cauchy();
-                let sigma = SMatrix::from_fn(|i, j| cauchy[(i, j)]);
-                let tangent = response.spatial_tangent();
-                add_gradient_stiffness(&mut constants, point, &tangent, Some(&sigma), factor);
-                add_kernel_motion(
+                let spatial = local.spatial(&point.deformation);
+                add_eulerian(
                     &mut constants,
                     point,
-                    &sigma,
+                    &spatial,
                     discretization.linearization,
                     factor,
                 );
             }
         }
-        known = Some(response);
     }
-    let matrix = constants.finish(method.lattice());
+    let matrix = constants.finish(method.lattice(), is_inverted);
     if matrix.is_finite() {
         Ok(matrix)
     } else {
@@ -94,7 +122,7 @@ pub fn gradient_norm<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == k && j == l)));
+    let unit = tangent_from(|i, j, k, l| f64::from(u8::from(i == k && j == l)));
     of_gradients(method, f, &unit, method.lattice().cell_volume())
 }
 
@@ -104,7 +132,7 @@ pub(super) fn moment_matrix<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let unit = FourthOrder::from_fn(|i, j, k, l| f64::from(u8::from(i == j && k == l)));
+    let unit = tangent_from(|i, j, k, l| f64::from(u8::from(i == j && k == l)));
     of_gradients(method, f, &unit, method.particle_mass())
 }
 
@@ -112,15 +140,18 @@ pub(super) fn moment_matrix<const D: usize>(
 fn of_gradients<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
-    tangent: &FourthOrder,
+    tangent: &Tangent<D>,
     divisor: f64,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let configuration = method.configuration(f, Order::First)?;
+    let (configuration, is_inverted) = method.configuration_of_halves(f, Order::First)?;
     let mut constants = ForceConstants::new(reach(&configuration));
     for point in &configuration.points {
-        add_gradient_stiffness(&mut constants, point, tangent, None, point.volume / divisor);
+        let factor = point.volume / divisor;
+        let mut pairs = Pairs::new(point.cells.len(), D);
+        pairs.add_gradients(point, 0, |own| contracted(tangent, own, None, factor));
+        pairs.sum(point, &mut constants);
     }
-    Ok(constants.finish(method.lattice()))
+    Ok(constants.finish(method.lattice(), is_inverted))
 }
 
 fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
@@ -136,67 +167,266 @@ fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     configuration.points.iter().map(range).max().unwrap_or(0)
 }
 
-/// `phi_I,J T_iJkL phi_K,L` for all pairs of neighbors; with a Cauchy stress also the part
-/// `phi_I,j sigma_il delta_jk phi_K,l` that volume change and stress change leave together:
-/// `sigma_ij tr(L) + d sigma_ij = (a_ijkl + sigma_il delta_jk) L_kl`.
-fn add_gradient_stiffness<const D: usize>(
-    constants: &mut ForceConstants<D>,
-    point: &ConfiguredPoint<D>,
-    tangent: &FourthOrder,
-    stress: Option<&SMatrix<f64, D, D>>,
-    factor: f64,
-) {
-    // (grad phi_I)_J T_iJkL, once a neighbor I.
-    for (from, own) in point.cells.iter().zip(&point.shape.gradients) {
-        let contracted: [SMatrix<f64, D, D>; D] = std::array::from_fn(|l| {
-            SMatrix::from_fn(|i, k| {
-                let elastic: f64 = (0..D).map(|j| own[j] * tangent[(i, j, k, l)]).sum();
-                factor * (elastic + stress.map_or(0.0, |sigma| sigma[(i, l)] * own[k]))
-            })
-        });
-        for (to, other) in point.cells.iter().zip(&point.shape.gradients) {
-            let block = (0..D).map(|l| contracted[l] * other[l]).sum();
-            constants.add(from, to, &block);
+/// `T_iJkL` within the dimensions of a lattice, at `[i][J][k][L]`.
+pub(crate) type Tangent<const D: usize> = [[[[f64; D]; D]; D]; D];
+
+fn tangent_from<const D: usize>(
+    component: impl Fn(usize, usize, usize, usize) -> f64,
+) -> Tangent<D> {
+    let component = &component;
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            std::array::from_fn(|k| std::array::from_fn(|l| component(i, j, k, l)))
+        })
+    })
+}
+
+/// Stress and tangent of a material at a state, within the dimensions of a lattice.
+#[derive(Clone, Copy)]
+pub(crate) struct Local<const D: usize> {
+    /// `P_iJ`.
+    first_piola: [[f64; D]; D],
+    /// `A_iJkL`.
+    tangent: Tangent<D>,
+}
+
+impl<const D: usize> Local<D> {
+    /// From no more of the material's response than the dimensions need.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the response over- or underflows.
+    pub(crate) fn new(
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Self, MaterialError> {
+        if D == 2 {
+            let response = material.plane_response(f)?;
+            return Ok(Self {
+                first_piola: std::array::from_fn(|i| {
+                    std::array::from_fn(|j| response.first_piola[2 * i + j])
+                }),
+                tangent: tangent_from(|i, j, k, l| response.tangent[2 * i + j][2 * k + l]),
+            });
+        }
+        let response = material.response(f)?;
+        Ok(Self {
+            first_piola: std::array::from_fn(|i| {
+                std::array::from_fn(|j| response.first_piola[(i, j)])
+            }),
+            tangent: tangent_from(|i, j, k, l| response.tangent[(i, j, k, l)]),
+        })
+    }
+
+    /// The stiffness of the material.
+    pub(crate) fn stiffness(&self) -> Stiffness<D> {
+        Stiffness::from_fn(|i, j, k, l| self.tangent[i][j][k][l])
+    }
+
+    /// Cauchy stress `sigma_ij = P_iJ F_jJ / J` and spatial tangent `a_ijkl = F_jJ F_lL A_iJkL / J` at the state.
+    fn spatial(&self, state: &DeformationGradient) -> Spatial<D> {
+        let (f, jacobian) = (state.leading::<D>(), state.jacobian());
+        let half: Tangent<D> =
+            tangent_from(|i, j, k, l| (0..D).map(|m| f[(j, m)] * self.tangent[i][m][k][l]).sum());
+        Spatial {
+            stress: SMatrix::from_fn(|i, j| {
+                (0..D)
+                    .map(|m| self.first_piola[i][m] * f[(j, m)])
+                    .sum::<f64>()
+                    / jacobian
+            }),
+            tangent: tangent_from(|i, j, k, l| {
+                (0..D).map(|m| f[(l, m)] * half[i][j][k][m]).sum::<f64>() / jacobian
+            }),
         }
     }
 }
 
-/// `sigma_ij d(phi_I,j)(x_q)`: the kernel moves with the particles and the quadrature point. In the
-/// continuum this cancels against parts of the gradient stiffness; here it does so only to
-/// quadrature error, which is the tensile instability.
-fn add_kernel_motion<const D: usize>(
+/// Cauchy stress and spatial tangent within the dimensions of a lattice.
+struct Spatial<const D: usize> {
+    stress: SMatrix<f64, D, D>,
+    tangent: Tangent<D>,
+}
+
+/// `factor (grad phi_I)_J T_iJkL`, for each `L` a matrix in `i`, `k`; with a Cauchy stress also the part
+/// `phi_I,j sigma_il delta_jk phi_K,l` that volume change and stress change leave together:
+/// `sigma_ij tr(L) + d sigma_ij = (a_ijkl + sigma_il delta_jk) L_kl`.
+fn contracted<const D: usize>(
+    tangent: &Tangent<D>,
+    own: &SVector<f64, D>,
+    stress: Option<&SMatrix<f64, D, D>>,
+    factor: f64,
+) -> [Block<D>; D] {
+    std::array::from_fn(|l| {
+        std::array::from_fn(|i| {
+            std::array::from_fn(|k| {
+                let elastic: f64 = (0..D).map(|j| own[j] * tangent[i][j][k][l]).sum();
+                factor * (elastic + stress.map_or(0.0, |sigma| sigma[(i, l)] * own[k]))
+            })
+        })
+    })
+}
+
+/// The force constants of a point of an Eulerian kernel: the gradient stiffness, and `sigma_ij d(phi_I,j)(x_q)`, since the
+/// kernel moves with the particles and the quadrature point. In the continuum the latter cancels against parts of the
+/// gradient stiffness; here it does so only to quadrature error, which is the tensile instability.
+fn add_eulerian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,
-    sigma: &SMatrix<f64, D, D>,
+    spatial: &Spatial<D>,
     linearization: Linearization,
     factor: f64,
 ) {
     let shape = &point.shape;
+    let sigma = &spatial.stress;
     let hessians = match linearization {
         Linearization::FrozenNormalization => &shape.frozen_hessians,
         _ => &shape.hessians,
     };
-    let interpolated = !linearization.moves_points_with_plane_wave();
+    let is_interpolated = !point.is_node && !linearization.moves_points_with_plane_wave();
+    let motion = shape
+        .motion()
+        .filter(|_| linearization.is_exact_in_kernel());
+    let rank = D + usize::from(is_interpolated) + motion.map_or(0, |motion| 2 * motion.basis);
+    let mut pairs = Pairs::new(point.cells.len(), rank);
+    pairs.add_gradients(point, 0, |own| {
+        contracted(&spatial.tangent, own, Some(sigma), factor)
+    });
+    let mut number = D;
+    if is_interpolated {
+        // The motion of the quadrature point, with the interpolated displacement.
+        let of_i = |i: usize| block_of(&(sigma * hessians[i] * factor));
+        pairs.add(number, of_i, |k| [[shape.values[k]; D]; D]);
+        number += 1;
+    }
+    if let Some(motion) = motion {
+        // The motion of the particles.
+        for b in 0..motion.basis {
+            let at = |i: usize| i * motion.basis + b;
+            let of_i = |i: usize| [[factor * motion.terms[at(i)].0; D]; D];
+            pairs.add(number, of_i, |k| {
+                block_of(&(sigma * motion.shifts[at(k)].1))
+            });
+            let of_i = |i: usize| {
+                let along = sigma * motion.terms[at(i)].1;
+                std::array::from_fn(|row| [-factor * along[row]; D])
+            };
+            let of_k = |k: usize| [std::array::from_fn(|t| motion.shifts[at(k)].0[t]); D];
+            pairs.add(number + 1, of_i, of_k);
+            number += 2;
+        }
+    }
+    pairs.sum(point, constants);
     for (i, from) in point.cells.iter().enumerate() {
-        // The motion of the quadrature point.
         let block = sigma * hessians[i] * factor;
         if point.is_node {
             constants.add(from, &[0; D], &block);
-        } else if interpolated {
-            for (k, to) in point.cells.iter().enumerate() {
-                constants.add(from, to, &(block * shape.values[k]));
-            }
-        } else {
+        } else if !is_interpolated {
             let fractional = SVector::from_fn(|a, _| point.place[a] - f64::from(from[a]));
             constants.add_loose(fractional, &block);
         }
-        // The motion of the particles.
-        if linearization.is_exact_in_kernel() {
-            for (k, to) in point.cells.iter().enumerate() {
-                constants.add(from, to, &(sigma * shape.sensitivity(i, k) * factor));
+        match motion {
+            Some(motion) => constants.add(from, from, &(sigma * motion.own[i] * factor)),
+            None => constants.add(from, from, &-block),
+        }
+    }
+}
+
+fn block_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Block<D> {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
+}
+
+/// What a point contributes to the force constants of all pairs of its neighbors: a sum of few products, entry by entry, of
+/// what depends on the one and what depends on the other.
+struct Pairs<const D: usize> {
+    rank: usize,
+    /// At `[neighbor * rank + product]`.
+    first: Vec<Block<D>>,
+    second: Vec<Block<D>>,
+}
+
+impl<const D: usize> Pairs<D> {
+    fn new(neighbors: usize, rank: usize) -> Self {
+        let zeros = || vec![[[0.0; D]; D]; neighbors * rank];
+        Self {
+            rank,
+            first: zeros(),
+            second: zeros(),
+        }
+    }
+
+    /// Sets the product with a number.
+    fn add(
+        &mut self,
+        number: usize,
+        of_i: impl Fn(usize) -> Block<D>,
+        of_k: impl Fn(usize) -> Block<D>,
+    ) {
+        for n in 0..self.first.len() / self.rank {
+            self.first[n * self.rank + number] = of_i(n);
+            self.second[n * self.rank + number] = of_k(n);
+        }
+    }
+
+    /// Sets the products with the components of the gradient of `phi_K`, from a number on.
+    fn add_gradients(
+        &mut self,
+        point: &ConfiguredPoint<D>,
+        number: usize,
+        contracted: impl Fn(&SVector<f64, D>) -> [Block<D>; D],
+    ) {
+        for (n, own) in point.shape.gradients.iter().enumerate() {
+            let at = n * self.rank + number;
+            self.first[at..at + D].copy_from_slice(&contracted(own));
+            for l in 0..D {
+                self.second[at + l] = [[own[l]; D]; D];
             }
-        } else {
-            constants.add(from, from, &-block);
+        }
+    }
+
+    /// Adds up all pairs.
+    fn sum(&self, point: &ConfiguredPoint<D>, constants: &mut ForceConstants<D>) {
+        let places: Vec<usize> = point
+            .cells
+            .iter()
+            .map(|cell| constants.place(cell))
+            .collect();
+        Arch::new().dispatch(Summing {
+            pairs: self,
+            places: &places,
+            middle: constants.middle(),
+            blocks: constants.blocks_mut(),
+        });
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct Summing<'a, const D: usize> {
+    pairs: &'a Pairs<D>,
+    places: &'a [usize],
+    middle: usize,
+    blocks: &'a mut [Block<D>],
+}
+
+impl<const D: usize> NullaryFnOnce for Summing<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let rank = self.pairs.rank;
+        for (from, first) in self.places.iter().zip(self.pairs.first.chunks_exact(rank)) {
+            let seconds = self.pairs.second.chunks_exact(rank);
+            for (to, second) in self.places.iter().zip(seconds) {
+                let place = to.wrapping_add(self.middle).wrapping_sub(*from);
+                let mut sum = self.blocks[place];
+                for (a, b) in first.iter().zip(second) {
+                    for i in 0..D {
+                        for k in 0..D {
+                            sum[i][k] += a[i][k] * b[i][k];
+                        }
+                    }
+                }
+                self.blocks[place] = sum;
+            }
         }
     }
 }

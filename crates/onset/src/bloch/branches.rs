@@ -87,6 +87,26 @@ impl<const D: usize> Taylor<Complex, D> {
 }
 
 impl<const D: usize> Taylor<f64, D> {
+    /// The quotient with another function.
+    pub(super) fn over(&self, scale: &Self) -> Self {
+        let value = self.value / scale.value;
+        let gradient: [f64; D] =
+            std::array::from_fn(|a| (self.gradient[a] - value * scale.gradient[a]) / scale.value);
+        Self {
+            value,
+            gradient,
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    (self.hessian[a][b]
+                        - gradient[a] * scale.gradient[b]
+                        - gradient[b] * scale.gradient[a]
+                        - value * scale.hessian[a][b])
+                        / scale.value
+                })
+            }),
+        }
+    }
+
     /// The gradient as a vector.
     pub(super) fn slope(&self) -> SVector<f64, D> {
         SVector::from(self.gradient)
@@ -145,6 +165,18 @@ impl<const D: usize> Expansion<Complex, D> {
 }
 
 impl<const D: usize> Expansion<f64, D> {
+    /// Minus the square of the growth rate of a complex pair, `(h - sqrt(det D)) / 2`; as smooth where branches are real, and
+    /// positive there. Planar only.
+    pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {
+        let product = self.entry(0, 0).times(&self.entry(1, 1));
+        let mixed = self.entry(0, 1).times(&self.entry(1, 0));
+        let determinant = product.zip(&mixed, |x, y| x - y);
+        let root = determinant.value.sqrt();
+        let first = 0.5 / root;
+        let root = determinant.chain(root, first, -0.5 * first / determinant.value);
+        self.half_trace().zip(&root, |x, y| 0.5 * (x - y))
+    }
+
     /// The same as for complex matrices.
     pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
         if D == 1 {

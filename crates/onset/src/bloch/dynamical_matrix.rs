@@ -1,9 +1,10 @@
 //! The dynamical matrix as a sum of plane-wave phases.
 
+use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
 use crate::algebra::{Complex, eigenvalues};
 use crate::continuum::Stiffness;
-use crate::lattice::BravaisLattice;
+use crate::lattice::{BravaisLattice, Mirror};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
@@ -95,12 +96,15 @@ impl<const D: usize> Expansion<f64, D> {
     }
 }
 
+/// A matrix of force constants, by rows.
+pub(super) type Block<const D: usize> = [[f64; D]; D];
+
 /// Collects force constants by lattice vector.
 pub(super) struct ForceConstants<const D: usize> {
     /// Largest lattice coordinate.
     reach: i32,
     /// Dense blocks for lattice vectors, coordinates from `-reach` to `reach`.
-    blocks: Vec<SMatrix<f64, D, D>>,
+    blocks: Vec<Block<D>>,
     /// Blocks at other vectors (plane-wave stress points), by rounded lattice coordinates.
     loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
 }
@@ -115,16 +119,37 @@ impl<const D: usize> ForceConstants<D> {
         let side = (2 * reach + 1) as usize;
         Self {
             reach,
-            blocks: vec![SMatrix::zeros(); side.pow(D as u32)],
+            blocks: vec![[[0.0; D]; D]; side.pow(D as u32)],
             loose: BTreeMap::new(),
         }
     }
 
+    /// The place of a lattice vector relative to that of zero; places of differences are differences of places.
+    pub(super) fn place(&self, cell: &[i32; D]) -> usize {
+        let side = 2 * self.reach + 1;
+        // Wrapped around below zero, as are sums and differences of places.
+        cell.iter().fold(0, |index, n| index * side + n) as usize
+    }
+
+    /// The place of the vector zero.
+    pub(super) fn middle(&self) -> usize {
+        self.blocks.len() / 2
+    }
+
+    /// The blocks by place.
+    pub(super) fn blocks_mut(&mut self) -> &mut [Block<D>] {
+        &mut self.blocks
+    }
+
     /// Adds to the force constant of the lattice vector `to - from`.
     pub(super) fn add(&mut self, from: &[i32; D], to: &[i32; D], block: &SMatrix<f64, D, D>) {
-        let side = 2 * self.reach + 1;
-        let index = (0..D).fold(0, |index, i| index * side + (to[i] - from[i] + self.reach));
-        self.blocks[index as usize] += block;
+        let difference = std::array::from_fn(|i| to[i] - from[i]);
+        let place = self.middle().wrapping_add(self.place(&difference));
+        for i in 0..D {
+            for k in 0..D {
+                self.blocks[place][i][k] += block[(i, k)];
+            }
+        }
     }
 
     /// Adds to the force constant of a vector given by its lattice coordinates.
@@ -136,13 +161,19 @@ impl<const D: usize> ForceConstants<D> {
         entry.1 += block;
     }
 
-    /// The sum over all vectors, with `R` and `-R` taken together.
-    pub(super) fn finish(mut self, lattice: &BravaisLattice<D>) -> DynamicalMatrix<D> {
+    /// The sum over all vectors, with `R` and `-R` taken together. Where one of each pair of points that inversion exchanges
+    /// has been added, with the weight of both, the odd parts cancel.
+    pub(super) fn finish(
+        mut self,
+        lattice: &BravaisLattice<D>,
+        is_inverted: bool,
+    ) -> DynamicalMatrix<D> {
         let side = (2 * self.reach + 1) as usize;
         let mut sites = vec![SVector::zeros()];
         let mut pairs = Vec::new();
         let middle = self.blocks.len() / 2;
-        let mut rigid = self.blocks[middle];
+        let matrix = |block: &Block<D>| SMatrix::from_fn(|i, k| block[i][k]);
+        let mut rigid = matrix(&self.blocks[middle]);
         for index in middle + 1..self.blocks.len() {
             let opposite = self.blocks.len() - 1 - index;
             let mut rest = index;
@@ -151,7 +182,12 @@ impl<const D: usize> ForceConstants<D> {
                 cell[i] = (rest % side) as i32 - self.reach;
                 rest /= side;
             }
-            pairs.push((cell, 0, self.blocks[index], self.blocks[opposite]));
+            pairs.push((
+                cell,
+                0,
+                matrix(&self.blocks[index]),
+                matrix(&self.blocks[opposite]),
+            ));
         }
         while let Some((_, (fractional, forward))) = self.loose.pop_first() {
             let backward = self
@@ -181,7 +217,12 @@ impl<const D: usize> ForceConstants<D> {
         let zero = ZERO * magnitude;
         let mut terms = Vec::new();
         for (cell, site, forward, backward) in pairs {
-            let (even, odd) = (forward + backward, forward - backward);
+            let even = forward + backward;
+            let odd = if is_inverted {
+                SMatrix::zeros()
+            } else {
+                forward - backward
+            };
             rigid += even;
             if even.amax() > 0.0 || odd.amax() > 0.0 {
                 let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);
@@ -331,6 +372,16 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// The force constants of pairs of opposite vectors.
     pub(super) fn terms(&self) -> &[Term<D>] {
         &self.terms
+    }
+
+    /// The sums along a mirror line, where `D` is planar, real, periodic and has one of the mirrors, and a translation is
+    /// free.
+    pub(super) fn mirror_sums(&self, mirrors: &[Mirror]) -> Option<MirrorSums> {
+        let rows = self.rows.as_ref()?;
+        let is_free = self.rigid.amax() == 0.0;
+        is_free
+            .then(|| MirrorSums::new(&self.terms, mirrors, rows.constant()))
+            .flatten()
     }
 
     /// Where in its cell a vector ends.

@@ -7,12 +7,14 @@
 mod assembly;
 mod branches;
 mod dynamical_matrix;
+mod mirror;
 mod moments;
 mod planar;
 mod search;
 mod spectrum;
 
 use assembly::moment_matrix;
+pub(crate) use assembly::{Local, dynamical_matrix_with};
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};

@@ -13,7 +13,10 @@ mod ellipticity;
 mod expansion;
 mod patch;
 mod points;
+mod space;
 mod waves;
+
+pub use space::{SpaceCertificate, certify_in_space};
 
 use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::Stiffness;
@@ -102,7 +105,7 @@ pub enum Reason {
     Budget,
     /// Inversion does not map the quadrature points onto themselves; such sets are not covered.
     NoInversionCenter,
-    /// The arrangement is three-dimensional; such are not covered.
+    /// The arrangement is three-dimensional; its waves are not covered.
     Dimension,
     /// The enclosures are not finite at this state.
     NotFinite,
@@ -174,6 +177,26 @@ impl<const D: usize> Certainty<D> {
             Self::RankDeficient { .. } => "proved-rank-deficient",
             Self::Unstable { .. } => "proved-unstable",
             Self::Undecided { .. } => "undecided",
+        }
+    }
+
+    /// The same with the first components of its vectors.
+    fn in_dimensions<const E: usize>(&self) -> Certainty<E> {
+        let vector = |v: &SVector<f64, D>| SVector::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
+        match *self {
+            Self::Stable { bound } => Certainty::Stable { bound },
+            Self::RankDeficient { wave_vector } => Certainty::RankDeficient {
+                wave_vector: vector(&wave_vector),
+            },
+            Self::Unstable { witness } => Certainty::Unstable {
+                witness: Witness {
+                    wave_vector: vector(&witness.wave_vector),
+                    phases: vector(&witness.phases),
+                    measure: witness.measure,
+                    growth_rate: witness.growth_rate,
+                },
+            },
+            Self::Undecided { measure, reason } => Certainty::Undecided { measure, reason },
         }
     }
 
@@ -334,14 +357,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
         let response = self.material.response(f)?;
         if D > 2 {
-            let undecided = Certainty::Undecided {
-                measure: f64::NAN,
-                reason: Reason::Dimension,
-            };
-            return Ok(Certificate {
-                material: undecided,
-                discretization: undecided,
-            });
+            return self.in_three_dimensions(f);
         }
         let hint = Stiffness::<D>::of(&response).minimum().direction;
         let exact = DeformationGradient::from_components(
@@ -351,6 +367,18 @@ impl<'a, const D: usize> Certifier<'a, D> {
         Ok(Certificate {
             material: self.of_material(ellipticity),
             discretization: self.of_discretization(f, &hint, ellipticity)?,
+        })
+    }
+
+    /// Of the waves of a three-dimensional arrangement nothing is proved, of the material what is in space.
+    fn in_three_dimensions(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
+        let proof = certify_in_space(self.material, f, self.tolerance)?.certainty;
+        Ok(Certificate {
+            material: proof.in_dimensions(),
+            discretization: Certainty::Undecided {
+                measure: f64::NAN,
+                reason: Reason::Dimension,
+            },
         })
     }
 

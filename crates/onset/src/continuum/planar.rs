@@ -64,6 +64,9 @@ struct Orthotropic {
     mixed: f64,
 }
 
+/// Rounding error of an eigenvalue of a stiffness of magnitude one.
+pub(super) const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
 impl Orthotropic {
     fn of<const D: usize>(stiffness: &Stiffness<D>) -> Option<Self> {
         let entry = |i: usize, k: usize| {
@@ -157,8 +160,10 @@ impl Orthotropic {
         } else {
             [1.0, 0.0]
         };
+        let eigenvalue = 0.5 * (q11 + q22) - root;
         AcousticMinimum {
-            eigenvalue: Complex::new(0.5 * (q11 + q22) - root, 0.0),
+            bound: eigenvalue - ROUNDING,
+            eigenvalue: Complex::new(eigenvalue, 0.0),
             direction: SVector::from_fn(|i, _| normal[i]),
             polarization: SVector::from_fn(|i, _| polarization[i]),
         }
@@ -212,6 +217,7 @@ pub(super) fn mirrored_minimum<const D: usize>(
         unit.is_strongly_elliptic(),
         AcousticMinimum {
             eigenvalue: minimum.eigenvalue * scale,
+            bound: minimum.bound * scale,
             ..minimum
         },
     ))
@@ -248,6 +254,93 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
         }
     }
     direction(best.0)
+}
+
+/// Doubled angles at which the minimum is first looked for.
+const RAYS: usize = 64;
+/// Steps of Newton's method to the minimum.
+const TURNS: usize = 16;
+
+/// The direction of the smallest eigenvalue by Newton's method from each of the lowest among equally distant directions:
+/// several times faster than the algebraic one, and the same unless two minima lie between two of them.
+pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
+    let entry = |i: usize, k: usize| {
+        let [xx, xy, yx, yy] =
+            [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(j, l)| stiffness.0[j][l][(i, k)]);
+        [0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)]
+    };
+    let entries = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
+    let rays = RAY_TABLE.get_or_init(|| {
+        std::array::from_fn(|n| (n as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos())
+    });
+    let sampled: [f64; RAYS] = std::array::from_fn(|n| {
+        let (sine, cosine) = rays[n];
+        let [a, b, c, d] = entries.map(|e| e[0] + e[1] * cosine + e[2] * sine);
+        let half = 0.5 * (a - d);
+        0.5 * (a + d) - (half * half + b * c).max(0.0).sqrt()
+    });
+    let mut best = (0.0, f64::INFINITY);
+    for n in 0..RAYS {
+        let beside = [sampled[(n + RAYS - 1) % RAYS], sampled[(n + 1) % RAYS]];
+        if beside.iter().all(|other| sampled[n] <= *other) {
+            let (t, value) = turned(&entries, n as f64 * std::f64::consts::TAU / RAYS as f64);
+            // Ties go to the first.
+            if value < best.1 - 4.0 * f64::EPSILON * value.abs() {
+                best = (t, value);
+            }
+        }
+    }
+    direction(best.0)
+}
+
+/// Sines and cosines of the angles.
+static RAY_TABLE: std::sync::OnceLock<[(f64, f64); RAYS]> = std::sync::OnceLock::new();
+
+/// Newton's method on the eigenvalue `h - sqrt(p)`, as long as it falls.
+fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
+    // An entry `e0 + e1 cos t + e2 sin t` and its derivatives.
+    let at = |t: f64| {
+        let (sine, cosine) = t.sin_cos();
+        let jets = entries.map(|e| {
+            let varying = e[1] * cosine + e[2] * sine;
+            [e[0] + varying, e[2] * cosine - e[1] * sine, -varying]
+        });
+        let [a, b, c, d] = jets;
+        let mean = [0, 1, 2].map(|n| 0.5 * (a[n] + d[n]));
+        let half = [0, 1, 2].map(|n| 0.5 * (a[n] - d[n]));
+        let p = half[0] * half[0] + b[0] * c[0];
+        if p <= 0.0 {
+            return mean;
+        }
+        let p1 = 2.0 * half[0] * half[1] + b[1] * c[0] + b[0] * c[1];
+        let p2 =
+            2.0 * (half[1] * half[1] + half[0] * half[2] + b[1] * c[1]) + b[2] * c[0] + b[0] * c[2];
+        let root = p.sqrt();
+        [
+            mean[0] - root,
+            mean[1] - 0.5 * p1 / root,
+            mean[2] - 0.5 * (p2 - 0.5 * p1 * p1 / p) / root,
+        ]
+    };
+    let (mut t, mut here) = (start, at(start));
+    let limit = std::f64::consts::TAU / RAYS as f64;
+    for _ in 0..TURNS {
+        let [_, slope, curvature] = here;
+        let step = (-slope / curvature.abs()).clamp(-limit, limit);
+        let next = t + step;
+        if !step.is_finite() || next == t {
+            break;
+        }
+        let there = at(next);
+        if there[0].is_nan() || there[0] > here[0] {
+            break;
+        }
+        (t, here) = (next, there);
+        if step.abs() < 1e-9 {
+            break;
+        }
+    }
+    (t, here[0])
 }
 
 /// `N = (cos t/2, sin t/2)` by the doubled angle `t`.

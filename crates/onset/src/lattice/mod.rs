@@ -2,10 +2,12 @@
 //!
 //! A lattice knows nothing of stress.
 
+mod mirror;
 mod voronoi;
 mod wave_vectors;
 mod zone;
 
+pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
 pub(crate) use wave_vectors::opposite;

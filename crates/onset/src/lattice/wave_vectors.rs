@@ -1,6 +1,7 @@
 //! Grids of wave vectors over a cell of the reciprocal lattice, and what of them no state changes.
 
 use super::BravaisLattice;
+use super::mirror::{Mirror, MirrorWaves};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -131,7 +132,12 @@ pub struct WaveGrids<const D: usize> {
     lattice: BravaisLattice<D>,
     long_wave_map: SMatrix<f64, D, D>,
     made: Mutex<BTreeMap<(usize, bool), Arc<WaveGrid<D>>>>,
+    mirrors: Vec<Mirror>,
+    mirrored: Mutex<MirroredGrids>,
 }
+
+/// The part of grids that a mirror leaves, by the mirror's number and the steps along its lines.
+type MirroredGrids = BTreeMap<(usize, [usize; 2]), Arc<MirrorWaves>>;
 
 impl<const D: usize> WaveGrids<D> {
     /// For a lattice.
@@ -140,7 +146,31 @@ impl<const D: usize> WaveGrids<D> {
             lattice,
             long_wave_map: inverse_square_root(&lattice.long_wave_metric()),
             made: Mutex::new(BTreeMap::new()),
+            mirrors: Mirror::all(&lattice),
+            mirrored: Mutex::new(BTreeMap::new()),
         }
+    }
+
+    /// The mirrors of the lattice.
+    pub(crate) fn mirrors(&self) -> &[Mirror] {
+        &self.mirrors
+    }
+
+    /// The part of a grid that the mirror with a number leaves, with at least the given steps along its lines.
+    pub(crate) fn mirrored(&self, number: usize, steps: [usize; 2]) -> Arc<MirrorWaves> {
+        // Lines are filled up anyway.
+        let filled = (steps[0] + 3).next_multiple_of(super::FILL) - 3;
+        let intervals = [filled, steps[1].next_multiple_of(3)];
+        let mut made = self.mirrored.lock().unwrap_or_else(PoisonError::into_inner);
+        let made = made.entry((number, intervals));
+        let make = || {
+            Arc::new(MirrorWaves::new(
+                &self.lattice,
+                self.mirrors[number],
+                intervals,
+            ))
+        };
+        Arc::clone(made.or_insert_with(make))
     }
 
     /// The lattice.

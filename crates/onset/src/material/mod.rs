@@ -5,12 +5,14 @@
 //! rest of the program sees only the object-safe [`Hyperelastic`]. A material knows nothing of
 //! particles.
 
-mod blatz_ko;
-mod modified_mooney_rivlin;
+mod law;
+mod laws;
+mod principal;
 mod tensors;
 
-pub use blatz_ko::BlatzKo;
-pub use modified_mooney_rivlin::ModifiedMooneyRivlin;
+pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
+pub use laws::{BlatzKo, ModifiedMooneyRivlin};
+pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
 use crate::kinematics::DeformationGradient;
@@ -29,7 +31,31 @@ pub enum MaterialError {
         /// Its value.
         value: f64,
         /// What the law admits, in words.
-        expected: &'static str,
+        expected: String,
+    },
+    /// The law has no parameter of this name.
+    #[error("{law} has no parameter `{name}`")]
+    UnknownParameter {
+        /// The law's name.
+        law: &'static str,
+        /// The parameter's name as given.
+        name: String,
+    },
+    /// The state is outside of those at which the law is defined.
+    #[error("the law is not defined at this deformation: {what} is {value:?}; {expected}")]
+    OutsideDomain {
+        /// The quantity that is out of bounds.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What the law demands of it, with the number.
+        expected: String,
+    },
+    /// A material that is not of the library cannot be made or asked.
+    #[error("{message}")]
+    External {
+        /// Why, and what to do.
+        message: String,
     },
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
@@ -42,28 +68,15 @@ pub enum MaterialError {
 }
 
 impl MaterialError {
-    /// Checks that a parameter is a finite number.
-    fn finite(name: &'static str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Self::Parameter {
-                name,
-                value,
-                expected: "a finite number",
-            })
-        }
-    }
-
-    /// Checks that a parameter is positive and finite.
+    /// Checks that a combination of parameters, named by its formula, is positive and finite.
     fn positive(name: &'static str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() && value > 0.0 {
+        if Admitted::Positive.holds(value) {
             Ok(value)
         } else {
             Err(Self::Parameter {
                 name,
                 value,
-                expected: "a positive finite number",
+                expected: Admitted::Positive.to_string(),
             })
         }
     }
@@ -74,17 +87,35 @@ pub trait StrainEnergy {
     /// The strain energy `W(F)` per reference volume; units of stress. Its derivatives are the stress and the tangent, so it
     /// must be written with operations of [`Real`] only.
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
+
+    /// Whether the law is defined at a state; all with `J > 0`, unless it says otherwise.
+    ///
+    /// # Errors
+    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds.
+    fn admits(&self, _f: &DeformationGradient) -> Result<(), MaterialError> {
+        Ok(())
+    }
 }
 
 /// The tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]`.
 pub type PlaneTangent = [[f64; 4]; 4];
+
+/// The parts of stress and tangent that act within the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneResponse {
+    /// `P_iJ` at `[2 i + J]`.
+    pub first_piola: [f64; 4],
+    /// `A_iJkL`.
+    pub tangent: PlaneTangent,
+}
 
 /// A material as the rest of the program sees it.
 pub trait Hyperelastic: Send + Sync {
     /// Energy, stress and tangent at a state.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] when one of them over- or underflows.
+    /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
+    /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
     /// The part of the tangent that acts within the plane, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1: what
@@ -105,6 +136,21 @@ pub trait Hyperelastic: Send + Sync {
         states: &[DeformationGradient],
     ) -> Vec<Result<PlaneTangent, MaterialError>> {
         states.iter().map(|f| self.plane_tangent(f)).collect()
+    }
+
+    /// The parts of stress and tangent that act within the plane. Units of stress.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] when they over- or underflow.
+    fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
+        let response = self.response(f)?;
+        let tangent = &response.tangent;
+        Ok(PlaneResponse {
+            first_piola: std::array::from_fn(|a| response.first_piola[(a / 2, a % 2)]),
+            tangent: std::array::from_fn(|a| {
+                std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
+            }),
+        })
     }
 
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.
@@ -187,8 +233,9 @@ fn mirrored_tangent<R: Real>(law: &impl StrainEnergy, diagonal: [R; 3]) -> Optio
     energy.hessian()
 }
 
-/// The tangent within the plane at any states. The other components are constants: four variables instead of nine.
-fn plane_hessian<R: Real>(law: &impl StrainEnergy, components: &[[R; 3]; 3]) -> [[R; 4]; 4] {
+/// The energy with its derivatives by the components of `F` within the plane. The others are constants: four variables
+/// instead of nine.
+fn plane_jet<R: Real>(law: &impl StrainEnergy, components: &[[R; 3]; 3]) -> Jet<4, R> {
     let variables = Jet::<4, R>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
     let jets = std::array::from_fn(|i| {
         std::array::from_fn(|j| match (i, j) {
@@ -196,8 +243,18 @@ fn plane_hessian<R: Real>(law: &impl StrainEnergy, components: &[[R; 3]; 3]) -> 
             _ => Jet::fixed(components[i][j]),
         })
     });
-    let energy = law.energy(&DeformationGradient::from_components(jets));
-    energy.hessian
+    law.energy(&DeformationGradient::from_components(jets))
+}
+
+/// A tangent, unless it over- or underflows.
+fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
+    if tangent.as_flattened().iter().all(|value| value.is_finite()) {
+        Ok(tangent)
+    } else {
+        Err(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })
+    }
 }
 
 /// The tangents within the plane of up to [`LANES`] states.
@@ -212,7 +269,7 @@ fn lane_tangents(law: &impl StrainEnergy, states: &[DeformationGradient]) -> [[L
         .all(DeformationGradient::is_diagonal)
         .then(|| mirrored_tangent(law, [0, 1, 2].map(|i| components[i][i])))
         .flatten();
-    mirrored.unwrap_or_else(|| plane_hessian(law, &components))
+    mirrored.unwrap_or_else(|| plane_jet(law, &components).hessian)
 }
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
@@ -233,14 +290,28 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
+        self.admits(f)?;
         let components = f.components();
         let mirrored = f
             .is_diagonal()
             .then(|| mirrored_tangent(self, [0, 1, 2].map(|i| components[i][i])))
             .flatten();
-        let tangent = mirrored.unwrap_or_else(|| plane_hessian(self, components));
-        if tangent.as_flattened().iter().all(|value| value.is_finite()) {
-            Ok(tangent)
+        let tangent = mirrored.unwrap_or_else(|| plane_jet(self, components).hessian);
+        finite(tangent, f)
+    }
+
+    fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
+        self.admits(f)?;
+        let energy = plane_jet(self, f.components());
+        let mut values = energy
+            .gradient
+            .iter()
+            .chain(energy.hessian.as_flattened());
+        if values.all(|value| value.is_finite()) {
+            Ok(PlaneResponse {
+                first_piola: energy.gradient,
+                tangent: energy.hessian,
+            })
         } else {
             Err(MaterialError::NotFinite {
                 jacobian: f.jacobian(),
@@ -258,18 +329,16 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             let lanes = lane_tangents(self, chunk);
             tangents.extend(chunk.iter().enumerate().map(|(n, f)| {
                 let tangent = lanes.map(|row| row.map(|entry| entry.0[n]));
-                if tangent.as_flattened().iter().all(|value| value.is_finite()) {
-                    Ok(tangent)
-                } else {
-                    // A law may ask for what differs from lane to lane.
-                    self.plane_tangent(f)
-                }
+                self.admits(f)?;
+                // A law may ask for the one number that lanes do not have in common.
+                finite(tangent, f).or_else(|_| self.plane_tangent(f))
             }));
         }
         tangents
     }
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        self.admits(f)?;
         let energy = energy_jet(self, f);
         let response = Response {
             deformation: *f,

@@ -65,6 +65,27 @@ impl<const D: usize> Method<D> {
         })
     }
 
+    /// The same with one of each pair of points that inversion exchanges, with the volume of both, where every point has
+    /// its opposite; and whether that is so.
+    pub(crate) fn configuration_of_halves(
+        &self,
+        f: &DeformationGradient,
+        order: Order,
+    ) -> Result<(Configuration<D>, bool), MethodError> {
+        let Some(halves) = &self.halves else {
+            return Ok((self.configuration(f, order)?, false));
+        };
+        if !f.is_block_diagonal::<D>() {
+            return Err(MethodError::NotPlanar { dimension: D });
+        }
+        let layout = self.layout(f);
+        let points = halves
+            .iter()
+            .map(|point| self.configured(point, &layout, f, order));
+        let points = points.collect::<Result<_, _>>()?;
+        Ok((Configuration { points }, true))
+    }
+
     fn layout(&self, f: &DeformationGradient) -> Layout<D> {
         let radius = self.support_radius();
         let eulerian = self.discretization.frame == Frame::Eulerian;

@@ -14,6 +14,7 @@ use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{Quadrature, QuadraturePoint};
+use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -269,6 +270,8 @@ pub struct Method<const D: usize> {
     discretization: Discretization,
     lattice: BravaisLattice<D>,
     points: Vec<QuadraturePoint<D>>,
+    /// One of each pair of points that inversion exchanges, with the volume of both; none unless all points have opposites.
+    halves: Option<Vec<QuadraturePoint<D>>>,
     wave_grids: Arc<WaveGrids<D>>,
 }
 
@@ -300,6 +303,7 @@ impl<const D: usize> Method<D> {
         Ok(Self {
             discretization,
             lattice,
+            halves: halves_of(&points),
             points,
             wave_grids: Arc::new(WaveGrids::new(lattice)),
         })
@@ -308,6 +312,7 @@ impl<const D: usize> Method<D> {
     /// The same method with quadrature points of one's own in place of `discretization.quadrature`.
     /// Their volumes are taken as they are.
     pub fn with_quadrature_points(mut self, points: Vec<QuadraturePoint<D>>) -> Self {
+        self.halves = halves_of(&points);
         self.points = points;
         self
     }
@@ -364,4 +369,31 @@ impl<const D: usize> Method<D> {
             _ => nalgebra::SMatrix::identity(),
         }
     }
+}
+
+/// One of each pair of points that inversion exchanges, with the volume of both.
+fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<QuadraturePoint<D>>> {
+    let is_lattice_vector = |x: SVector<f64, D>| (x - x.map(f64::round)).amax() < 1e-12;
+    let are_opposite = |a: &QuadraturePoint<D>, b: &QuadraturePoint<D>| {
+        let is_alike =
+            a.is_node == b.is_node && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs();
+        is_alike && is_lattice_vector(a.place + b.place)
+    };
+    let mut halves: Vec<QuadraturePoint<D>> = Vec::new();
+    let mut taken = vec![false; points.len()];
+    for n in 0..points.len() {
+        if taken[n] {
+            continue;
+        }
+        let opposite =
+            (n..points.len()).find(|m| !taken[*m] && are_opposite(&points[n], &points[*m]))?;
+        taken[n] = true;
+        taken[opposite] = true;
+        let multiplicity = if opposite == n { 1.0 } else { 2.0 };
+        halves.push(QuadraturePoint {
+            volume: multiplicity * points[n].volume,
+            ..points[n]
+        });
+    }
+    Some(halves)
 }

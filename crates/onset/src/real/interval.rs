@@ -4,8 +4,8 @@ use super::{Real, Side};
 use std::f64::consts::FRAC_1_PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Units in the last place by which a result of `exp`, `ln`, `sin`, `cos` and `powf` is widened. The mathematical
-/// libraries in use (glibc, musl, the Rust port of musl, those of Apple and Microsoft) state errors of at most one unit.
+/// Units in the last place by which a result of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf` is widened. The mathematical
+/// libraries in use (glibc, musl, the Rust port of musl, those of Apple and Microsoft) state errors of at most two units.
 const LIBRARY_ULPS: u32 = 4;
 
 /// All real numbers between two bounds, of which an unknown one is meant: `low <= x <= high`.
@@ -345,6 +345,9 @@ impl Real for Interval {
     fn value(self) -> f64 {
         self.midpoint()
     }
+    fn number(self) -> Option<f64> {
+        None
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         if self.high < threshold {
             Some(Side::Below)
@@ -404,6 +407,24 @@ impl Real for Interval {
     }
     fn cos(self) -> Self {
         self.wave(0.0, f64::cos)
+    }
+    fn sinh(self) -> Self {
+        Self::library(self.low.sinh(), self.high.sinh())
+    }
+    fn cosh(self) -> Self {
+        let size = self.abs();
+        let range = Self::library(size.low.cosh(), size.high.cosh());
+        Self {
+            low: range.low.max(1.0),
+            high: range.high,
+        }
+    }
+    fn tanh(self) -> Self {
+        let range = Self::library(self.low.tanh(), self.high.tanh());
+        Self {
+            low: range.low.max(-1.0),
+            high: range.high.min(1.0),
+        }
     }
     fn powi(self, exponent: i32) -> Self {
         if exponent == 0 {

@@ -81,6 +81,9 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     fn value(self) -> f64 {
         self.value.value()
     }
+    fn number(self) -> Option<f64> {
+        self.value.number()
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)
     }
@@ -114,6 +117,20 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     fn cos(self) -> Self {
         let (s, c) = (self.value.sin(), self.value.cos());
         self.chain(c, -s, -c)
+    }
+    fn sinh(self) -> Self {
+        let (s, c) = (self.value.sinh(), self.value.cosh());
+        self.chain(s, c, s)
+    }
+    fn cosh(self) -> Self {
+        let (s, c) = (self.value.sinh(), self.value.cosh());
+        self.chain(c, s, c)
+    }
+    fn tanh(self) -> Self {
+        let t = self.value.tanh();
+        // tanh' = 1 - t^2 = 1 / cosh^2, which keeps its digits where t is one.
+        let first = self.value.cosh().powi(-2);
+        self.chain(t, first, t * first * -2.0)
     }
     fn powi(self, exponent: i32) -> Self {
         let n = f64::from(exponent);

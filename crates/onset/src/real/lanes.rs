@@ -58,6 +58,10 @@ impl Real for Lanes {
         }
     }
 
+    fn number(self) -> Option<f64> {
+        Some(self.value()).filter(|value| !value.is_nan())
+    }
+
     fn side(self, threshold: f64) -> Option<Side> {
         let [first, ..] = self.0.map(|lane| lane.side(threshold));
         let agree = self.0.iter().all(|lane| lane.side(threshold) == first);
@@ -92,6 +96,15 @@ impl Real for Lanes {
     }
     fn cos(self) -> Self {
         self.map(f64::cos)
+    }
+    fn sinh(self) -> Self {
+        self.map(f64::sinh)
+    }
+    fn cosh(self) -> Self {
+        self.map(f64::cosh)
+    }
+    fn tanh(self) -> Self {
+        self.map(f64::tanh)
     }
     fn powi(self, exponent: i32) -> Self {
         self.map(|x| x.powi(exponent))

@@ -222,6 +222,13 @@ impl<R: Real> Real for Mirrored<R> {
             Self::Neither => f64::NAN,
         }
     }
+    fn number(self) -> Option<f64> {
+        match self {
+            Self::Even(even) => even.value.number(),
+            Self::Neither => None,
+            _ => Some(self.value()),
+        }
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         match self {
             Self::Even(even) => even.value.side(threshold),
@@ -267,6 +274,15 @@ impl<R: Real> Real for Mirrored<R> {
     }
     fn cos(self) -> Self {
         self.through(Real::cos, Real::cos)
+    }
+    fn sinh(self) -> Self {
+        self.through(Real::sinh, Real::sinh)
+    }
+    fn cosh(self) -> Self {
+        self.through(Real::cosh, Real::cosh)
+    }
+    fn tanh(self) -> Self {
+        self.through(Real::tanh, Real::tanh)
     }
     fn powi(self, exponent: i32) -> Self {
         match (self, exponent) {
@@ -370,6 +386,8 @@ impl<R: Real> Mul<f64> for Mirrored<R> {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
         match &self {
+            // What has no part in a sum does not decide its parity.
+            _ if factor == 0.0 => Self::Zero,
             Self::Constant(c) => Self::Constant(c * factor),
             Self::Even(x) => Self::even(Operation::Scaled(x, factor)),
             Self::Odd(slopes) => Self::Odd([slopes[0] * factor, slopes[1] * factor]),

@@ -58,6 +58,11 @@ pub trait Real:
     /// The floating-point value, without derivatives.
     fn value(self) -> f64;
 
+    /// The floating-point number that this is, derivatives apart; `None` of an interval and of lanes that differ, which stand for many.
+    fn number(self) -> Option<f64> {
+        Some(self.value())
+    }
+
     /// On which side of a threshold the number is; `None` where an interval holds numbers of both.
     fn side(self, threshold: f64) -> Option<Side> {
         Some(if self.value() < threshold {
@@ -123,6 +128,15 @@ pub trait Real:
     /// The cosine.
     fn cos(self) -> Self;
 
+    /// The hyperbolic sine.
+    fn sinh(self) -> Self;
+
+    /// The hyperbolic cosine.
+    fn cosh(self) -> Self;
+
+    /// The hyperbolic tangent.
+    fn tanh(self) -> Self;
+
     /// An integer power.
     fn powi(self, exponent: i32) -> Self;
 
@@ -154,6 +168,15 @@ impl Real for f64 {
     }
     fn cos(self) -> Self {
         f64::cos(self)
+    }
+    fn sinh(self) -> Self {
+        f64::sinh(self)
+    }
+    fn cosh(self) -> Self {
+        f64::cosh(self)
+    }
+    fn tanh(self) -> Self {
+        f64::tanh(self)
     }
     fn powi(self, exponent: i32) -> Self {
         f64::powi(self, exponent)

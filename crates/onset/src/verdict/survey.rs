@@ -1,15 +1,14 @@
 //! Many states of one method and material: what depends on neither state nor wave vector is computed once.
 
-use super::{
-    Assessment, MaterialAssessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared,
-};
+use super::{Assessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared};
 use crate::bloch::{
-    GradientMoments, MomentExtremes, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix,
+    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZoneSearch,
+    dynamical_matrix, dynamical_matrix_with,
 };
 use crate::continuum::{AcousticMinimum, plane_minimum};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, PlaneTangent};
-use crate::method::{Method, MethodError};
+use crate::method::{Background, Method, MethodError};
 use nalgebra::SVector;
 
 /// What a map shows of a state.
@@ -169,15 +168,25 @@ impl<const D: usize> Survey<D> {
     }
 
     fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
-        let continuum = MaterialAssessment::<D>::new(&*self.material, f)?;
+        let local = Local::new(&*self.material, f)?;
+        let stiffness = local.stiffness();
         let search =
             ZoneSearch::new(&self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
-        let spectrum = search.summary(&dynamical_matrix(&self.method, &*self.material, f)?);
+        let matrix = match self.method.discretization().background {
+            Background::Imposed => dynamical_matrix_with(&self.method, &local, f)?,
+            Background::Interpolated => dynamical_matrix(&self.method, &*self.material, f)?,
+        };
+        let spectrum = search.summary(&matrix);
         let softest = &spectrum.softest;
         let is_zero = softest.scaled.abs() <= spectrum.tolerance;
         let has_zero_mode =
             is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
-        Ok(SurveyedState::new(&continuum, &spectrum, has_zero_mode))
+        Ok(SurveyedState::new(
+            stiffness.is_strongly_elliptic(),
+            stiffness.minimum(),
+            &spectrum,
+            has_zero_mode,
+        ))
     }
 }
 
@@ -209,17 +218,18 @@ impl<const D: usize> SurveyedState<D> {
     }
 
     fn new(
-        continuum: &MaterialAssessment<D>,
+        is_elliptic: bool,
+        acoustic: AcousticMinimum<D>,
         spectrum: &SpectrumSummary<D>,
         has_zero_mode: bool,
     ) -> Self {
-        let (is_elliptic, is_stable) = (continuum.is_elliptic, spectrum.is_stable());
+        let is_stable = spectrum.is_stable();
         let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         Self {
             verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
             stability: spectrum.stability(),
             is_elliptic,
-            acoustic: continuum.minimum,
+            acoustic,
             scaled_minimum: spectrum.softest.scaled,
             wave_vector: spectrum.softest.wave_vector,
             is_long_wave: spectrum.softest.is_long_wave,
@@ -235,6 +245,12 @@ impl<const D: usize> SurveyedState<D> {
 impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
     fn from(assessment: &Assessment<D>) -> Self {
         let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
-        Self::new(&assessment.material, &assessment.spectrum, has_zero_mode)
+        let material = &assessment.material;
+        Self::new(
+            material.is_elliptic,
+            material.minimum,
+            &assessment.spectrum,
+            has_zero_mode,
+        )
     }
 }

@@ -3,6 +3,7 @@
 mod choices;
 mod errors;
 mod lattices;
+mod mirror;
 mod search;
 mod shape_functions;
 mod survey;

@@ -188,7 +188,7 @@ fn check_sensitivities<const D: usize>() {
         // Moving all particles is moving the point the other way.
         for i in 0..center.seen.len() {
             let all: SMatrix<f64, D, D> = (0..center.seen.len())
-                .map(|k| *center.shape.sensitivity(i, k))
+                .map(|k| center.shape.sensitivity(i, k))
                 .sum();
             assert!(
                 (all + center.shape.hessians[i]).amax() < 1e-11,

@@ -103,7 +103,7 @@ proptest! {
             prop_assert!(holds(a.sqrt(), &p.sqrt()), "sqrt {a:?}");
         }
         // NaN appears nowhere, and no bounds are out of order.
-        for result in [a + b, a - b, a * b, a / b, a.sqrt(), a.ln(), a.exp(), a.sin(), a.cos(), a.powi(-2),
+        for result in [a + b, a - b, a * b, a / b, a.sqrt(), a.ln(), a.exp(), a.sin(), a.cos(), a.sinh(), a.cosh(), a.tanh(), a.powi(-2),
             a.powi(7), a.powf(-0.3), b.recip(), -a] {
             prop_assert!(result.low <= result.high, "{result:?} of {a:?} and {b:?}");
         }
@@ -125,6 +125,13 @@ proptest! {
         let b = Interval::new(small, small + wide);
         let inside = small + 0.3 * wide;
         prop_assert!(holds(b.exp(), &precise(inside).exp()), "exp {b:?}");
+        // From one exponential function, over a range where both of its powers matter.
+        let (c, middle) = (Interval::new(small / 40.0, small / 40.0 + wide), small / 40.0 + 0.3 * wide);
+        let (power, inverse) = (precise(middle).exp(), precise(-middle).exp());
+        let (difference, sum) = (&power - &inverse, &power + &inverse);
+        prop_assert!(holds(c.sinh() * 2.0, &difference), "sinh {c:?}");
+        prop_assert!(holds(c.cosh() * 2.0, &sum), "cosh {c:?}");
+        prop_assert!(holds(c.tanh(), &(&difference / &sum)), "tanh {c:?}");
         for scale in [1e-3, 1.0, 1e6] {
             let b = Interval::new(small * scale, small * scale + wide);
             let inside = small * scale + 0.3 * wide;
@@ -141,7 +148,7 @@ proptest! {
         for basic in [a + b, a - b, a * b, a / b, a.recip(), c.sqrt(), a.square()] {
             prop_assert!(steps(basic) <= 2, "{basic:?}");
         }
-        for elementary in [a.exp(), c.ln(), a.sin(), a.cos(), c.powf(exponent)] {
+        for elementary in [a.exp(), c.ln(), a.sin(), a.cos(), a.sinh(), a.cosh(), a.tanh(), c.powf(exponent)] {
             prop_assert!(steps(elementary) <= 8, "{elementary:?}");
         }
     }

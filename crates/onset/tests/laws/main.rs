@@ -6,6 +6,8 @@ mod energy;
 mod extremes;
 mod intervals;
 mod lanes;
+mod library;
 mod numbers;
 mod rates;
+mod stretches;
 mod table;

@@ -64,6 +64,15 @@ impl Real for Oracle {
     fn cos(self) -> Self {
         Self(self.0.cos())
     }
+    fn sinh(self) -> Self {
+        Self(self.0.sinh())
+    }
+    fn cosh(self) -> Self {
+        Self(self.0.cosh())
+    }
+    fn tanh(self) -> Self {
+        Self(self.0.tanh())
+    }
     fn powi(self, exponent: i32) -> Self {
         Self(self.0.powi(exponent))
     }
@@ -81,7 +90,7 @@ struct Instruction {
     constant: f64,
 }
 
-const OPERATIONS: usize = 17;
+const OPERATIONS: usize = 20;
 
 fn applied<R: Real>(operation: usize, a: R, b: R, constant: f64) -> R {
     // Arguments of roots, logarithms and denominators are kept away from zero.
@@ -103,6 +112,9 @@ fn applied<R: Real>(operation: usize, a: R, b: R, constant: f64) -> R {
         13 => a.sin(),
         14 => a.cos(),
         15 => positive(a).powi((3.0 * constant) as i32),
+        16 => a.sin().sinh(),
+        17 => a.sin().cosh(),
+        18 => a.tanh(),
         _ => positive(a).powf(constant),
     }
 }

@@ -58,6 +58,18 @@ impl Study {
             Err(SettingError::new(origin, message).hint(hint))
         };
         match quantity {
+            Quantity::Setting(key) if key.is_parameter() && !self.has_effect(key) => {
+                let model = self.settings.material.model;
+                refused(
+                    format!(
+                        "the axis {} changes nothing: {} has no parameter `{}`",
+                        key.name,
+                        model.name(),
+                        key.parts().1
+                    ),
+                    model.hint(),
+                )
+            }
             Quantity::Setting(key) if !self.has_effect(key) => {
                 let (needed, word) = key.only_with.unwrap_or_default();
                 refused(
@@ -200,13 +212,20 @@ impl Study {
             MethodError::Lattice(LatticeError::Spacing { .. }) => {
                 self.origin_of("discretization.spacing")
             }
+            MethodError::Material(MaterialError::External { .. }) => {
+                let origins = ["material.energy", "material.library", "material.model"];
+                let mut origins = origins.map(|name| self.origin_of(name)).into_iter();
+                let set = origins.find(|origin| *origin != self.origins.file);
+                set.unwrap_or_else(|| self.origins.file.clone())
+            }
             MethodError::Material(MaterialError::Parameter { name, .. }) => {
                 // A condition on several parameters is named by their sum.
                 let origins = name
                     .split(" + ")
                     .map(|name| self.origin_of(&format!("material.{name}")));
                 let mut set = origins.filter(|origin| *origin != self.origins.file);
-                set.next().unwrap_or_else(|| self.origins.file.clone())
+                set.next()
+                    .unwrap_or_else(|| self.origin_of("material.model"))
             }
             _ => self.origins.file.clone(),
         }

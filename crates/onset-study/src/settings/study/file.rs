@@ -1,8 +1,8 @@
 //! Reading a study from TOML.
 
 use super::super::{
-    Axis, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
-    error::nearest, study_keys, unknown_key,
+    Axis, Key, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    error::nearest, listed, study_keys, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
 use std::borrow::Cow;
@@ -114,11 +114,16 @@ fn read_section(
 ) -> Result<(), SettingError> {
     for (key, value) in in_order(table) {
         let name = format!("{section}.{}", key.get_ref());
-        let Some(known) = study_keys().find(|known| known.name == name) else {
+        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
             let names = study_keys().map(|key| key.name);
             return Err(unknown_key(&name, names, file.of(key)));
         };
-        let Some(typed) = scalar(value.get_ref()) else {
+        let typed = match known.kind {
+            Kind::Numbers => list(value.get_ref()).map(Value::Numbers),
+            Kind::Subset(_) => words(value.get_ref()).map(Value::Words),
+            _ => scalar(value.get_ref()),
+        };
+        let Some(typed) = typed else {
             let message = format!("`{name}` cannot be {}", described(value.get_ref()));
             let hint = format!("expected {} ({})", known.expects(), known.meaning);
             return Err(SettingError::new(file.of(value), message).hint(hint));
@@ -209,12 +214,7 @@ fn read_axis(
 
 fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingError> {
     let names = Quantity::all().map(Quantity::name);
-    let known = || {
-        format!(
-            "expected one of {}",
-            names.clone().collect::<Vec<_>>().join(", ")
-        )
-    };
+    let known = || format!("expected one of {}", listed(names.clone()));
     let DeValue::String(name) = value else {
         let message = format!("`axes.quantity` cannot be {}", described(value));
         return Err(SettingError::new(origin, message).hint(known()));
@@ -249,15 +249,8 @@ fn range(
             quantity.expects()
         ))
     };
-    let numbers = match value.get_ref() {
-        DeValue::Array(items) => items
-            .iter()
-            .map(|item| scalar(item.get_ref())?.number())
-            .collect::<Option<Vec<f64>>>(),
-        _ => None,
-    };
     let described = described(value.get_ref());
-    match numbers.as_deref() {
+    match list(value.get_ref()).as_deref() {
         Some([low, high]) => match [low, high].into_iter().find(|end| !quantity.admits(**end)) {
             Some(end) => Err(wrong(format!("{} cannot be {end}", quantity.name()))),
             None if low >= high => Err(wrong(format!(
@@ -289,6 +282,34 @@ fn scalar(value: &DeValue<'_>) -> Option<Value> {
             .map(|integer| Value::Number(integer as f64)),
         _ => None,
     }
+}
+
+/// A list of numbers; `None` for anything else.
+fn list(value: &DeValue<'_>) -> Option<Vec<f64>> {
+    match value {
+        DeValue::Array(items) => items
+            .iter()
+            .map(|item| scalar(item.get_ref())?.number())
+            .collect(),
+        _ => None,
+    }
+}
+
+/// A list of words; `None` for anything else.
+fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
+    let DeValue::Array(items) = value else {
+        return None;
+    };
+    let word = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+        DeValue::String(word) => Some(word.to_string()),
+        _ => None,
+    };
+    items.iter().map(word).collect()
+}
+
+/// Whether a value is a number.
+fn is_number(value: &DeValue<'_>) -> bool {
+    scalar(value).is_some_and(|value| value.number().is_some())
 }
 
 /// A value as told in a message.

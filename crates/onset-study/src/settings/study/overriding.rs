@@ -45,14 +45,15 @@ impl Study {
             return Err(SettingError::new(origin, message)
                 .hint("set something else, or change the axis in the study file"));
         }
-        let Some(key) = study_keys().find(|key| key.name == name) else {
+        let text = text.trim();
+        let Some(key) = Key::for_setting(name, text.parse::<f64>().is_ok()) else {
             let error = unknown_key(name, study_keys().map(|key| key.name), origin);
             return Err(match name.starts_with("axes") || name == "title" {
                 true => error.hint("axes and title can be changed in the study file only"),
                 false => error,
             });
         };
-        self.put(key, &Value::of_text(text.trim()), origin)
+        self.put(key, &Value::typed(text, Some(key.kind)), origin)
     }
 
     /// Sets a key to what it expects.
@@ -102,11 +103,19 @@ impl Study {
             .iter()
             .map(|axis| axis.quantity.key_name())
             .collect();
+        let (of_material, of_discretization): (Vec<&Key>, Vec<&Key>) =
+            KEYS.iter().partition(|key| key.parts().0 == "material");
+        // Parameters of one's own are in no table.
+        let own = self.origins.keys.keys().filter_map(|name| {
+            let key = Key::named(name)?;
+            (key.is_parameter() && !KEYS.contains(key)).then_some(key)
+        });
         for (table, keys) in [
-            ("", KEYS),
-            ("state", STATE_KEYS),
-            ("axes", &[]),
-            ("map", MAP_KEYS),
+            ("", of_material.into_iter().chain(own).collect()),
+            ("", of_discretization),
+            ("state", STATE_KEYS.iter().collect()),
+            ("axes", Vec::new()),
+            ("map", MAP_KEYS.iter().collect()),
         ] {
             if table == "axes" {
                 self.axes.iter().for_each(|axis| {
@@ -130,6 +139,7 @@ impl Study {
                 }
                 let value = match (value, key.unit()) {
                     (Value::Number(number), Some(_)) => format!("{number:?}"),
+                    (Value::Word(text), _) => toml::Value::from(text).to_string(),
                     (other, _) => other.to_string(),
                 };
                 text.push_str(&format!("{} = {value}\n", key.parts().1));

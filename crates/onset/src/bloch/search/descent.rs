@@ -52,7 +52,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// Descends from a start, as long as that can beat the best so far and the floor.
-    fn improve(
+    pub(super) fn improve(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
@@ -320,25 +320,13 @@ impl<const D: usize> ZoneSearch<D> {
         k: &SVector<f64, D>,
     ) -> Taylor<f64, D> {
         let (lattice, c2) = (self.reference(), self.speed_squared);
-        let scale = c2 * lattice.laplacian(k);
-        let scale_slope = lattice.laplacian_gradient(k) * c2;
-        let scale_curvature = lattice.laplacian_hessian(k) * c2;
-        let value = branch.value / scale;
-        let gradient: [f64; D] =
-            std::array::from_fn(|a| (branch.gradient[a] - value * scale_slope[a]) / scale);
-        Taylor {
-            value,
-            gradient,
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
-                    (branch.hessian[a][b]
-                        - gradient[a] * scale_slope[b]
-                        - gradient[b] * scale_slope[a]
-                        - value * scale_curvature[(a, b)])
-                        / scale
-                })
-            }),
-        }
+        let gradient = lattice.laplacian_gradient(k) * c2;
+        let hessian = lattice.laplacian_hessian(k) * c2;
+        branch.over(&Taylor {
+            value: c2 * lattice.laplacian(k),
+            gradient: std::array::from_fn(|a| gradient[a]),
+            hessian: std::array::from_fn(|a| std::array::from_fn(|b| hessian[(a, b)])),
+        })
     }
 
     /// In three dimensions: the second derivatives as differences of exact first ones.
@@ -410,7 +398,7 @@ impl<const D: usize> ZoneSearch<D> {
 /// The Newton step and whether the curvature is positive. Where it is not, its negative principal values are taken
 /// with the other sign, so that the step leads down; from a saddle, along the direction of negative curvature. At
 /// most a tenth of the zone long.
-fn newton_step<const D: usize>(
+pub(super) fn newton_step<const D: usize>(
     slope: &SVector<f64, D>,
     curvature: &SMatrix<f64, D, D>,
     longest: f64,
@@ -448,7 +436,9 @@ fn newton_step<const D: usize>(
 
 /// Principal values and axes of a symmetric matrix of up to two rows; of three rows, the axes of the components with
 /// the diagonal, which is good enough to go down.
-fn principal<const D: usize>(m: &SMatrix<f64, D, D>) -> ([f64; D], [SVector<f64, D>; D]) {
+pub(super) fn principal<const D: usize>(
+    m: &SMatrix<f64, D, D>,
+) -> ([f64; D], [SVector<f64, D>; D]) {
     let mut values: [f64; D] = std::array::from_fn(|i| m[(i, i)]);
     let mut axes: [SVector<f64, D>; D] =
         std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
     pub(super) waves: Arc<WaveGrid<D>>,
-    pub(super) spectrum: GridSpectrum,
+    spectrum: GridSpectrum,
     /// The direction of the softest long waves.
     pub(super) soft_direction: SVector<f64, D>,
 }
@@ -26,19 +26,23 @@ pub(super) struct Well<const D: usize> {
     pub(super) relief: f64,
 }
 
-/// One number a grid point.
-pub(super) struct GridSpectrum {
+/// One number a grid point, known at half of them, and beyond as far as wells need neighbors; the rest follows from
+/// `D(-k) = conj D(k)`.
+struct GridSpectrum {
+    /// Points of the half.
+    half: usize,
     /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch; infinite at `k = 0`.
-    pub(super) scaled: Vec<f64>,
-    pub(super) lowest: Vec<f64>,
-    pub(super) highest: Vec<f64>,
-    pub(super) discriminant: Vec<f64>,
+    scaled: Vec<f64>,
+    lowest: Vec<f64>,
+    highest: Vec<f64>,
+    discriminant: Vec<f64>,
 }
 
 impl GridSpectrum {
-    fn zeros(count: usize) -> Self {
+    fn zeros(count: usize, half: usize) -> Self {
         let zeros = || vec![0.0; count];
         Self {
+            half,
             scaled: zeros(),
             lowest: zeros(),
             highest: zeros(),
@@ -46,8 +50,13 @@ impl GridSpectrum {
         }
     }
 
-    /// The values of an objective.
-    pub(super) fn values(&self, objective: Objective) -> &[f64] {
+    /// The values of an objective at half of the points: all distinct ones.
+    fn known(&self, objective: Objective) -> &[f64] {
+        &self.with_neighbors(objective)[..self.half]
+    }
+
+    /// The same with those around them; zeros elsewhere.
+    fn with_neighbors(&self, objective: Objective) -> &[f64] {
         match objective {
             Objective::Scaled => &self.scaled,
             Objective::Lowest => &self.lowest,
@@ -62,7 +71,7 @@ impl GridSpectrum {
     fn of_planar(entries: &PlanarEntries, laplacian: &[f64], speed_squared: f64) -> Self {
         let [a, b, c, d] = entries;
         let half = a.len();
-        let mut spectrum = Self::zeros(laplacian.len());
+        let mut spectrum = Self::zeros(laplacian.len(), half);
         let (lowest, highest) = (&mut spectrum.lowest[..half], &mut spectrum.highest[..half]);
         let (scaled, discriminant) = (
             &mut spectrum.scaled[..half],
@@ -157,9 +166,9 @@ impl<const D: usize> ZoneSearch<D> {
     /// The objectives of half of the grid, one matrix after the other.
     fn pointwise(&self, matrix: &DynamicalMatrix<D>, waves: &WaveGrid<D>) -> GridSpectrum {
         let count = waves.wave_vectors().len();
-        let mut spectrum = GridSpectrum::zeros(count);
-        let line = count / waves.resolution();
-        for index in 0..(waves.resolution() / 2 + 1) * line {
+        let half = (waves.resolution() / 2 + 1) * (count / waves.resolution());
+        let mut spectrum = GridSpectrum::zeros(count, half);
+        for index in 0..half {
             let k = &waves.wave_vectors()[index];
             let d = matrix.at(k);
             let omega_squared = eigenvalues(&d, matrix.noise());
@@ -176,12 +185,8 @@ impl<const D: usize> ZoneSearch<D> {
 impl<const D: usize> Grid<D> {
     /// The smallest value of an objective and where it is.
     pub(super) fn minimum(&self, objective: Objective) -> Candidate<D> {
-        let values = self.spectrum.values(objective);
-        let n = self.waves.resolution();
-        // The other half is known only where wells need neighbors.
-        let half = (n / 2 + 1) * (values.len() / n);
         let mut best = (f64::INFINITY, 0);
-        for (index, value) in values[..half].iter().enumerate() {
+        for (index, value) in self.spectrum.known(objective).iter().enumerate() {
             if *value < best.0 {
                 best = (*value, index);
             }
@@ -189,9 +194,15 @@ impl<const D: usize> Grid<D> {
         (best.0, self.waves.wave_vectors()[best.1])
     }
 
+    /// The largest `Re omega^2`.
+    pub(super) fn largest(&self) -> f64 {
+        let highest = self.spectrum.known(Objective::Highest).iter();
+        highest.map(|value| value.abs()).fold(0.0, f64::max)
+    }
+
     /// The distinct local minima of the grid, deepest first.
     pub(super) fn wells(&self, objective: Objective) -> Vec<Well<D>> {
-        self.wells_of(self.spectrum.values(objective), f64::INFINITY)
+        self.wells_of(self.spectrum.with_neighbors(objective), f64::INFINITY)
     }
 
     /// The local minima below a bound.

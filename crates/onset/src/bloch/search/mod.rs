@@ -5,6 +5,7 @@
 
 mod descent;
 mod grid;
+mod mirrored;
 
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
@@ -13,6 +14,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrids, grid_coordinates};
 use crate::method::Method;
 use grid::{Grid, complex_growth};
+use mirrored::{Bottom, Mirrored, Request};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -104,28 +106,28 @@ impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
         let long_wave = self.long_wave_limit(matrix);
-        let grid = self.grid(matrix, FINE, long_wave.wave_vector);
-        let softest = self
-            .bottom(matrix, &grid, Objective::Scaled, long_wave.scaled)
+        let rest = self.rest(matrix, long_wave.scaled);
+        let tolerance = self.tolerance(matrix);
+        let wells = self.wells(matrix, FINE, &long_wave, &rest);
+        let softest = wells
+            .bottom(self, matrix, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
-        let rest = self.rest(matrix, long_wave.scaled);
         // A translation that strains the body can have a negative omega^2 itself.
-        let grows = softest.scaled < -self.tolerance(matrix) || rest.omega_squared.re < 0.0;
+        let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
         let lowest = grows
-            .then(|| self.bottom(matrix, &grid, Objective::Lowest, rest.omega_squared.re))
+            .then(|| wells.bottom(self, matrix, Objective::Lowest, rest.omega_squared.re))
             .flatten()
             .map(|bottom| self.mode(matrix, &bottom.1))
             .filter(|mode| {
-                mode.omega_squared.re < rest.omega_squared.re
-                    && mode.scaled < -self.tolerance(matrix)
+                mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -tolerance
             })
             .unwrap_or(rest);
-        let fluttering = self.flutter(matrix, &grid);
+        let fluttering = self.flutter(matrix, &wells);
         let fastest_growing =
-            fluttering.map_or(lowest, |mode| self.fastest(matrix, &grid, lowest, mode));
-        let highest = self
-            .bottom(matrix, &grid, Objective::Highest, f64::INFINITY)
+            fluttering.map_or(lowest, |mode| self.fastest(matrix, &wells, lowest, mode));
+        let highest = wells
+            .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
         SpectrumSummary {
             softest,
@@ -133,7 +135,7 @@ impl<const D: usize> ZoneSearch<D> {
             lowest,
             fastest_growing,
             maximum_omega: highest.max(0.0).sqrt(),
-            tolerance: self.tolerance(matrix),
+            tolerance,
             flutters: fluttering.is_some(),
         }
     }
@@ -146,7 +148,8 @@ impl<const D: usize> ZoneSearch<D> {
         // on a coarse grid, sought in the order of what they cost.
         let long_wave = self.long_wave_limit(matrix);
         let mut measure = long_wave.scaled;
-        if self.rest(matrix, measure).omega_squared.re < 0.0 {
+        let rest = self.rest(matrix, measure);
+        if rest.omega_squared.re < 0.0 {
             return (Stability::Divergence, measure);
         }
         if measure >= -tolerance {
@@ -155,23 +158,27 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return (Stability::Divergence, measure);
         }
-        let coarse = self.grid(matrix, COARSE, long_wave.wave_vector);
-        measure = measure.min(coarse.minimum(Objective::Scaled).0);
-        if measure < -tolerance {
-            return (Stability::Divergence, measure);
-        }
-        // Branches of a matrix that is not Hermitian can be complex in small pockets.
-        let grid = if matrix.is_hermitian() {
-            coarse
-        } else {
-            self.grid(matrix, FINE, long_wave.wave_vector)
+        let wells = match self.wells(matrix, COARSE, &long_wave, &rest) {
+            Wells::Grid(coarse) => {
+                measure = measure.min(coarse.minimum(Objective::Scaled).0);
+                if measure < -tolerance {
+                    return (Stability::Divergence, measure);
+                }
+                // Branches of a matrix that is not Hermitian can be complex in small pockets.
+                Wells::Grid(if matrix.is_hermitian() {
+                    coarse
+                } else {
+                    self.grid(matrix, FINE, long_wave.wave_vector)
+                })
+            }
+            mirrored => mirrored,
         };
-        if let Some(bottom) = self.bottom(matrix, &grid, Objective::Scaled, ACCURATE) {
+        if let Some(bottom) = wells.bottom(self, matrix, Objective::Scaled, ACCURATE) {
             measure = measure.min(bottom.0);
         }
         if measure < -tolerance {
             (Stability::Divergence, measure)
-        } else if self.flutter(matrix, &grid).is_some() {
+        } else if self.flutter(matrix, &wells).is_some() {
             (Stability::Flutter, measure)
         } else {
             (Stability::Stable, measure)
@@ -201,14 +208,14 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The limit `k -> 0` of the scaled measure, minimized over all directions algebraically.
+    /// The limit `k -> 0` of the scaled measure, minimized over all directions.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
         let map = self.grids.long_wave_map();
         let minimum = matrix
             .long_wave_stiffness()
             .with_directions_mapped(map)
-            .minimum();
+            .minimum_by_descent();
         Mode {
             wave_vector: (map * minimum.direction).normalize(),
             is_long_wave: true,
@@ -240,7 +247,9 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The rigid translation, with the scaled measure of its neighborhood.
     fn rest(&self, matrix: &DynamicalMatrix<D>, scaled: f64) -> Mode<D> {
-        let d = matrix.at(&SVector::zeros());
+        let d = matrix
+            .rigid_translation()
+            .map(|entry| Complex::new(entry, 0.0));
         let omega_squared = eigenvalues(&d, matrix.noise())[0];
         Mode {
             wave_vector: SVector::zeros(),
@@ -303,39 +312,90 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// A mode with complex `omega^2` that grows noticeably, if there is one.
-    fn flutter(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Option<Mode<D>> {
+    fn flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> Option<Mode<D>> {
         // A Hermitian matrix has real eigenvalues.
         if D == 1 || matrix.is_hermitian() {
             return None;
         }
-        let highest = &grid.spectrum.highest;
-        let largest = highest.iter().map(|value| value.abs()).fold(0.0, f64::max);
-        let (_, k) = self.bottom(
-            matrix,
-            grid,
-            Objective::Discriminant,
-            -matrix.noise() * largest,
-        )?;
+        let floor = -matrix.noise() * wells.largest();
+        let (_, k) = wells.bottom(self, matrix, Objective::Discriminant, floor)?;
         let mode = self.fluttering_mode(matrix, &k)?;
         let spacing = self.reference().vectors().column(0).norm();
         let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
         (growth_rate(mode.omega_squared) > threshold).then_some(mode)
     }
 
+    /// The wells of the zone, with as many points of a grid per period of the fastest phase where there is no mirror.
+    fn wells(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        points_per_period: usize,
+        long_wave: &Mode<D>,
+        rest: &Mode<D>,
+    ) -> Wells<D> {
+        let mirrors = if self.is_periodic {
+            self.grids.mirrors()
+        } else {
+            &[]
+        };
+        let Some(sums) = matrix.mirror_sums(mirrors) else {
+            let grid = self.grid(matrix, points_per_period, long_wave.wave_vector);
+            return Wells::Grid(grid);
+        };
+        let waves = self.grids.mirrored(sums.number, mirrored::intervals(&sums));
+        let request = |objective, floor| Request { objective, floor };
+        let requests = [
+            request(Objective::Scaled, long_wave.scaled * self.speed_squared),
+            request(Objective::Lowest, rest.omega_squared.re),
+            request(Objective::Highest, f64::INFINITY),
+            request(Objective::Discriminant, 0.0),
+        ];
+        let requests = if matrix.is_hermitian() {
+            &requests[..3]
+        } else {
+            &requests
+        };
+        let search = Mirrored::new(self.reference(), &sums, &waves, requests, matrix.noise());
+        let k = long_wave.wave_vector;
+        let phases = |n: usize| k.dot(&self.reference().vectors().column(n));
+        let soft = search.step_along([phases(0), phases(1)]);
+        Wells::Mirrored {
+            bottoms: search.bottoms(requests, soft),
+            largest: -search.lowest,
+        }
+    }
+
+    /// The reference wave vector with given phases of the primitive vectors; planar.
+    fn with_phases(&self, phases: [f64; 2]) -> SVector<f64, D> {
+        let fractional = SVector::from_fn(|n, _| phases[n] / std::f64::consts::TAU);
+        self.reference().reciprocal() * fractional
+    }
+
     /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
-    /// one that is `fluttering` and from the fastest point of the grid.
+    /// one that is `fluttering` and from the fastest points of the grid.
     fn fastest(
         &self,
         matrix: &DynamicalMatrix<D>,
-        grid: &Grid<D>,
+        wells: &Wells<D>,
         lowest: Mode<D>,
         fluttering: Mode<D>,
     ) -> Mode<D> {
-        grid.fastest_flutter()
-            .take(4)
-            .chain([fluttering.wave_vector])
-            .map(|k| self.settled(matrix, Objective::Growth, k))
-            .filter_map(|k| self.fluttering_mode(matrix, &k))
+        let ends: Vec<SVector<f64, D>> = match wells {
+            Wells::Grid(grid) => grid
+                .fastest_flutter()
+                .take(4)
+                .chain([fluttering.wave_vector])
+                .map(|k| self.settled(matrix, Objective::Growth, k))
+                .collect(),
+            Wells::Mirrored { bottoms, .. } => bottoms
+                .iter()
+                .filter(|bottom| bottom.objective == Objective::Growth)
+                .map(|bottom| self.with_phases(bottom.phases))
+                .chain([fluttering.wave_vector])
+                .collect(),
+        };
+        ends.iter()
+            .filter_map(|k| self.fluttering_mode(matrix, k))
             .chain([lowest])
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
             .unwrap_or(lowest)
@@ -354,5 +414,56 @@ impl<const D: usize> ZoneSearch<D> {
             polarization: eigenvector(&d, omega_squared),
             ..mode
         })
+    }
+}
+
+/// The wells of the zone.
+enum Wells<const D: usize> {
+    /// Of a grid, to be followed.
+    Grid(Grid<D>),
+    /// Followed to their bottoms, where the matrix has a mirror line.
+    Mirrored {
+        bottoms: Vec<Bottom>,
+        /// The largest `Re omega^2` of the grid.
+        largest: f64,
+    },
+}
+
+impl<const D: usize> Wells<D> {
+    /// The deepest bottom, where one may lie below a floor.
+    fn bottom(
+        &self,
+        search: &ZoneSearch<D>,
+        matrix: &DynamicalMatrix<D>,
+        objective: Objective,
+        floor: f64,
+    ) -> Option<Candidate<D>> {
+        let bottoms = match self {
+            Self::Grid(grid) => return search.bottom(matrix, grid, objective, floor),
+            Self::Mirrored { bottoms, .. } => bottoms,
+        };
+        let own = || {
+            bottoms
+                .iter()
+                .filter(|bottom| bottom.objective == objective)
+        };
+        let settled = own().filter(|bottom| bottom.is_settled);
+        let mut best = settled
+            .min_by(|a, b| a.value.total_cmp(&b.value))
+            .map(|bottom| search.with_phases(bottom.phases))
+            .map(|k| (search.value_at(matrix, objective, &k), k));
+        for bottom in own().filter(|bottom| !bottom.is_settled) {
+            let start = (bottom.value, search.with_phases(bottom.phases));
+            search.improve(matrix, objective, start, floor, &mut best);
+        }
+        best
+    }
+
+    /// The largest `Re omega^2` of the grid.
+    fn largest(&self) -> f64 {
+        match self {
+            Self::Grid(grid) => grid.largest(),
+            Self::Mirrored { largest, .. } => *largest,
+        }
     }
 }

@@ -1,8 +1,28 @@
 //! The Blatz-Ko law.
 
-use super::{MaterialError, StrainEnergy};
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{MaterialError, StrainEnergy};
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
+
+pub(in super::super) const LAW: Law = Law {
+    name: "blatz-ko",
+    formula: "W = mu/2 (I2 / J^2 + 2 J - 5)",
+    parameters: &[Parameter::new(
+        "mu",
+        "stress",
+        32.0,
+        Admitted::Positive,
+        "shear modulus",
+    )],
+    domain: "all J > 0; foamed rubber at large strains",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, Poisson's ratio 1/4",
+    source: "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; psi",
+    stiffness: |p| hooke(p[0], p[0] * 5.0 / 3.0),
+    make: |p| boxed(BlatzKo::new(p[0])),
+};
 
 /// The law of Blatz and Ko for a foamed rubber, equation (56):
 ///
@@ -25,15 +45,16 @@ impl BlatzKo {
     /// # Errors
     /// [`MaterialError::Parameter`] when `mu` is not positive and finite.
     pub fn new(mu: f64) -> Result<Self, MaterialError> {
-        Ok(Self {
-            mu: MaterialError::positive("mu", mu)?,
-        })
+        LAW.check(&[mu])?;
+        Ok(Self { mu })
     }
 }
 
 impl Default for BlatzKo {
     fn default() -> Self {
-        Self { mu: 32.0 }
+        Self {
+            mu: LAW.default_of(0),
+        }
     }
 }
 

@@ -1,8 +1,32 @@
 //! The compressible law of equation (5).
 
-use super::{MaterialError, StrainEnergy};
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{MaterialError, StrainEnergy};
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
+
+pub(in super::super) const LAW: Law = Law {
+    name: "modified-mooney-rivlin",
+    formula: "W = c1/2 I1 + c2/2 I2 - 3/2 c1 I3^(1/3) - 3/2 c2 I3^(2/3) + lambda/4 (ln I3)^2",
+    parameters: &[
+        Parameter::new("c1", "stress", 0.1256, Admitted::Any, "first constant"),
+        Parameter::new("c2", "stress", 0.01012, Admitted::Any, "second constant"),
+        Parameter::new(
+            "lambda",
+            "stress",
+            10.12,
+            Admitted::Any,
+            "volumetric constant",
+        ),
+    ],
+    domain: "all J > 0; c1 + c2 > 0",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus c1 + c2, bulk modulus 2 lambda",
+    source: "Xiao and Belytschko, Adv. Comput. Math. 23 (2005) 171, equation (5) and section 4; MPa",
+    stiffness: |p| hooke(p[0] + p[1], 2.0 * p[2]),
+    make: |p| boxed(ModifiedMooneyRivlin::new(p[0], p[1], p[2])),
+};
 
 /// The law of equation (5), a compressible relative of the Mooney-Rivlin law:
 ///
@@ -28,9 +52,7 @@ impl ModifiedMooneyRivlin {
     /// [`MaterialError::Parameter`] when one is not finite, or when the shear modulus `c1 + c2` is
     /// not positive.
     pub fn new(c1: f64, c2: f64, lambda: f64) -> Result<Self, MaterialError> {
-        MaterialError::finite("c1", c1)?;
-        MaterialError::finite("c2", c2)?;
-        MaterialError::finite("lambda", lambda)?;
+        LAW.check(&[c1, c2, lambda])?;
         MaterialError::positive("c1 + c2", c1 + c2)?;
         Ok(Self { c1, c2, lambda })
     }
@@ -39,9 +61,9 @@ impl ModifiedMooneyRivlin {
 impl Default for ModifiedMooneyRivlin {
     fn default() -> Self {
         Self {
-            c1: 0.1256,
-            c2: 0.01012,
-            lambda: 10.12,
+            c1: LAW.default_of(0),
+            c2: LAW.default_of(1),
+            lambda: LAW.default_of(2),
         }
     }
 }

@@ -1,0 +1,31 @@
+//! `onset audit`: whether a material is what its author believes.
+
+use super::{Failure, print};
+use crate::arguments::AuditArguments;
+use onset_study::answers::Strain;
+use onset_study::audit::{Audit, states};
+use onset_study::settings::Settings;
+use std::process::ExitCode;
+
+/// Audits the material that is set.
+pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
+    let settings =
+        Settings::from_assignments(&arguments.problem.assignments).map_err(Failure::input)?;
+    let mut deformations = Vec::new();
+    for stretches in &arguments.stretch {
+        deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);
+    }
+    for components in &arguments.deformation_gradient {
+        deformations.push(Strain::of_components("--deformation-gradient", components, 2)?.0);
+    }
+    if deformations.is_empty() {
+        deformations = states(arguments.strain).map_err(Failure::input)?;
+    }
+    let audit = Audit::of_material(&settings.material, arguments.convention, &deformations)
+        .map_err(Failure::input)?;
+    let printed = print(&audit, arguments.problem.json)?;
+    Ok(match arguments.strict && !audit.consistent {
+        true => ExitCode::from(1),
+        false => printed,
+    })
+}

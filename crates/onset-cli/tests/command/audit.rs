@@ -1,0 +1,181 @@
+//! `onset audit`, as a user sees it.
+
+use crate::{document, onset_line};
+
+#[test]
+fn built_in_laws_pass_under_every_name_of_their_tangent() {
+    for model in ["blatz-ko", "modified-mooney-rivlin"] {
+        let audit = document(&format!("audit --set material.model={model}"));
+        assert_eq!(audit["consistent"], true, "{audit:#}");
+        assert_eq!(audit["tangent"]["identified"]["convention"], "first-piola");
+    }
+    for convention in ["jaumann-kirchhoff", "truesdell", "nominal", "second-piola"] {
+        let audit = document(&format!(
+            "audit --as {convention} --set material.model=blatz-ko"
+        ));
+        assert_eq!(audit["consistent"], true, "{audit:#}");
+        let identified = &audit["tangent"]["identified"];
+        assert_eq!(identified["convention"], convention);
+        assert!(
+            identified["error"]
+                .as_f64()
+                .is_some_and(|error| error < 1e-8)
+        );
+    }
+}
+
+#[test]
+fn a_misnamed_convention_or_strain_is_refused_with_what_there_is() {
+    let answer = onset_line("audit --as cauchy");
+    assert_eq!(answer.code, Some(2));
+    assert!(
+        answer.stderr.contains("jaumann-kirchhoff"),
+        "{}",
+        answer.stderr
+    );
+    assert_eq!(onset_line("audit --strain 2").code, Some(2));
+    assert_eq!(
+        onset_line("audit --stretch 1.1,0.9 --strain 0.1").code,
+        Some(2)
+    );
+}
+
+#[cfg(unix)]
+mod user {
+    use crate::fortran::library;
+    use crate::{document, number, onset_line};
+    use serde_json::Value;
+
+    fn set(source: &str, properties: &str) -> String {
+        format!(
+            "--set material.model=umat --set material.library={} --set material.properties={properties}",
+            library(&[source]).display()
+        )
+    }
+
+    fn audited(source: &str, properties: &str, more: &str) -> Value {
+        document(&format!("audit {} {more}", set(source, properties)))
+    }
+
+    fn outcome<'a>(audit: &'a Value, name: &str) -> &'a str {
+        let checks = audit["checks"].as_array().expect("checks");
+        let check = checks.iter().find(|check| check["name"] == name);
+        check
+            .and_then(|check| check["outcome"].as_str())
+            .expect("a check")
+    }
+
+    #[test]
+    fn a_umat_that_does_what_abaqus_expects_passes() {
+        let audit = audited("fortran/blatz_ko.f90", "32", "");
+        assert_eq!(audit["consistent"], true, "{audit:#}");
+        assert_eq!(
+            audit["tangent"]["identified"]["convention"],
+            "jaumann-kirchhoff"
+        );
+        assert!(number(&audit, "/tangent/expected_error") < 1e-8);
+        let line = format!("audit --strict {}", set("fortran/blatz_ko.f90", "32"));
+        let text = onset_line(&line);
+        assert_eq!(text.code, Some(0));
+        assert!(text.stdout.starts_with("Consistent"), "{}", text.stdout);
+    }
+
+    #[test]
+    fn every_convention_that_a_umat_takes_by_mistake_is_named() {
+        const CONVENTIONS: &str = "tests/fortran/conventions.f90";
+        for (kind, name) in [
+            "jaumann-kirchhoff",
+            "jaumann-cauchy",
+            "truesdell",
+            "green-naghdi-cauchy",
+            "green-naghdi-kirchhoff",
+            "second-piola",
+            "small-strain",
+            "logarithmic-strain",
+            "first-piola",
+            "nominal",
+            "reference",
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let audit = audited(CONVENTIONS, &format!("32,{kind},0"), "");
+            let identified = &audit["tangent"]["identified"];
+            assert_eq!(identified["convention"], name, "{audit:#}");
+            assert_eq!(audit["tangent"]["indistinguishable"], serde_json::json!([]));
+            assert_eq!(audit["consistent"], kind == 0);
+            // Nothing but the tangent is at fault.
+            for check in ["energy", "objectivity", "closed loops", "symmetry of dP/dF"] {
+                assert_eq!(outcome(&audit, check), "passed");
+            }
+        }
+    }
+
+    #[test]
+    fn the_usual_slips_are_named_beside_the_convention() {
+        const CONVENTIONS: &str = "tests/fortran/conventions.f90";
+        for (kind, slip, key, value) in [
+            // A symmetric tangent cannot show that it is transposed; that of the Cauchy stress can.
+            (1, 1, "transposed", Value::Bool(true)),
+            (0, 2, "shear", "tensor".into()),
+            (2, 4, "volume", "times-jacobian".into()),
+            (0, 8, "order", "voigt".into()),
+        ] {
+            let audit = audited(CONVENTIONS, &format!("32,{kind},{slip}"), "");
+            let identified = &audit["tangent"]["identified"];
+            assert_eq!(identified[key], value, "{audit:#}");
+            assert_eq!(audit["consistent"], false);
+        }
+        let line = format!("audit --strict {}", set(CONVENTIONS, "32,2,0"));
+        let text = onset_line(&line);
+        assert_eq!(text.code, Some(1));
+        assert!(text.stdout.contains("Truesdell"), "{}", text.stdout);
+    }
+
+    #[test]
+    fn a_corotational_update_with_its_small_strain_tangent_is_seen_through() {
+        let history = "--set material.state-variables=1";
+        let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", history);
+        assert_eq!(outcome(&audit, "objectivity"), "passed");
+        assert_eq!(outcome(&audit, "memory"), "passed");
+        // In one increment the tangent is that of the update: Cauchy stress per logarithmic strain.
+        let identified = &audit["tangent"]["identified"];
+        assert_eq!(identified["convention"], "logarithmic-strain", "{audit:#}");
+        // In many, that per increment of strain, which is Jaumann's rate of the Cauchy stress up to the increment.
+        let many = format!("{history} --set material.increments=10");
+        let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", &many);
+        let conventions = audit["tangent"]["conventions"].as_array().expect("a list");
+        let error = |name: &str| {
+            let found = conventions.iter().find(|found| found["convention"] == name);
+            found
+                .and_then(|found| found["error"].as_f64())
+                .expect("an error")
+        };
+        assert!(error("jaumann-cauchy") < 0.1 * error("logarithmic-strain"));
+    }
+
+    #[test]
+    fn what_is_kept_between_calls_is_found() {
+        let audit = audited("tests/fortran/hostile.f90", "10,4,9", "");
+        assert_eq!(outcome(&audit, "memory"), "failed");
+        // A stress that changes between calls has no derivative, so nothing is said about the tangent.
+        assert_eq!(audit["tangent"]["identified"], Value::Null);
+        let audit = audited("tests/fortran/hostile.f90", "10,4,0", "");
+        assert_eq!(outcome(&audit, "memory"), "passed");
+        assert_eq!(outcome(&audit, "energy"), "noted", "no energy is reported");
+        // Cauchy stress linear in the logarithmic strain has no energy.
+        assert_eq!(outcome(&audit, "closed loops"), "failed");
+    }
+
+    #[test]
+    fn a_crash_during_an_audit_is_told_and_a_convention_of_a_umat_is_not_chosen() {
+        let line = format!("audit {}", set("tests/fortran/hostile.f90", "10,4,1"));
+        let answer = onset_line(&line);
+        assert_eq!(answer.code, Some(2));
+        assert!(answer.stderr.contains("signal 11"), "{}", answer.stderr);
+        let line = format!("audit --as truesdell {}", set("fortran/blatz_ko.f90", "32"));
+        let answer = onset_line(&line);
+        assert_eq!(answer.code, Some(2));
+        assert!(answer.stderr.contains("--as"), "{}", answer.stderr);
+    }
+}

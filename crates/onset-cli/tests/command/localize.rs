@@ -1,0 +1,125 @@
+//! `onset localize`: onset, files, and refusals.
+
+use crate::{assert_close, document, fresh_place, number, numbers, onset, onset_line};
+
+#[test]
+fn von_mises_in_pure_shear_localizes_where_hardening_ends_under_45_degrees() {
+    let answer = document("localize --model j2 --path pure-shear");
+    // h = 0 at gamma = r - (k0 - kr)/m = 0.05 - 10/2000.
+    assert_close(number(&answer, "/localization/slip"), 0.045, 1e-10);
+    assert!(number(&answer, "/localization/critical_modulus").abs() < 1e-8);
+    assert!((number(&answer, "/localization/band/angle_to_major") - 45.0).abs() < 1e-6);
+    assert_eq!(answer["localization"]["band"]["kind"], "shear-band");
+    assert_eq!(answer["end"], "slip");
+    assert_eq!(answer["settings"]["plasticity.model"], "j2");
+    assert!(answer["settings"].get("plasticity.friction").is_none());
+}
+
+#[test]
+fn the_default_localizes_while_hardening_and_loses_strong_ellipticity_before() {
+    let answer = document("localize");
+    let sentence = answer["sentence"].as_str().expect("a sentence");
+    assert!(
+        sentence.contains("while it still hardens")
+            && sentence.contains("Strong ellipticity is lost before")
+    );
+    let (strong, onset) = (
+        number(&answer, "/strong_ellipticity_lost/slip"),
+        number(&answer, "/localization/slip"),
+    );
+    assert!(strong < onset);
+    assert_close(
+        number(&answer, "/localization/plastic_modulus"),
+        number(&answer, "/localization/critical_modulus"),
+        1e-9,
+    );
+    assert_eq!(numbers(&answer, "/localization/band/normal").len(), 3);
+    assert_eq!(answer["directions"].as_array().map(Vec::len), Some(181));
+    let text = onset_line("localize").stdout;
+    assert!(text.starts_with(sentence));
+}
+
+#[test]
+fn figure_and_tables_are_written_where_a_folder_is_given() {
+    let place = fresh_place("localize");
+    let out = place.display().to_string();
+    let answer = onset(&["localize", "--out", &out]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    for name in [
+        "localize.svg",
+        "localize.png",
+        "localize.csv",
+        "localize-directions.csv",
+    ] {
+        assert!(answer.stdout.contains(name));
+        assert!(std::fs::metadata(place.join(name)).is_ok_and(|file| file.len() > 1000));
+    }
+    let table = std::fs::read_to_string(place.join("localize.csv")).expect("a table");
+    let columns = table.lines().next().map(|names| names.split(',').count());
+    assert!(table.lines().skip(1).count() > 100);
+    assert!(
+        table
+            .lines()
+            .all(|line| Some(line.split(',').count()) == columns)
+    );
+    std::fs::remove_dir_all(place).expect("removed");
+}
+
+#[test]
+fn wrong_input_is_told_with_a_hint_and_exit_code_2() {
+    for (line, facts) in [
+        (
+            "localize --model mohr-coulomb",
+            ["cannot be", "drucker-prager | j2"],
+        ),
+        (
+            "localize --model j2 --set plasticity.friction=1",
+            ["no effect", "drucker-prager"],
+        ),
+        (
+            "localize --set plasticity.fricton=1",
+            ["unknown key", "plasticity.friction"],
+        ),
+        (
+            "localize --set plasticity.poisson-ratio=0.5",
+            ["poisson-ratio is 0.5", "below 0.5"],
+        ),
+        (
+            "localize --set plasticity.reference-slip=1e-6",
+            ["softens too fast", "reference-slip"],
+        ),
+        (
+            "localize --path uniaxial-strain --set plasticity.friction=2",
+            ["stays elastic", "friction"],
+        ),
+        (
+            "localize --set plasticity.bands=sheet",
+            ["sheet", "uniaxial-stress"],
+        ),
+        (
+            "localize --set plasticity.slip=0",
+            ["cannot be 0", "positive number"],
+        ),
+        (
+            "localize --set plasticity.confinement=-1",
+            ["confinement", "positive pressure"],
+        ),
+        (
+            "localize --load sideways",
+            ["cannot be", "tension | compression"],
+        ),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
+        assert_eq!(answer.stdout, "", "{line}");
+        assert!(answer.stderr.starts_with("error: "), "{line}");
+        for fact in facts {
+            assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+        }
+        assert!(
+            answer.stderr.contains("hint: "),
+            "{line}: {}",
+            answer.stderr
+        );
+    }
+}

@@ -1,0 +1,512 @@
+//! What must hold for a material, one check each.
+
+use super::convention::{Convention, StressChange};
+use super::difference::{derivative, steps};
+use super::reading::{Delivery, relative};
+use super::subject::{Sample, Subject, deformation};
+use super::{AuditError, TOLERANCE, TangentFinding, UNKNOWN, tolerance};
+use nalgebra::{Matrix3, Matrix6, Rotation3};
+use onset::kinematics::DeformationGradient;
+use onset::material::FourthOrder;
+use onset_umat::{UmatSettings, VOIGT};
+use serde::Serialize;
+use std::f64::consts::{SQRT_2, TAU};
+
+/// How a check ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It holds.
+    Passed,
+    /// It does not hold, and should.
+    Failed,
+    /// Worth knowing, neither right nor wrong.
+    Noted,
+}
+
+/// A check with its result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// Its name.
+    pub name: &'static str,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// The largest relative error, where there is one.
+    pub error: Option<f64>,
+    /// What was found.
+    pub finding: String,
+}
+
+impl Check {
+    fn new(name: &'static str, error: f64, holds: &str, fails: &str) -> Self {
+        let passed = error <= TOLERANCE;
+        Self {
+            name,
+            outcome: if passed {
+                Outcome::Passed
+            } else {
+                Outcome::Failed
+            },
+            error: Some(error),
+            finding: if passed { holds } else { fails }.to_owned(),
+        }
+    }
+
+    fn noted(name: &'static str, error: Option<f64>, finding: impl Into<String>) -> Self {
+        Self {
+            name,
+            outcome: Outcome::Noted,
+            error,
+            finding: finding.into(),
+        }
+    }
+
+    /// A finding that is none for a material with a history.
+    fn excused(mut self, is_excused: bool) -> Self {
+        if is_excused && self.outcome == Outcome::Failed {
+            self.outcome = Outcome::Noted;
+        }
+        self
+    }
+}
+
+/// A state with how stress and energy change there.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    pub sample: Sample,
+    pub change: StressChange,
+    /// `dW/dl_kl`, with the energy per reference volume, for `F' = (1 + l) F`.
+    energy_gradient: Matrix3<f64>,
+    /// The same, were the energy one per current volume.
+    current_energy_gradient: Matrix3<f64>,
+    /// How well the change of the stress is known, relative to it.
+    pub uncertainty: f64,
+}
+
+impl Measured {
+    /// Measures at a state.
+    ///
+    /// # Errors
+    /// [`AuditError`] when the material fails there or nearby.
+    pub fn new(subject: &Subject<'_>, f: &DeformationGradient) -> Result<Self, AuditError> {
+        // All states at once: the one itself, then for each direction the steps forth and back.
+        let mut states = vec![*f];
+        for direction in 0..9 {
+            for sign in [1.0, -1.0] {
+                for step in steps() {
+                    let mut moved: Matrix3<f64> = Matrix3::identity();
+                    moved[(direction / 3, direction % 3)] += sign * step;
+                    states.push(deformation(&(moved * f.matrix()))?);
+                }
+            }
+        }
+        let samples = subject.samples_near(f, &states)?;
+        let values: Vec<Vec<f64>> = samples
+            .iter()
+            .map(|sample| {
+                let mut values: Vec<f64> = sample.cauchy.iter().copied().collect();
+                values.push(sample.energy);
+                values.push(sample.energy * sample.deformation.jacobian());
+                values
+            })
+            .collect();
+        let count = steps().count();
+        let derivatives: Vec<_> = values[1..]
+            .chunks_exact(2 * count)
+            .map(|chunk| derivative(&chunk[..count], &chunk[count..]))
+            .collect();
+        // Matrices run by columns: component (i, j) is at 3 j + i.
+        let gradient = FourthOrder::from_fn(|i, j, k, l| derivatives[3 * k + l].values[3 * j + i]);
+        let size = derivatives
+            .iter()
+            .flat_map(|derivative| &derivative.values[..9])
+            .fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let uncertainty = derivatives
+            .iter()
+            .map(|derivative| derivative.uncertainty)
+            .fold(0.0, f64::max);
+        let of_energy = |n: usize| Matrix3::from_fn(|k, l| derivatives[3 * k + l].values[n]);
+        let sample =
+            samples
+                .into_iter()
+                .next()
+                .ok_or(onset::material::MaterialError::NotFinite {
+                    jacobian: f.jacobian(),
+                })?;
+        Ok(Self {
+            change: StressChange {
+                deformation: *f,
+                cauchy: sample.cauchy,
+                gradient,
+            },
+            energy_gradient: of_energy(9),
+            current_energy_gradient: of_energy(10),
+            uncertainty: if size > 0.0 { uncertainty / size } else { 0.0 },
+            sample,
+        })
+    }
+}
+
+/// All checks but that of the tangent's convention.
+pub fn all(
+    subject: &Subject<'_>,
+    reference: &Measured,
+    measured: &[Measured],
+) -> Result<Vec<Check>, AuditError> {
+    let mut checks = vec![
+        reference_stress(reference),
+        moduli(reference),
+        stress_symmetry(measured),
+        objectivity(subject, measured)?,
+        energy(subject, measured),
+        closed_loops(subject)?,
+        material_symmetry(subject, measured)?,
+        stress_tangent_symmetry(subject, measured),
+        delivered_symmetry(subject, measured),
+    ];
+    if let Subject::User(umat) = subject {
+        checks.push(memory(subject, measured)?);
+        checks.push(increments(umat.settings(), measured)?);
+    }
+    Ok(checks)
+}
+
+/// The norm of a matrix.
+fn size(matrix: &Matrix3<f64>) -> f64 {
+    matrix.norm()
+}
+
+fn largest(errors: impl IntoIterator<Item = f64>) -> f64 {
+    errors.into_iter().fold(0.0, |largest, error| {
+        if error.is_nan() {
+            f64::INFINITY
+        } else {
+            largest.max(error)
+        }
+    })
+}
+
+/// A material whose dissipation is no mistake.
+fn has_history(subject: &Subject<'_>) -> bool {
+    matches!(subject, Subject::User(umat) if umat.settings().state_variables > 0)
+}
+
+fn modulus(reference: &Measured) -> f64 {
+    let gradient = &reference.change.gradient;
+    let mut sum = 0.0;
+    for (i, j) in VOIGT {
+        for (k, l) in VOIGT {
+            sum += gradient[(i, j, k, l)].powi(2);
+        }
+    }
+    sum.sqrt()
+}
+
+fn reference_stress(reference: &Measured) -> Check {
+    let error = size(&reference.sample.cauchy) / modulus(reference);
+    Check::new(
+        "reference stress",
+        if error.is_nan() { f64::INFINITY } else { error },
+        "the undeformed state is free of stress",
+        "the undeformed state is not free of stress",
+    )
+}
+
+/// Eigenvalues of the elasticity of the undeformed state, in an orthonormal basis of symmetric tensors, and what they mean.
+fn moduli(reference: &Measured) -> Check {
+    let c = Convention::JaumannKirchhoff.tangent(&reference.change, &reference.change.gradient);
+    let weight = |a: usize| if a < 3 { 1.0 } else { SQRT_2 };
+    let matrix = Matrix6::from_fn(|a, b| {
+        let ((i, j), (k, l)) = (VOIGT[a], VOIGT[b]);
+        0.5 * weight(a) * weight(b) * (c[(i, j, k, l)] + c[(k, l, i, j)])
+    });
+    let least = nalgebra::SymmetricEigen::try_new(matrix, f64::EPSILON, 1000)
+        .map_or(f64::NAN, |eigen| eigen.eigenvalues.min());
+    let (mut volumetric, mut whole) = (0.0, 0.0);
+    for i in 0..3 {
+        for j in 0..3 {
+            volumetric += c[(i, i, j, j)];
+            whole += c[(i, j, i, j)];
+        }
+    }
+    let bulk = volumetric / 9.0;
+    let shear = (whole - volumetric / 3.0) / 10.0;
+    let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
+    let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+    let values = format!(
+        "bulk modulus {bulk:.6}, shear modulus {shear:.6}, Young's modulus {young:.6}, Poisson's ratio {poisson:.6} \
+         (averages over directions)"
+    );
+    Check {
+        name: "moduli",
+        outcome: if least > 0.0 {
+            Outcome::Passed
+        } else {
+            Outcome::Failed
+        },
+        error: None,
+        finding: match least > 0.0 {
+            true => values,
+            false => format!("{values}; not positive definite: least modulus {least:.3e}"),
+        },
+    }
+}
+
+fn stress_symmetry(measured: &[Measured]) -> Check {
+    let error = largest(measured.iter().map(|state| {
+        let stress = &state.sample.cauchy;
+        relative(stress.as_slice(), stress.transpose().as_slice())
+    }));
+    Check::new(
+        "symmetry of the stress",
+        error,
+        "the Cauchy stress is symmetric",
+        "the Cauchy stress is not symmetric: moments are not balanced",
+    )
+}
+
+fn rotations() -> [Matrix3<f64>; 3] {
+    [(0.9, -0.3, 0.4), (-1.7, 0.6, 2.2), (0.1, 1.2, -0.8)]
+        .map(|(roll, pitch, yaw)| *Rotation3::from_euler_angles(roll, pitch, yaw).matrix())
+}
+
+fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
+    let mut error: f64 = 0.0;
+    for rotation in rotations() {
+        let states = measured
+            .iter()
+            .map(|state| deformation(&(rotation * state.sample.deformation.matrix())))
+            .collect::<Result<Vec<_>, _>>()?;
+        for (turned, state) in subject.samples(&states)?.iter().zip(measured) {
+            let expected = rotation * state.sample.cauchy * rotation.transpose();
+            error = largest([
+                error,
+                relative(turned.cauchy.as_slice(), expected.as_slice()),
+                relative(&[turned.energy], &[state.sample.energy]),
+            ]);
+        }
+    }
+    Ok(Check::new(
+        "objectivity",
+        error,
+        "a rotated state has the rotated stress and the same energy",
+        "a rotated state has another stress or another energy: the law depends on the observer",
+    ))
+}
+
+fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
+    let name = "energy";
+    if measured.iter().all(|state| state.sample.energy == 0.0) {
+        return Check::noted(name, None, "no energy is reported (SSE is zero)");
+    }
+    // P:dF = J sigma : l.
+    let error = |of: fn(&Measured) -> &Matrix3<f64>| {
+        largest(measured.iter().map(|state| {
+            let kirchhoff = state.sample.deformation.jacobian() * state.sample.cauchy;
+            relative(of(state).as_slice(), kirchhoff.as_slice())
+        }))
+    };
+    let reference = error(|state| &state.energy_gradient);
+    let current = error(|state| &state.current_energy_gradient);
+    if reference > TOLERANCE && current <= TOLERANCE {
+        return Check {
+            name,
+            outcome: Outcome::Failed,
+            error: Some(reference),
+            finding: "the energy is one per current volume; onset takes SSE per reference volume: multiply it by J"
+                .to_owned(),
+        };
+    }
+    Check::new(
+        name,
+        reference,
+        "the stress is the derivative of the energy",
+        "the stress is not the derivative of the reported energy",
+    )
+    .excused(has_history(subject))
+}
+
+/// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders.
+fn closed_loops(subject: &Subject<'_>) -> Result<Check, AuditError> {
+    const POINTS: usize = 64;
+    const RADIUS: f64 = 0.1;
+    let planes: [(usize, usize); 3] = [(0, 4), (1, 8), (2, 3)];
+    let mut error: f64 = 0.0;
+    for (first, second) in planes {
+        let unit = |n: usize| {
+            let mut unit: Matrix3<f64> = Matrix3::zeros();
+            unit[(n / 3, n % 3)] = RADIUS;
+            unit
+        };
+        let angle = |n: usize| TAU * n as f64 / POINTS as f64;
+        let states = (0..POINTS)
+            .map(|n| {
+                let (sine, cosine) = angle(n).sin_cos();
+                // Away from the undeformed state, where a mistake of second order would not show.
+                let center = Matrix3::identity() + 0.5 * (unit(first) + unit(second));
+                deformation(&(center + cosine * unit(first) + sine * unit(second)))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let (mut work, mut turnover) = (0.0, 0.0);
+        for (n, sample) in subject.samples(&states)?.iter().enumerate() {
+            let (sine, cosine) = angle(n).sin_cos();
+            let rate = cosine * unit(second) - sine * unit(first);
+            let f = &sample.deformation;
+            let inverse = f.matrix().try_inverse().unwrap_or_else(Matrix3::zeros);
+            let piola = f.jacobian() * sample.cauchy * inverse.transpose();
+            work += piola.dot(&rate);
+            turnover += piola.dot(&rate).abs();
+        }
+        error = largest([error, work.abs() / turnover]);
+    }
+    Ok(Check::new(
+        "closed loops",
+        error,
+        "no work is left around closed loops of deformation",
+        "work is left around closed loops of deformation: there is no strain energy",
+    )
+    .excused(has_history(subject)))
+}
+
+fn material_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
+    let mut error: f64 = 0.0;
+    for rotation in rotations() {
+        let states = measured
+            .iter()
+            .map(|state| deformation(&(state.sample.deformation.matrix() * rotation)))
+            .collect::<Result<Vec<_>, _>>()?;
+        for (turned, state) in subject.samples(&states)?.iter().zip(measured) {
+            let expected = &state.sample.cauchy;
+            error = largest([
+                error,
+                relative(turned.cauchy.as_slice(), expected.as_slice()),
+            ]);
+        }
+    }
+    let finding = match error <= TOLERANCE {
+        true => "isotropic",
+        false => "not isotropic",
+    };
+    Ok(Check::noted("material symmetry", Some(error), finding))
+}
+
+/// Major symmetry of `dP/dF` as the stress has it.
+fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
+    let error = largest(measured.iter().map(|state| {
+        let piola = Convention::FirstPiola.tangent(&state.change, &state.change.gradient);
+        Delivery::Tensor(Box::new(piola)).asymmetry()
+    }));
+    Check::new(
+        "symmetry of dP/dF",
+        error,
+        "differences of the stress have a symmetric dP/dF, as a strain energy demands",
+        "differences of the stress have no symmetric dP/dF: there is no strain energy",
+    )
+    .excused(has_history(subject))
+}
+
+fn delivered_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
+    let error = largest(
+        measured
+            .iter()
+            .map(|state| state.sample.delivery.asymmetry()),
+    );
+    let name = match subject {
+        Subject::Law(..) => "the tangent as delivered",
+        Subject::User(_) => "DDSDDE",
+    };
+    let finding = match error <= TOLERANCE {
+        true => format!("{name} has major symmetry"),
+        false => format!("{name} has no major symmetry"),
+    };
+    Check::noted("symmetry of the tangent", Some(error), finding)
+}
+
+/// Whether a state that was visited before has the same answer.
+fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
+    let states: Vec<DeformationGradient> = measured
+        .iter()
+        .rev()
+        .map(|state| state.sample.deformation)
+        .collect();
+    let again = subject.samples(&states)?;
+    let error = largest(
+        again
+            .iter()
+            .zip(measured.iter().rev())
+            .map(|(again, state)| {
+                relative(again.cauchy.as_slice(), state.sample.cauchy.as_slice())
+            }),
+    );
+    Ok(Check::new(
+        "memory",
+        error,
+        "the answer does not depend on what was asked before",
+        "the answer depends on what was asked before: something is kept in SAVE or COMMON instead of STATEV",
+    ))
+}
+
+/// Whether the number of increments matters.
+fn increments(settings: &UmatSettings, measured: &[Measured]) -> Result<Check, AuditError> {
+    let more = UmatSettings {
+        increments: 2 * settings.increments,
+        ..settings.clone()
+    };
+    let umat = onset_umat::Umat::new(more).map_err(onset::material::MaterialError::from)?;
+    let states: Vec<DeformationGradient> = measured
+        .iter()
+        .map(|state| state.sample.deformation)
+        .collect();
+    let finer = Subject::User(&umat).samples(&states)?;
+    let error =
+        largest(finer.iter().zip(measured).map(|(finer, state)| {
+            relative(state.sample.cauchy.as_slice(), finer.cauchy.as_slice())
+        }));
+    let finding = match error <= TOLERANCE {
+        true => "the stress does not depend on the number of increments".to_owned(),
+        false => format!(
+            "the stress changes by {error:.1e} with {} increments instead of {}: it is integrated along the path",
+            2 * settings.increments,
+            settings.increments
+        ),
+    };
+    Ok(Check::noted("increments", Some(error), finding))
+}
+
+impl TangentFinding {
+    /// The check that follows from it.
+    pub(super) fn check(&self, subject: &Subject<'_>) -> Check {
+        let is_expected = self.expected_error <= tolerance(self.uncertainty);
+        let name = match subject {
+            Subject::Law(..) => "The tangent",
+            Subject::User(_) => "DDSDDE",
+        };
+        Check {
+            name: "tangent",
+            outcome: if is_expected {
+                Outcome::Passed
+            } else {
+                Outcome::Failed
+            },
+            error: Some(self.expected_error),
+            finding: match (&self.identified, is_expected) {
+                (_, true) => format!("{name} is {}, as it should be", self.expected.meaning()),
+                (Some(found), false) => format!(
+                    "{name} is not {}; it is {}",
+                    self.expected.meaning(),
+                    found.sentence
+                ),
+                (None, false) if self.uncertainty > UNKNOWN => format!(
+                    "The stress is not smooth enough at these states for its differences, known to {:.0e}, to tell what {name} is",
+                    self.uncertainty
+                ),
+                (None, false) => format!(
+                    "{name} is not {}, nor any other that is tried; nearest is {} with error {:.1e}",
+                    self.expected.meaning(),
+                    self.nearest.sentence,
+                    self.nearest.error
+                ),
+            },
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Is a material what its author believes? Stress against energy, tangent against stress, frames against each other.
+//!
+//! Nothing is taken from the material but values: every derivative is a difference of stresses or energies. See
+//! [`Convention`] for the tangents that are told from each other, and [`Reading`] for the usual slips.
+
+mod checks;
+mod convention;
+mod difference;
+mod reading;
+mod report;
+mod states;
+mod subject;
+
+pub use checks::{Check, Outcome};
+pub use convention::{Convention, StressChange};
+pub use reading::{Delivery, Match, Order, Reading, Shear, Volume, matches};
+pub use states::states;
+pub use subject::{Sample, Subject};
+
+use crate::settings::{MaterialSettings, Value};
+use checks::Measured;
+use onset::kinematics::{DeformationGradient, KinematicsError};
+use onset::material::MaterialError;
+use onset_umat::Umat;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Why an audit came to no end.
+#[derive(Debug, Error)]
+pub enum AuditError {
+    /// The material failed at a state.
+    #[error("{source}{}", hint(source))]
+    Material {
+        /// How.
+        #[from]
+        source: MaterialError,
+    },
+    /// A user material delivers in one convention only.
+    #[error(
+        "a UMAT delivers its tangent as {}; --as is for laws of onset's own",
+        Convention::JaumannKirchhoff.name()
+    )]
+    Convention,
+    /// A state near one of those asked for is none.
+    #[error("{source}\n  hint: choose smaller strains")]
+    Kinematics {
+        /// What is wrong.
+        #[from]
+        source: KinematicsError,
+    },
+}
+
+fn hint(error: &MaterialError) -> &'static str {
+    match error {
+        MaterialError::NotFinite { .. } => "\n  hint: choose smaller strains, --strain=0.05",
+        _ => "",
+    }
+}
+
+/// Relative errors above this are findings; differences are known to about 1e-10.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// The result of an audit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Audit {
+    /// What was audited.
+    pub material: String,
+    /// Whether all that must hold does.
+    pub consistent: bool,
+    /// In a sentence.
+    pub verdict: String,
+    /// The number of states.
+    pub states: usize,
+    /// What was checked.
+    pub checks: Vec<Check>,
+    /// The tangent.
+    pub tangent: TangentFinding,
+}
+
+/// What the tangent is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TangentFinding {
+    /// What it should be.
+    pub expected: Convention,
+    /// The error against that.
+    pub expected_error: f64,
+    /// What it is; none when no reading fits.
+    pub identified: Option<Match>,
+    /// Other readings that fit as well, with as few slips, at these states.
+    pub indistinguishable: Vec<Match>,
+    /// What comes nearest; as identified, when one is.
+    pub nearest: Match,
+    /// Every convention without slips.
+    pub conventions: Vec<Match>,
+    /// The relative uncertainty of the differences.
+    pub uncertainty: f64,
+}
+
+impl Audit {
+    /// Audits a material as set. The tangent of a law is taken as delivered in the convention, `dP/dF` unless named.
+    ///
+    /// # Errors
+    /// [`AuditError`] when the material cannot be made, or fails at a state or near it.
+    pub fn of_material(
+        settings: &MaterialSettings,
+        convention: Option<Convention>,
+        states: &[DeformationGradient],
+    ) -> Result<Self, AuditError> {
+        let name = description(settings);
+        match (settings.umat(), convention) {
+            (Some(_), Some(_)) => Err(AuditError::Convention),
+            (Some(umat), None) => {
+                let umat = Umat::new(umat).map_err(MaterialError::from)?;
+                Self::new(&name, &Subject::User(&umat), states)
+            }
+            (None, convention) => {
+                let law = settings.build()?;
+                let convention = convention.unwrap_or(Convention::FirstPiola);
+                Self::new(&name, &Subject::Law(law.as_ref(), convention), states)
+            }
+        }
+    }
+
+    /// Audits a material at states.
+    ///
+    /// # Errors
+    /// [`AuditError`] when it fails at one of them, or near it.
+    pub fn new(
+        material: &str,
+        subject: &Subject<'_>,
+        states: &[DeformationGradient],
+    ) -> Result<Self, AuditError> {
+        let reference = Measured::new(subject, &DeformationGradient::identity())?;
+        let measured = states
+            .iter()
+            .map(|f| Measured::new(subject, f))
+            .collect::<Result<Vec<_>, _>>()?;
+        let tangent = tangent(subject, &reference, &measured);
+        let mut checks = checks::all(subject, &reference, &measured)?;
+        checks.push(tangent.check(subject));
+        let consistent = checks.iter().all(|check| check.outcome != Outcome::Failed);
+        Ok(Self {
+            material: material.to_owned(),
+            consistent,
+            verdict: report::verdict(consistent, &checks, &tangent),
+            states: states.len(),
+            checks,
+            tangent,
+        })
+    }
+}
+
+/// The material with its parameters.
+fn description(settings: &MaterialSettings) -> String {
+    let entries = settings.entries();
+    let entry = |(name, value): &(&str, Value)| format!("{name} = {value}");
+    let list: Vec<String> = entries.iter().map(entry).collect();
+    match list.is_empty() {
+        true => settings.model.name().to_owned(),
+        false => format!("{} ({})", settings.model.name(), list.join(", ")),
+    }
+}
+
+/// Differences that are known no better than this tell no convention from another.
+const UNKNOWN: f64 = 1e-4;
+
+/// How far a tangent may be from differences that are known to an uncertainty.
+fn tolerance(uncertainty: f64) -> f64 {
+    if uncertainty > UNKNOWN {
+        0.0
+    } else {
+        TOLERANCE.max(10.0 * uncertainty)
+    }
+}
+
+/// Finds out what the tangent is.
+fn tangent(subject: &Subject<'_>, reference: &Measured, measured: &[Measured]) -> TangentFinding {
+    let changes: Vec<StressChange> = measured.iter().map(|state| state.change.clone()).collect();
+    let deliveries: Vec<Delivery> = measured
+        .iter()
+        .map(|state| state.sample.delivery.clone())
+        .collect();
+    let elasticity = &reference.change.gradient;
+    let all = matches(&changes, &deliveries, elasticity);
+    let expected = Reading::plain(subject.convention());
+    let expected_error = all
+        .iter()
+        .find(|candidate| candidate.reading == expected)
+        .map_or(f64::INFINITY, |candidate| candidate.error);
+    let uncertainty = measured
+        .iter()
+        .map(|state| state.uncertainty)
+        .fold(0.0, f64::max);
+    let tolerance = tolerance(uncertainty);
+    // What is expected goes before what fits as well, and fewer slips before more.
+    let mut fitting: Vec<&Match> = all
+        .iter()
+        .filter(|candidate| candidate.error <= tolerance)
+        .collect();
+    fitting.sort_by_key(|candidate| {
+        (
+            candidate.reading.slips().len(),
+            candidate.reading != expected,
+        )
+    });
+    let identified = fitting.first().map(|best| (*best).clone());
+    let indistinguishable = fitting
+        .iter()
+        .skip(1)
+        .filter(|other| {
+            identified
+                .as_ref()
+                .is_some_and(|best| other.reading.slips().len() == best.reading.slips().len())
+        })
+        .map(|other| (*other).clone())
+        .collect();
+    let closest = all.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+    let nearest = identified
+        .as_ref()
+        .or(closest)
+        .cloned()
+        .unwrap_or_else(|| Match {
+            reading: expected,
+            sentence: expected.sentence(),
+            error: expected_error,
+        });
+    TangentFinding {
+        expected: subject.convention(),
+        expected_error,
+        identified,
+        indistinguishable,
+        nearest,
+        conventions: all
+            .into_iter()
+            .filter(|candidate| candidate.reading.slips().is_empty())
+            .collect(),
+        uncertainty,
+    }
+}

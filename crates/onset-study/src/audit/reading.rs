@@ -1,0 +1,295 @@
+//! Which tangent is it? Every convention, right or with the usual slips, against what was delivered.
+
+use super::convention::{Convention, StressChange};
+use nalgebra::Matrix6;
+use onset::material::FourthOrder;
+use onset_umat::voigt_of_tensor;
+use serde::Serialize;
+
+/// A tangent as delivered.
+#[derive(Clone, Debug)]
+pub enum Delivery {
+    /// A matrix between stresses and engineering strains, as `DDSDDE`.
+    Matrix(Box<Matrix6<f64>>),
+    /// All 81 components.
+    Tensor(Box<FourthOrder>),
+}
+
+/// What shear strain the columns of shear are per.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shear {
+    /// Engineering shear, as it should be.
+    Engineering,
+    /// The tensor's component: columns twice too large.
+    Tensor,
+    /// Columns half as large as they should be.
+    Halved,
+}
+
+/// The power of `J` that is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Volume {
+    /// As it should be.
+    Right,
+    /// Too large by `J`: not divided by it.
+    TimesJacobian,
+    /// Too small by `J`: divided by it once too often.
+    OverJacobian,
+}
+
+/// The order of the shear components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Order {
+    /// 12, 13, 23: Abaqus/Standard's.
+    Standard,
+    /// 12, 23, 13: Abaqus/Explicit's.
+    Explicit,
+    /// 23, 13, 12: Voigt's.
+    Voigt,
+}
+
+impl Order {
+    /// Where the components of the standard order stand in this one.
+    fn places(self) -> [usize; 6] {
+        match self {
+            Self::Standard => [0, 1, 2, 3, 4, 5],
+            Self::Explicit => [0, 1, 2, 3, 5, 4],
+            Self::Voigt => [0, 1, 2, 5, 4, 3],
+        }
+    }
+}
+
+/// A convention with slips, or without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Reading {
+    /// The convention.
+    pub convention: Convention,
+    /// Whether rows and columns are exchanged.
+    pub transposed: bool,
+    /// The measure of shear strain.
+    pub shear: Shear,
+    /// The power of `J`.
+    pub volume: Volume,
+    /// The order of shear components.
+    pub order: Order,
+}
+
+impl Reading {
+    /// A convention without slips.
+    pub fn plain(convention: Convention) -> Self {
+        Self {
+            convention,
+            transposed: false,
+            shear: Shear::Engineering,
+            volume: Volume::Right,
+            order: Order::Standard,
+        }
+    }
+
+    /// All that are tried, without slips first.
+    fn all(is_matrix: bool) -> Vec<Self> {
+        let (shears, orders): (&[Shear], &[Order]) = match is_matrix {
+            true => (
+                &[Shear::Engineering, Shear::Tensor, Shear::Halved],
+                &[Order::Standard, Order::Explicit, Order::Voigt],
+            ),
+            false => (&[Shear::Engineering], &[Order::Standard]),
+        };
+        let mut readings = Vec::new();
+        for convention in Convention::ALL {
+            for transposed in [false, true] {
+                for &shear in shears {
+                    for volume in [Volume::Right, Volume::TimesJacobian, Volume::OverJacobian] {
+                        for &order in orders {
+                            readings.push(Self {
+                                convention,
+                                transposed,
+                                shear,
+                                volume,
+                                order,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        readings.sort_by_key(|reading| reading.slips().len());
+        readings
+    }
+
+    /// What is wrong beside the convention, in words.
+    pub fn slips(&self) -> Vec<&'static str> {
+        let slips = [
+            (self.transposed, "transposed"),
+            (
+                self.shear == Shear::Tensor,
+                "per tensor shear strain: columns of shear twice too large",
+            ),
+            (
+                self.shear == Shear::Halved,
+                "columns of shear half as large as they should be",
+            ),
+            (
+                self.volume == Volume::TimesJacobian,
+                "not divided by J: too large by J",
+            ),
+            (
+                self.volume == Volume::OverJacobian,
+                "divided by J once too often: too small by J",
+            ),
+            (
+                self.order == Order::Explicit,
+                "shear in the order 12, 23, 13",
+            ),
+            (self.order == Order::Voigt, "shear in the order 23, 13, 12"),
+        ];
+        slips
+            .into_iter()
+            .filter_map(|(is_made, words)| is_made.then_some(words))
+            .collect()
+    }
+
+    /// In words.
+    pub fn sentence(&self) -> String {
+        let slips = self.slips();
+        match slips.is_empty() {
+            true => self.convention.meaning().to_owned(),
+            false => format!("{}, {}", self.convention.meaning(), slips.join(", ")),
+        }
+    }
+
+    /// What would have been delivered under this reading; `tangent` is that of the convention.
+    fn expected(&self, tangent: &FourthOrder, jacobian: f64, is_matrix: bool) -> Vec<f64> {
+        let scale = match self.volume {
+            Volume::Right => 1.0,
+            Volume::TimesJacobian => jacobian,
+            Volume::OverJacobian => 1.0 / jacobian,
+        };
+        if !is_matrix {
+            return indices()
+                .map(|(i, j, k, l)| match self.transposed {
+                    true => scale * tangent[(k, l, i, j)],
+                    false => scale * tangent[(i, j, k, l)],
+                })
+                .collect();
+        }
+        let mut matrix = voigt_of_tensor(tangent) * scale;
+        if self.transposed {
+            matrix.transpose_mut();
+        }
+        let factor = match self.shear {
+            Shear::Engineering => 1.0,
+            Shear::Tensor => 2.0,
+            Shear::Halved => 0.5,
+        };
+        let places = self.order.places();
+        let mut expected = vec![0.0; 36];
+        for a in 0..6 {
+            for b in 0..6 {
+                let factor = if b < 3 { 1.0 } else { factor };
+                expected[6 * places[a] + places[b]] = factor * matrix[(a, b)];
+            }
+        }
+        expected
+    }
+}
+
+fn indices() -> impl Iterator<Item = (usize, usize, usize, usize)> {
+    (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3))
+}
+
+impl Delivery {
+    fn is_matrix(&self) -> bool {
+        matches!(self, Self::Matrix(_))
+    }
+
+    fn components(&self) -> Vec<f64> {
+        match self {
+            Self::Matrix(matrix) => (0..36).map(|n| matrix[(n / 6, n % 6)]).collect(),
+            Self::Tensor(tensor) => indices().map(|at| tensor[at]).collect(),
+        }
+    }
+
+    /// The largest difference of a component and its mirror image across the diagonal, relative to all.
+    pub fn asymmetry(&self) -> f64 {
+        match self {
+            Self::Matrix(matrix) => (**matrix - matrix.transpose()).norm() / matrix.norm(),
+            Self::Tensor(tensor) => {
+                let mirrored = FourthOrder::from_fn(|i, j, k, l| tensor[(k, l, i, j)]);
+                relative(
+                    &self.components(),
+                    &Self::Tensor(Box::new(mirrored)).components(),
+                )
+            }
+        }
+    }
+}
+
+/// `|a - b| / |b|`, infinite where one of them is not finite.
+pub fn relative(a: &[f64], b: &[f64]) -> f64 {
+    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    let difference = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
+    if difference == 0.0 {
+        return 0.0;
+    }
+    let ratio = difference / norm(&mut b.iter().copied());
+    if ratio.is_nan() { f64::INFINITY } else { ratio }
+}
+
+/// A reading with how far it is from what was delivered.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Match {
+    /// The reading.
+    #[serde(flatten)]
+    pub reading: Reading,
+    /// In words.
+    pub sentence: String,
+    /// The largest relative error over the states, in the Frobenius norm.
+    pub error: f64,
+}
+
+/// Every reading with its error, those with fewer slips first.
+pub fn matches(
+    changes: &[StressChange],
+    deliveries: &[Delivery],
+    reference: &FourthOrder,
+) -> Vec<Match> {
+    let is_matrix = deliveries.iter().any(Delivery::is_matrix);
+    let tangents: Vec<Vec<FourthOrder>> = Convention::ALL
+        .into_iter()
+        .map(|convention| {
+            changes
+                .iter()
+                .map(|change| convention.tangent(change, reference))
+                .collect()
+        })
+        .collect();
+    let delivered: Vec<Vec<f64>> = deliveries.iter().map(Delivery::components).collect();
+    Reading::all(is_matrix)
+        .into_iter()
+        .map(|reading| {
+            let of_convention = Convention::ALL
+                .into_iter()
+                .zip(&tangents)
+                .find(|(convention, _)| *convention == reading.convention)
+                .map_or(&[][..], |(_, tangents)| tangents);
+            let error = of_convention
+                .iter()
+                .zip(changes)
+                .zip(&delivered)
+                .map(|((tangent, change), delivered)| {
+                    let jacobian = change.deformation.jacobian();
+                    relative(delivered, &reading.expected(tangent, jacobian, is_matrix))
+                })
+                .fold(0.0, f64::max);
+            Match {
+                reading,
+                sentence: reading.sentence(),
+                error,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,97 @@
+//! An audit in words.
+
+use super::checks::{Check, Outcome};
+use super::{Audit, TangentFinding};
+use std::fmt::{self, Display, Formatter};
+
+/// The audit in a sentence or two.
+pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> String {
+    let failed: Vec<&Check> = checks
+        .iter()
+        .filter(|check| check.outcome == Outcome::Failed)
+        .collect();
+    if consistent {
+        return format!(
+            "Consistent: all checks passed, and the tangent is {} (largest error {:.1e}).",
+            tangent.expected.meaning(),
+            tangent.expected_error
+        );
+    }
+    let findings: Vec<String> = failed
+        .iter()
+        .map(|check| capitalized(&check.finding))
+        .collect();
+    format!("Not consistent. {}.", findings.join(". "))
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+impl Display for Audit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", self.verdict)?;
+        writeln!(f, "material   {}", self.material)?;
+        writeln!(f, "states     {}\n", self.states)?;
+        for check in &self.checks {
+            let mark = match check.outcome {
+                Outcome::Passed => "passed",
+                Outcome::Failed => "FAILED",
+                Outcome::Noted => "noted",
+            };
+            let error = check
+                .error
+                .map_or_else(|| "-".to_owned(), |error| format!("{error:.1e}"));
+            writeln!(
+                f,
+                "{mark:<7} {:<24} {error:>8}  {}",
+                check.name, check.finding
+            )?;
+        }
+        writeln!(
+            f,
+            "\nThe tangent against differences of the stress (known to {:.0e}):",
+            self.tangent.uncertainty
+        )?;
+        for candidate in &self.tangent.conventions {
+            let convention = candidate.reading.convention;
+            let mark = match (&self.tangent.identified, convention) {
+                (Some(found), convention) if found.reading.convention == convention => "->",
+                _ => "",
+            };
+            let expected = match convention == self.tangent.expected {
+                true => " (expected)",
+                false => "",
+            };
+            writeln!(
+                f,
+                "{mark:<2} {:<23} {:>8.1e}  {}{expected}",
+                convention.name(),
+                candidate.error,
+                convention.meaning()
+            )?;
+        }
+        if let Some(found) = &self.tangent.identified {
+            if !found.reading.slips().is_empty() {
+                writeln!(f, "It is {} (error {:.1e}).", found.sentence, found.error)?;
+            }
+            for other in &self.tangent.indistinguishable {
+                writeln!(
+                    f,
+                    "At these states it cannot be told from: {} (error {:.1e}).",
+                    other.sentence, other.error
+                )?;
+            }
+        } else {
+            writeln!(
+                f,
+                "None fits; nearest, with slips, is {} (error {:.1e}).",
+                self.tangent.nearest.sentence, self.tangent.nearest.error
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,387 @@
+//! The answer to: where along this path does the material localize?
+
+use super::{LocalizationError, PlasticSettings};
+use crate::settings::Value;
+use nalgebra::Vector3;
+use onset::plasticity::{BandKind, Bands, End, Notion, PathPoint, follow};
+use serde::Serialize;
+
+/// Onset of localization along a path, and what led to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LocalizationAnswer {
+    /// The answer in words.
+    pub sentence: String,
+    /// The parameters that have an effect.
+    pub settings: serde_json::Map<String, serde_json::Value>,
+    /// First yield.
+    pub first_yield: PointAnswer,
+    /// Where strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
+    pub strong_ellipticity_lost: Option<PointAnswer>,
+    /// Where ellipticity is lost: a band can form.
+    pub localization: Option<PointAnswer>,
+    /// Where `h - h_cr` is smallest; the onset, if there is one.
+    pub closest: PointAnswer,
+    /// Why the path ends.
+    pub end: End,
+    /// Critical moduli by direction at the closest state, in the plane of the largest and the smallest principal stress.
+    pub directions: Vec<DirectionAnswer>,
+    /// States of the path.
+    pub path: Vec<PointAnswer>,
+}
+
+/// A state of the path. Stresses are Cauchy's, tension positive; axes are those of the path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointAnswer {
+    /// Plastic shear strain.
+    pub slip: f64,
+    /// Strains since the confined state.
+    pub strain: [f64; 3],
+    /// Stresses.
+    pub stress: [f64; 3],
+    /// `sqrt(s:s/2)`.
+    pub equivalent_shear: f64,
+    /// Mean stress.
+    pub mean_stress: f64,
+    /// The plastic modulus `h`.
+    pub plastic_modulus: f64,
+    /// The critical modulus of localization, largest over all directions.
+    pub critical_modulus: f64,
+    /// What the critical modulus of no direction exceeds.
+    pub critical_modulus_bound: f64,
+    /// The critical modulus of strong ellipticity.
+    pub strong_critical_modulus: f64,
+    /// The band at the critical modulus of localization.
+    pub band: BandAnswer,
+}
+
+/// A band.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BandAnswer {
+    /// What kind of a band.
+    pub kind: BandKind,
+    /// Its unit normal.
+    pub normal: [f64; 3],
+    /// Unit vector along the jump of velocity across it.
+    pub polarization: [f64; 3],
+    /// Degrees between the normal and the axis of the largest (most tensile) principal stress.
+    pub angle_to_major: f64,
+    /// Degrees between the normal and the axis of the smallest (most compressive) principal stress.
+    pub angle_to_minor: f64,
+}
+
+/// Critical moduli of one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DirectionAnswer {
+    /// Degrees between the normal and the axis of the smallest principal stress, toward that of the largest.
+    pub angle: f64,
+    /// That of ellipticity.
+    pub critical_modulus: f64,
+    /// That of strong ellipticity.
+    pub strong_critical_modulus: f64,
+}
+
+impl From<&PathPoint> for PointAnswer {
+    fn from(point: &PathPoint) -> Self {
+        let band = point.ellipticity.band;
+        Self {
+            slip: point.slip,
+            strain: point.strain,
+            stress: point.stress,
+            equivalent_shear: point.equivalent_shear(),
+            mean_stress: point.mean_stress(),
+            plastic_modulus: point.modulus,
+            critical_modulus: point.ellipticity.modulus,
+            critical_modulus_bound: point.ellipticity.bound,
+            strong_critical_modulus: point.strong_ellipticity.modulus,
+            band: BandAnswer {
+                kind: band.kind,
+                normal: band.normal.into(),
+                polarization: band.polarization.into(),
+                angle_to_major: band.angle_to_major,
+                angle_to_minor: band.angle_to_minor,
+            },
+        }
+    }
+}
+
+impl LocalizationAnswer {
+    /// Follows the path.
+    ///
+    /// # Errors
+    /// [`LocalizationError`] when the law does not admit its parameters or cannot follow the path.
+    pub fn new(settings: &PlasticSettings) -> Result<Self, LocalizationError> {
+        let (law, loading) = (settings.law()?, settings.loading());
+        let found = follow(&law, &loading)?;
+        let margin = |point: &PathPoint| point.modulus - point.ellipticity.modulus;
+        let closest = found.onset.as_ref().unwrap_or_else(|| {
+            found
+                .points
+                .iter()
+                .min_by(|a, b| margin(a).total_cmp(&margin(b)))
+                .unwrap_or(&found.points[0])
+        });
+        let answer = |point: &PathPoint| PointAnswer::from(point);
+        let mut told = Self {
+            sentence: String::new(),
+            settings: settings
+                .values()
+                .map(|(parameter, value)| (parameter.name.to_owned(), json(value)))
+                .collect(),
+            first_yield: answer(&found.points[0]),
+            strong_ellipticity_lost: found.strong_ellipticity_lost.as_ref().map(answer),
+            localization: found.onset.as_ref().map(answer),
+            closest: answer(closest),
+            end: found.end,
+            directions: directions(closest, loading.bands)?,
+            path: found.points.iter().map(answer).collect(),
+        };
+        told.sentence = told.tell(loading.slip);
+        Ok(told)
+    }
+
+    /// A table of the path, with a line of names.
+    pub fn csv(&self) -> String {
+        let mut text = String::from(
+            "plastic_shear_strain,strain_1,strain_2,strain_3,stress_1,stress_2,stress_3,plastic_modulus,\
+             critical_modulus,strong_critical_modulus,angle_to_major,angle_to_minor\n",
+        );
+        for point in &self.path {
+            let ([e1, e2, e3], [s1, s2, s3]) = (point.strain, point.stress);
+            let band = &point.band;
+            let numbers = [
+                point.slip,
+                e1,
+                e2,
+                e3,
+                s1,
+                s2,
+                s3,
+                point.plastic_modulus,
+                point.critical_modulus,
+                point.strong_critical_modulus,
+                band.angle_to_major,
+                band.angle_to_minor,
+            ];
+            text.push_str(&line(&numbers));
+        }
+        text
+    }
+
+    /// A table of critical moduli by direction, with a line of names.
+    pub fn directions_csv(&self) -> String {
+        let mut text = String::from("angle_to_minor,critical_modulus,strong_critical_modulus\n");
+        for direction in &self.directions {
+            text.push_str(&line(&[
+                direction.angle,
+                direction.critical_modulus,
+                direction.strong_critical_modulus,
+            ]));
+        }
+        text
+    }
+
+    /// The answer in words.
+    fn tell(&self, slip: f64) -> String {
+        let mut sentence = match &self.localization {
+            Some(onset) => {
+                let when = if onset.slip == 0.0 {
+                    "at first yield".to_owned()
+                } else {
+                    format!("at the plastic shear strain {}", number(onset.slip))
+                };
+                // A modulus of rounding errors is neither.
+                let scale = 1e-9 * self.first_yield.plastic_modulus.abs();
+                let hardening = if onset.plastic_modulus > scale {
+                    "while it still hardens"
+                } else if onset.plastic_modulus < -scale {
+                    "while it softens"
+                } else {
+                    "where hardening ends"
+                };
+                format!(
+                    "The material localizes {when} (strain along axis 1 {}), {hardening}: a {} forms with its normal at {:.2} \
+                     degrees to the {} principal stress.",
+                    number(onset.strain[0]),
+                    onset.band.kind.name(),
+                    onset.band.angle_to_minor,
+                    if onset.stress.iter().all(|stress| *stress >= 0.0) {
+                        "smallest"
+                    } else {
+                        "most compressive"
+                    }
+                )
+            }
+            None => format!(
+                "The material does not localize up to the plastic shear strain {}: its plastic modulus stays above the critical \
+                 one, by {} at the least.",
+                number(self.path.last().map_or(slip, |point| point.slip)),
+                number(self.closest.plastic_modulus - self.closest.critical_modulus)
+            ),
+        };
+        if let Some(strong) = &self.strong_ellipticity_lost
+            && self
+                .localization
+                .as_ref()
+                .is_none_or(|onset| onset.slip - strong.slip > 1e-9 * slip)
+        {
+            let place = if strong.slip == 0.0 {
+                "at first yield".to_owned()
+            } else {
+                format!("at {}", number(strong.slip))
+            };
+            let order = if self.localization.is_some() {
+                "before"
+            } else {
+                "all the same"
+            };
+            sentence.push_str(&format!(" Strong ellipticity is lost {order}, {place}."));
+        }
+        match self.end {
+            End::Slip => {}
+            End::Exhausted => sentence.push_str(" The path ends where the strength is used up."),
+            End::TurnsBack => sentence.push_str(
+                " The path ends where the prescribed strain would have to turn back: homogeneous deformation cannot go on \
+                 under control of strain.",
+            ),
+            End::Apex => sentence.push_str(" The path ends where the stress deviator vanishes."),
+            End::ElasticNotElliptic => sentence.push_str(
+                " The path ends where the elastic part of the law itself loses strong ellipticity.",
+            ),
+            End::TooStiff => sentence.push_str(
+                " The path ends early: strength is too small against stiffness for so much slip.",
+            ),
+        }
+        sentence
+    }
+}
+
+/// Critical moduli over a quarter turn from the axis of the smallest to that of the largest principal stress.
+fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, LocalizationError> {
+    let axes = match bands {
+        Bands::Bulk => 3,
+        Bands::Sheet => 2,
+    };
+    let stress = |axis: &usize| point.stress[*axis];
+    let by_stress = |a: &usize, b: &usize| stress(a).total_cmp(&stress(b));
+    let major = (0..axes).max_by(by_stress).unwrap_or(0);
+    // Of equal stresses the first and the last, so that two axes differ.
+    let minor = (0..axes).min_by(by_stress).unwrap_or(1);
+    let mut told = Vec::with_capacity(181);
+    for half_degrees in 0..=180 {
+        let angle = 0.5 * f64::from(half_degrees);
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let n = Vector3::ith(minor, cosine) + Vector3::ith(major, sine);
+        told.push(DirectionAnswer {
+            angle,
+            critical_modulus: point
+                .moduli
+                .critical_modulus_along(&n, Notion::Ellipticity)?,
+            strong_critical_modulus: point
+                .moduli
+                .critical_modulus_along(&n, Notion::StrongEllipticity)?,
+        });
+    }
+    Ok(told)
+}
+
+fn json(value: &Value) -> serde_json::Value {
+    serde_json::to_value(value).unwrap_or_default()
+}
+
+fn line(numbers: &[f64]) -> String {
+    let text: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
+    format!("{}\n", text.join(","))
+}
+
+/// A number with six significant digits.
+fn number(value: f64) -> String {
+    let value = if value.abs() < 1e-300 { 0.0 } else { value };
+    let magnitude = if value == 0.0 {
+        0
+    } else {
+        value.abs().log10().floor() as i32
+    };
+    if (-4..6).contains(&magnitude) {
+        let decimals = usize::try_from(5 - magnitude).unwrap_or(0);
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+impl std::fmt::Display for LocalizationAnswer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(formatter, "{}\n", self.sentence)?;
+        let vector = |v: &[f64; 3]| {
+            let size = v.iter().fold(0.0_f64, |size, c| size.max(c.abs()));
+            let one = |c: &f64| number(if c.abs() < 1e-12 * size { 0.0 } else { *c });
+            format!("({})", v.each_ref().map(one).join(", "))
+        };
+        let mut point = |name: &str, point: &PointAnswer| {
+            writeln!(formatter, "{name}")?;
+            writeln!(formatter, "  plastic shear strain    {:.12}", point.slip)?;
+            writeln!(
+                formatter,
+                "  strain                  {}",
+                vector(&point.strain)
+            )?;
+            writeln!(
+                formatter,
+                "  stress                  {}",
+                vector(&point.stress)
+            )?;
+            writeln!(
+                formatter,
+                "  shear, mean stress      {}, {}",
+                number(point.equivalent_shear),
+                number(point.mean_stress)
+            )?;
+            writeln!(
+                formatter,
+                "  plastic modulus h       {}",
+                number(point.plastic_modulus)
+            )?;
+            writeln!(
+                formatter,
+                "  critical modulus        {} (of strong ellipticity {})",
+                number(point.critical_modulus),
+                number(point.strong_critical_modulus)
+            )?;
+            writeln!(
+                formatter,
+                "  band                    {}, normal {}, polarization {}",
+                point.band.kind.name(),
+                vector(&point.band.normal),
+                vector(&point.band.polarization)
+            )?;
+            writeln!(
+                formatter,
+                "  normal to axis of       largest stress {:.6} degrees, smallest stress {:.6} degrees",
+                point.band.angle_to_major, point.band.angle_to_minor
+            )
+        };
+        point("first yield", &self.first_yield)?;
+        if let Some(strong) = &self.strong_ellipticity_lost {
+            point("strong ellipticity lost", strong)?;
+        }
+        match &self.localization {
+            Some(onset) => point("localization", onset)?,
+            None => point("closest to localization", &self.closest)?,
+        }
+        let (low, high) =
+            self.path
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+                    (
+                        low.min(point.critical_modulus),
+                        high.max(point.critical_modulus),
+                    )
+                });
+        writeln!(
+            formatter,
+            "critical modulus over the path  {} to {}",
+            number(low),
+            number(high)
+        )
+    }
+}

@@ -1,0 +1,55 @@
+//! Plasticity and localization: where along a loading path does a plastic material form a band, and which?
+
+mod answer;
+mod figure;
+mod parameters;
+
+pub use answer::{BandAnswer, DirectionAnswer, LocalizationAnswer, PointAnswer};
+pub use parameters::{PARAMETERS, Parameter, PlasticSettings};
+
+use crate::settings::SettingError;
+use onset::plasticity::PlasticityError;
+use thiserror::Error;
+
+/// Why there is no answer. Always the input's fault, and said so.
+#[derive(Debug, Error)]
+pub enum LocalizationError {
+    /// A setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The law, or the path with it.
+    #[error("{source}{}", hint(source))]
+    Plasticity {
+        /// What is wrong.
+        #[from]
+        source: PlasticityError,
+    },
+}
+
+/// What to do about it.
+fn hint(error: &PlasticityError) -> String {
+    let hint = match error {
+        PlasticityError::Parameter { name, .. } => format!("set it with --set plasticity.{name}=..."),
+        PlasticityError::SnapBack { .. } => {
+            "soften less (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
+                .to_owned()
+        }
+        PlasticityError::NeverYields { .. } => {
+            "pressure outgrows the strength on this path; lower plasticity.friction, or take another path".to_owned()
+        }
+        PlasticityError::Confinement { .. } => {
+            "lower plasticity.confinement or raise plasticity.strength".to_owned()
+        }
+        PlasticityError::ElasticNotElliptic => {
+            "the strength is of the order of the stiffness; raise plasticity.shear-modulus".to_owned()
+        }
+        PlasticityError::NoDeviator | PlasticityError::Apex => {
+            "the path leads to the apex of the yield cone; add plasticity.confinement".to_owned()
+        }
+        PlasticityError::NotASheet => {
+            "take --path uniaxial-stress and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
+        }
+        PlasticityError::Exhausted { .. } | PlasticityError::NotFinite => return String::new(),
+    };
+    format!("\n  hint: {hint}")
+}

@@ -1,0 +1,420 @@
+//! The parameters of plastic laws and loading paths, each defined once.
+
+use super::LocalizationError;
+use crate::settings::{Kind, Origin, SettingError, Value, unknown_key};
+use onset::plasticity::{
+    Bands, DruckerPrager, Hardening, Load, Loading, LoadingPath, PlasticityError, Strains,
+};
+use serde::de::DeserializeOwned;
+
+/// A parameter that can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its dotted name.
+    pub name: &'static str,
+    /// What it expects.
+    pub kind: Kind,
+    /// Its default, as one would write it.
+    pub default: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The parameter and its words without which it has no effect.
+    pub only_with: Option<(&'static str, &'static [&'static str])>,
+}
+
+const fn parameter(
+    name: &'static str,
+    kind: Kind,
+    default: &'static str,
+    meaning: &'static str,
+) -> Parameter {
+    Parameter {
+        name,
+        kind,
+        default,
+        meaning,
+        only_with: None,
+    }
+}
+
+impl Parameter {
+    const fn only_with(mut self, name: &'static str, words: &'static [&'static str]) -> Self {
+        self.only_with = Some((name, words));
+        self
+    }
+
+    fn default_value(&self) -> Value {
+        Value::typed(self.default, Some(self.kind))
+    }
+
+    fn words(&self) -> &'static [&'static str] {
+        match self.kind {
+            Kind::Words(words) => words,
+            _ => &[],
+        }
+    }
+}
+
+const MODEL: &str = "plasticity.model";
+const HARDENING: &str = "plasticity.hardening";
+
+/// Every parameter, in the order of the documentation.
+pub const PARAMETERS: &[Parameter] = &[
+    parameter(
+        MODEL,
+        Kind::Words(&["drucker-prager", "j2"]),
+        "drucker-prager",
+        "yield surface and flow rule",
+    ),
+    parameter(
+        "plasticity.shear-modulus",
+        Kind::Positive("stress"),
+        "10000",
+        "elastic shear modulus G",
+    ),
+    parameter(
+        "plasticity.poisson-ratio",
+        Kind::Number("1"),
+        "0.2",
+        "Poisson's ratio, above -1 and below 0.5",
+    ),
+    parameter(
+        "plasticity.friction",
+        Kind::Number("1"),
+        "0.6",
+        "pressure coefficient mu of the yield surface, not negative",
+    )
+    .only_with(MODEL, &["drucker-prager"]),
+    parameter(
+        "plasticity.dilatancy",
+        Kind::Number("1"),
+        "0.2",
+        "dilatancy beta of the flow; equal to the friction for associated flow",
+    )
+    .only_with(MODEL, &["drucker-prager"]),
+    parameter(
+        HARDENING,
+        Kind::Words(&["linear", "voce", "power", "peak"]),
+        "peak",
+        "how the strength changes with plastic shear strain",
+    ),
+    parameter(
+        "plasticity.strength",
+        Kind::Positive("stress"),
+        "20",
+        "yield stress in pure shear at first yield (that in tension is sqrt(3) times it for j2)",
+    ),
+    parameter(
+        "plasticity.hardening-modulus",
+        Kind::Number("stress"),
+        "2000",
+        "plastic modulus h (slope in shear; a third of that in tension for j2); peak: the slope that wears down",
+    )
+    .only_with(HARDENING, &["linear", "peak"]),
+    parameter(
+        "plasticity.saturation",
+        Kind::Number("stress"),
+        "10",
+        "strength after large slip; below the strength for softening",
+    )
+    .only_with(HARDENING, &["voce"]),
+    parameter(
+        "plasticity.residual",
+        Kind::Number("stress"),
+        "10",
+        "strength after large slip",
+    )
+    .only_with(HARDENING, &["peak"]),
+    parameter(
+        "plasticity.reference-slip",
+        Kind::Positive("1"),
+        "0.05",
+        "plastic shear strain in which hardening fades by 1/e; power: that counts as one",
+    )
+    .only_with(HARDENING, &["voce", "power", "peak"]),
+    parameter(
+        "plasticity.exponent",
+        Kind::Number("1"),
+        "0.1",
+        "exponent of the power law, at most 1; negative for softening",
+    )
+    .only_with(HARDENING, &["power"]),
+    parameter(
+        "plasticity.path",
+        Kind::Words(&[
+            "uniaxial-stress",
+            "uniaxial-strain",
+            "plane-strain",
+            "pure-shear",
+            "triaxial-compression",
+        ]),
+        "plane-strain",
+        "loading path",
+    ),
+    parameter(
+        "plasticity.load",
+        Kind::Words(&["tension", "compression"]),
+        "compression",
+        "sense of the strain along axis 1 (triaxial-compression is always compression)",
+    ),
+    parameter(
+        "plasticity.strains",
+        Kind::Words(&["small", "finite"]),
+        "small",
+        "small strain, or finite strain with logarithmic stretches",
+    ),
+    parameter(
+        "plasticity.bands",
+        Kind::Words(&["bulk", "sheet"]),
+        "bulk",
+        "bands of any orientation, or necks across a thin sheet normal to axis 3",
+    ),
+    parameter(
+        "plasticity.confinement",
+        Kind::Number("stress"),
+        "0",
+        "initial pressure, kept by constant lateral stresses",
+    ),
+    parameter(
+        "plasticity.slip",
+        Kind::Positive("1"),
+        "0.2",
+        "plastic shear strain up to which the path is followed",
+    ),
+];
+
+/// A plastic law and a loading path, as set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlasticSettings {
+    /// One value for each of [`PARAMETERS`].
+    values: Vec<Value>,
+    /// Where those that were set were set.
+    origins: Vec<Option<Origin>>,
+}
+
+impl Default for PlasticSettings {
+    fn default() -> Self {
+        Self {
+            values: PARAMETERS.iter().map(Parameter::default_value).collect(),
+            origins: vec![None; PARAMETERS.len()],
+        }
+    }
+}
+
+impl PlasticSettings {
+    /// The defaults, changed by assignments such as `plasticity.friction=0.7`, in order.
+    ///
+    /// ```
+    /// use onset_study::localization::PlasticSettings;
+    /// let error = PlasticSettings::from_assignments(&["plasticity.model=j2", "plasticity.friction=0.3"]);
+    /// assert!(error.unwrap_err().to_string().contains("only with plasticity.model = drucker-prager"));
+    /// ```
+    ///
+    /// # Errors
+    /// [`SettingError`] for an unknown parameter, a value of the wrong kind, or a parameter that has no effect.
+    pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
+        let mut settings = Self::default();
+        for assignment in assignments {
+            let assignment = assignment.as_ref();
+            let origin = Origin::CommandLine(format!("--set {assignment}"));
+            let Some((name, text)) = assignment.split_once('=') else {
+                return Err(SettingError::new(
+                    origin,
+                    format!("`{assignment}` is not an assignment"),
+                )
+                .hint("write --set key=value, for example --set plasticity.friction=0.7"));
+            };
+            settings.set(name.trim(), text.trim(), origin)?;
+        }
+        settings.check()?;
+        Ok(settings)
+    }
+
+    /// Sets one parameter; whether it has an effect is checked by [`PlasticSettings::from_assignments`].
+    fn set(&mut self, name: &str, text: &str, origin: Origin) -> Result<(), SettingError> {
+        let names = PARAMETERS.iter().map(|parameter| parameter.name);
+        let Some(place) = names.clone().position(|known| known == name) else {
+            return Err(unknown_key(name, names, origin));
+        };
+        let parameter = &PARAMETERS[place];
+        let value = Value::typed(text, Some(parameter.kind));
+        if !parameter.kind.accepts(&value) {
+            let (expects, meaning) = (parameter.kind.expects(), parameter.meaning);
+            return Err(
+                SettingError::new(origin, format!("`{name}` cannot be {value}"))
+                    .hint(format!("expected {expects} ({meaning})"))
+                    .nearest_word(&value, parameter.words()),
+            );
+        }
+        self.values[place] = value;
+        self.origins[place] = Some(origin);
+        Ok(())
+    }
+
+    /// Refuses parameters that were set and have no effect.
+    fn check(&self) -> Result<(), SettingError> {
+        for (parameter, origin) in PARAMETERS.iter().zip(&self.origins) {
+            let (Some(origin), false) = (origin, self.has_effect(parameter)) else {
+                continue;
+            };
+            let Some((needed, words)) = parameter.only_with else {
+                continue;
+            };
+            return Err(SettingError::new(
+                origin.clone(),
+                format!("`{}` has no effect here", parameter.name),
+            )
+            .hint(format!(
+                "it is used only with {needed} = {}",
+                words.join(" or ")
+            )));
+        }
+        Ok(())
+    }
+
+    fn has_effect(&self, parameter: &Parameter) -> bool {
+        parameter.only_with.is_none_or(|(needed, words)| {
+            matches!(self.value(needed), Value::Word(word) if words.contains(&word.as_str()))
+        })
+    }
+
+    /// The parameters that have an effect, with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
+        PARAMETERS
+            .iter()
+            .zip(&self.values)
+            .filter(|(parameter, _)| self.has_effect(parameter))
+    }
+
+    fn value(&self, name: &str) -> &Value {
+        const NONE: &Value = &Value::Switch(false);
+        let place = PARAMETERS.iter().position(|known| known.name == name);
+        place.map_or(NONE, |place| &self.values[place])
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        self.value(name).number().unwrap_or(f64::NAN)
+    }
+
+    fn word<T: DeserializeOwned + Default>(&self, name: &str) -> T {
+        self.value(name).word().unwrap_or_default()
+    }
+
+    fn is(&self, name: &str, word: &str) -> bool {
+        matches!(self.value(name), Value::Word(set) if set == word)
+    }
+
+    /// The law.
+    ///
+    /// # Errors
+    /// [`LocalizationError::Plasticity`] when it does not admit its parameters.
+    pub fn law(&self) -> Result<DruckerPrager, LocalizationError> {
+        let initial = self.number("plasticity.strength");
+        let modulus = self.number("plasticity.hardening-modulus");
+        let reference = self.number("plasticity.reference-slip");
+        let hardening = if self.is(HARDENING, "linear") {
+            Hardening::Linear { initial, modulus }
+        } else if self.is(HARDENING, "voce") {
+            Hardening::Voce {
+                initial,
+                saturation: self.number("plasticity.saturation"),
+                reference,
+            }
+        } else if self.is(HARDENING, "power") {
+            Hardening::Power {
+                initial,
+                reference,
+                exponent: self.number("plasticity.exponent"),
+            }
+        } else {
+            Hardening::Peak {
+                initial,
+                residual: self.number("plasticity.residual"),
+                modulus,
+                reference,
+            }
+        };
+        let (friction, dilatancy) = if self.is(MODEL, "j2") {
+            (0.0, 0.0)
+        } else {
+            (
+                self.number("plasticity.friction"),
+                self.number("plasticity.dilatancy"),
+            )
+        };
+        let law: Result<_, PlasticityError> = DruckerPrager::new(
+            self.number("plasticity.shear-modulus"),
+            self.number("plasticity.poisson-ratio"),
+            friction,
+            dilatancy,
+            hardening,
+        );
+        Ok(law?)
+    }
+
+    /// The loading.
+    pub fn loading(&self) -> Loading {
+        Loading {
+            path: self.word::<LoadingPath>("plasticity.path"),
+            load: self.word::<Load>("plasticity.load"),
+            strains: self.word::<Strains>("plasticity.strains"),
+            bands: self.word::<Bands>("plasticity.bands"),
+            confinement: self.number("plasticity.confinement"),
+            slip: self.number("plasticity.slip"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::word_of;
+
+    #[test]
+    fn defaults_are_what_their_parameters_expect_and_make_a_law() {
+        for parameter in PARAMETERS {
+            assert!(
+                parameter.kind.accepts(&parameter.default_value()),
+                "{}",
+                parameter.name
+            );
+        }
+        PlasticSettings::default().law().expect("a law");
+    }
+
+    #[test]
+    fn every_word_is_the_name_that_serialization_uses() {
+        for parameter in PARAMETERS {
+            for word in parameter.words() {
+                let set = format!("{}={word}", parameter.name);
+                let settings = PlasticSettings::from_assignments(&[set]).expect("valid");
+                let loading = settings.loading();
+                let told = match parameter.name {
+                    "plasticity.path" => word_of(&loading.path),
+                    "plasticity.load" => word_of(&loading.load),
+                    "plasticity.strains" => word_of(&loading.strains),
+                    "plasticity.bands" => word_of(&loading.bands),
+                    _ => continue,
+                };
+                assert_eq!(told, *word);
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_settings_are_told_with_a_hint() {
+        let error = |assignment: &str| {
+            PlasticSettings::from_assignments(&[assignment])
+                .expect_err("a wrong assignment")
+                .to_string()
+        };
+        assert!(error("plasticity.fricton=1").contains("did you mean `plasticity.friction`?"));
+        assert!(error("friction=1").contains("did you mean `plasticity.friction`?"));
+        assert!(error("plasticity.path=planestrain").contains("did you mean `plane-strain`?"));
+        assert!(
+            error("plasticity.exponent=0.2").contains("only with plasticity.hardening = power")
+        );
+        assert!(error("plasticity.strength=-1").contains("expected a positive number (stress)"));
+        assert!(error("plasticity.strength").contains("not an assignment"));
+    }
+}

@@ -1,0 +1,278 @@
+//! The safe range card of a law: where it is strongly elliptic, on one page.
+
+use super::figure::{held, stretches};
+use super::sentence::{heading, witness};
+use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question};
+use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::json;
+use onset::notions::{Notion, SafeBox, Witness, safe_box, widest_safe_box};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::{Display, Formatter};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Where a law is strongly elliptic.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CardAnswer {
+    /// The law.
+    pub material: LawAnswer,
+    /// The smallest and the largest stretch looked at.
+    pub range: [f64; 2],
+    /// How the numbers were found.
+    pub method: &'static str,
+    /// The largest box `[1/b, b]^3` of principal stretches; `null` where the law is not elliptic in the reference.
+    pub symmetric_box: Option<BoxAnswer>,
+    /// The box `[a, b]^3` with the largest `b/a`.
+    pub widest_box: Option<BoxAnswer>,
+    /// The limits in each loading.
+    pub loadings: Vec<Limits>,
+}
+
+/// A box of principal stretches.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoxAnswer {
+    /// The smallest stretch.
+    pub low: f64,
+    /// The largest stretch.
+    pub high: f64,
+    /// The principal stretches at which ellipticity is lost on its surface; `null` where the range ends the box.
+    pub critical_stretches: Option<[f64; 3]>,
+    /// The wave that stops there.
+    pub witness: Option<Witness>,
+}
+
+/// The limits of ellipticity in a loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Limits {
+    /// The loading in a few words.
+    pub title: &'static str,
+    /// The stretch at which waves stop in compression; `null` when they do not.
+    pub compression: Option<f64>,
+    /// The stretch at which waves stop in tension; `null` when they do not.
+    pub tension: Option<f64>,
+    /// The wave that stops in compression.
+    pub compression_witness: Option<Witness>,
+    /// The wave that stops in tension.
+    pub tension_witness: Option<Witness>,
+    /// Where the path ends in compression.
+    pub compression_end: EndAnswer,
+    /// Where the path ends in tension.
+    pub tension_end: EndAnswer,
+    /// The stretches at which the law is elliptic.
+    pub elliptic: Vec<(f64, f64)>,
+}
+
+/// Why a card could not be written.
+#[derive(Debug, Error)]
+pub enum CardError {
+    /// The figure.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The document.
+    #[error("the card cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A file.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+}
+
+const METHOD: &str = "dense search from the reference with local improvement; no proof. Limits in loadings: every sign change between \
+                      states along the path and dips between them, refined to rounding";
+
+impl Question {
+    /// The card.
+    ///
+    /// # Errors
+    /// [`NotionsError`] when the law has no state in the reference.
+    pub fn card(&self) -> Result<CardAnswer, NotionsError> {
+        let loadings: Vec<Limits> = self
+            .loadings
+            .par_iter()
+            .map(|loading| {
+                let answer = self.along(*loading, &[Notion::StrongEllipticity])?;
+                Ok(Limits::of(&answer))
+            })
+            .collect::<Result<_, NotionsError>>()?;
+        let (symmetric, widest) = rayon::join(
+            || safe_box(&*self.material, 1.0, &self.range),
+            || match self.law.isotropic {
+                true => widest_safe_box(&*self.material, &self.range),
+                false => None,
+            },
+        );
+        Ok(CardAnswer {
+            material: self.law.clone(),
+            range: [self.range.low(), self.range.high()],
+            method: METHOD,
+            symmetric_box: symmetric.map(BoxAnswer::of),
+            widest_box: widest.map(BoxAnswer::of),
+            loadings,
+        })
+    }
+}
+
+impl BoxAnswer {
+    fn of(found: SafeBox) -> Self {
+        Self {
+            low: found.low,
+            high: found.high,
+            critical_stretches: found.critical.map(|(stretches, _)| stretches),
+            witness: found.critical.map(|(_, witness)| witness),
+        }
+    }
+}
+
+impl Limits {
+    fn of(answer: &LoadingAnswer) -> Self {
+        let ends = [answer.compression_end.stretch, answer.tension_end.stretch];
+        let own = answer.notions.first();
+        let [compression, tension] = [
+            own.map(|own| own.compression.clone()).unwrap_or_default(),
+            own.map(|own| own.tension.clone()).unwrap_or_default(),
+        ];
+        Self {
+            title: answer.title,
+            compression: compression.limit,
+            tension: tension.limit,
+            compression_witness: compression.changes.first().map(|change| change.witness),
+            tension_witness: tension.changes.first().map(|change| change.witness),
+            compression_end: answer.compression_end.clone(),
+            tension_end: answer.tension_end.clone(),
+            elliptic: own.map(|own| held(own, ends)).unwrap_or_default(),
+        }
+    }
+
+    /// A limit in words.
+    pub(super) fn cell(limit: Option<f64>, end: &EndAnswer) -> String {
+        match (limit, &end.reason) {
+            (Some(limit), _) => format!("{limit:.6}"),
+            (None, None) => format!("beyond {}", end.stretch),
+            (None, Some(_)) => format!("none up to {:.6}, where the path ends", end.stretch),
+        }
+    }
+}
+
+impl CardAnswer {
+    /// The boxes with their names.
+    pub(super) fn boxes(&self) -> Vec<(&'static str, &BoxAnswer)> {
+        let named = [
+            ("largest [1/b, b]", &self.symmetric_box),
+            ("widest [a, b]", &self.widest_box),
+        ];
+        let boxes = named.into_iter();
+        boxes
+            .filter_map(|(name, found)| Some((name, found.as_ref()?)))
+            .collect()
+    }
+
+    /// The ranges as bars.
+    pub fn figure(&self) -> Figure {
+        let [low, high] = self.range;
+        let boxes = self.boxes();
+        let rows = (self.loadings.len() + boxes.len()) as f64;
+        let names = boxes
+            .iter()
+            .map(|(name, _)| *name)
+            .chain(self.loadings.iter().map(|limits| limits.title));
+        let ticks = names.enumerate().map(|(n, name)| (rows - n as f64, name));
+        let mut panel = Panel::new(
+            "",
+            stretches(low, high),
+            Axis::linear("", (0.4, rows + 0.6)).ticks(ticks),
+        )
+        .with(Rule::vertical(1.0));
+        let bar = |from: f64, to: f64, y: f64| Line::new(vec![(from, y), (to, y)]).width(9.0);
+        for (n, (_, found)) in boxes.iter().enumerate() {
+            let y = rows - n as f64;
+            let bar = bar(found.low, found.high, y).color(palette::GREEN);
+            panel = panel.with(bar.named("all principal stretches within"));
+        }
+        for (n, limits) in self.loadings.iter().enumerate() {
+            let y = rows - (boxes.len() + n) as f64;
+            let ends = (limits.compression_end.stretch, limits.tension_end.stretch);
+            let all = Line::new(vec![(ends.0, y), (ends.1, y)]);
+            panel = panel.with(all.width(2.0).color(Color::hex(0xbbbbbb)));
+            for (from, to) in &limits.elliptic {
+                let bar = bar(*from, *to, y).color(palette::BLUE);
+                panel = panel.with(bar.named("imposed stretch of the loading"));
+            }
+        }
+        Figure::new(format!("Safe range: {}", heading(&self.material)))
+            .columns(1)
+            .caption("Bars: the law is strongly elliptic, every wave travels. Grey: it is not.")
+            .with(panel)
+    }
+
+    /// Writes `card.svg`, `card.png`, `card.json` and `card.html` into a folder; returns their paths.
+    ///
+    /// # Errors
+    /// [`CardError`] when one cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, CardError> {
+        let mut files = self.figure().write(folder, "card")?.to_vec();
+        for (name, text) in [
+            ("card.json", json::document(self)?),
+            ("card.html", self.html()),
+        ] {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(|source| CardError::Write {
+                path: path.clone(),
+                source,
+            })?;
+            files.push(path);
+        }
+        Ok(files)
+    }
+}
+
+impl Display for CardAnswer {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        writeln!(formatter, "{}", heading(&self.material))?;
+        let [low, high] = self.range;
+        writeln!(
+            formatter,
+            "Strongly elliptic, for stretches from {low} to {high}:\n"
+        )?;
+        if self.symmetric_box.is_none() {
+            writeln!(formatter, "The law is not elliptic in the reference.")?;
+        }
+        for (name, found) in self.boxes() {
+            writeln!(
+                formatter,
+                "{name:<30} {:.8} to {:.8}",
+                found.low, found.high
+            )?;
+            if let (Some(stretches), Some(wave)) = (found.critical_stretches, &found.witness) {
+                let [a, b, c] = stretches;
+                writeln!(
+                    formatter,
+                    "{:<30} ends at ({a:.6}, {b:.6}, {c:.6}), {}",
+                    "",
+                    witness(wave)
+                )?;
+            }
+        }
+        if !self.material.isotropic {
+            writeln!(
+                formatter,
+                "(The law is not isotropic: principal axes along the coordinates only.)"
+            )?;
+        }
+        writeln!(formatter)?;
+        for limits in &self.loadings {
+            writeln!(
+                formatter,
+                "{:<30} compression {:<14} tension {}",
+                limits.title,
+                Limits::cell(limits.compression, &limits.compression_end),
+                Limits::cell(limits.tension, &limits.tension_end)
+            )?;
+        }
+        writeln!(formatter, "\nFound by: {}.", self.method)
+    }
+}

@@ -1,0 +1,97 @@
+//! The card as one HTML file that needs nothing else, and that can be read on paper.
+
+use super::card::{CardAnswer, Limits};
+use super::sentence::{heading, witness};
+use onset::notions::Notion;
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
+h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}table{border-collapse:collapse;width:100%}\
+th,td{text-align:left;padding:.25rem .6rem .25rem 0;border-bottom:1px solid #ccc;vertical-align:top}\
+td.n{font-variant-numeric:tabular-nums}svg{max-width:100%;height:auto}small{color:#444}\
+@media print{body{margin:0;max-width:none}h2{break-after:avoid}tr,figure{break-inside:avoid}}";
+
+impl CardAnswer {
+    /// The card as a page.
+    pub fn html(&self) -> String {
+        let [low, high] = self.range;
+        let title = escaped(&heading(&self.material));
+        let mut page = format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+             <title>Safe range: {title}</title>\n<style>{STYLE}</style></head><body>\n\
+             <h1>Safe range of a law</h1>\n<p>{title}</p>\n\
+             <p>Within these ranges the law is strongly elliptic: <code>{}</code>. Every plane wave travels, and no band can form \
+             because of the law. Stretches from {low} to {high} were looked at.</p>\n",
+            escaped(Notion::StrongEllipticity.definition())
+        );
+        page.push_str("<h2>All principal stretches within a box</h2>\n");
+        if self.symmetric_box.is_none() {
+            page.push_str(
+                "<p>The law is not elliptic in the reference: there is no safe box.</p>\n",
+            );
+        }
+        page.push_str(
+            "<table><tr><th>box</th><th>from</th><th>to</th><th>what ends it</th></tr>\n",
+        );
+        for (name, found) in self.boxes() {
+            let end = match (found.critical_stretches, &found.witness) {
+                (Some([a, b, c]), Some(wave)) => {
+                    format!("stretches ({a:.4}, {b:.4}, {c:.4}), {}", witness(wave))
+                }
+                _ => "the range that was looked at".to_owned(),
+            };
+            page.push_str(&row(&[
+                escaped(name),
+                format!("{:.6}", found.low),
+                format!("{:.6}", found.high),
+                escaped(&end),
+            ]));
+        }
+        page.push_str("</table>\n");
+        if !self.material.isotropic {
+            page.push_str(
+                "<p><small>The law is not isotropic: the boxes hold for principal axes along the coordinates only.</small></p>\n",
+            );
+        }
+        page.push_str(
+            "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression</th><th>tension</th>\
+             <th>wave that stops</th></tr>\n",
+        );
+        for limits in &self.loadings {
+            let wave = limits.tension_witness.or(limits.compression_witness);
+            page.push_str(&row(&[
+                escaped(limits.title),
+                Limits::cell(limits.compression, &limits.compression_end),
+                Limits::cell(limits.tension, &limits.tension_end),
+                escaped(&wave.map(|wave| witness(&wave)).unwrap_or_default()),
+            ]));
+        }
+        page.push_str("</table>\n<figure>\n");
+        page.push_str(&embedded(&self.figure().to_svg()));
+        page.push_str(&format!(
+            "\n</figure>\n<p><small>Imposed stretches; in simple shear &gamma; = &lambda; &minus; 1/&lambda;. N is the direction of the wave in the \
+             reference, g its polarization. Found by: {}. onset {}.</small></p>\n</body></html>\n",
+            escaped(self.method),
+            env!("CARGO_PKG_VERSION")
+        ));
+        page
+    }
+}
+
+fn row(cells: &[String]) -> String {
+    let cell = |text: &String| format!("<td class=\"n\">{text}</td>");
+    format!("<tr>{}</tr>\n", cells.iter().map(cell).collect::<String>())
+}
+
+/// A picture as part of a page: without the declaration of a document of its own.
+fn embedded(svg: &str) -> String {
+    svg.find("<svg")
+        .map_or(svg, |start| &svg[start..])
+        .to_owned()
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}

@@ -1,0 +1,371 @@
+//! Notions of stability of a law side by side: along which loading is which one lost, and where do they disagree?
+
+mod card;
+mod figure;
+mod html;
+mod sentence;
+
+pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
+pub use onset::notions::{Mode, Range};
+
+use crate::settings::{MaterialSettings, Value};
+use onset::material::{Hyperelastic, MaterialError};
+use onset::notions::{
+    Change, Event, Knowledge, Lateral, Loading, LoadingError, LoadingPath, Notion, PathEnd,
+    PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
+};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Why a law cannot be asked.
+#[derive(Debug, Error)]
+pub enum NotionsError {
+    /// The law.
+    #[error("{0}")]
+    Material(#[from] MaterialError),
+    /// A loading of it.
+    #[error("{title}: {source}")]
+    Loading {
+        /// Which one.
+        title: &'static str,
+        /// What is wrong.
+        source: LoadingError,
+    },
+}
+
+/// A law as asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LawAnswer {
+    /// Its name.
+    pub model: String,
+    /// Its parameters, and what else it is made of.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// Whether it is isotropic, found out by turning the reference.
+    pub isotropic: bool,
+}
+
+/// What is known about polyconvexity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PolyconvexityAnswer {
+    /// What is known.
+    pub knowledge: Knowledge,
+    /// Why.
+    pub reason: String,
+    /// Where it is proved.
+    pub source: String,
+}
+
+/// A notion as asked.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Definition {
+    /// Its name.
+    pub notion: Notion,
+    /// What it demands.
+    pub definition: &'static str,
+    /// Where it is from.
+    pub source: &'static str,
+}
+
+/// The answer: every notion along every loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NotionsAnswer {
+    /// The law.
+    pub material: LawAnswer,
+    /// The smallest and the largest stretch looked at.
+    pub range: [f64; 2],
+    /// What is known about polyconvexity.
+    pub polyconvexity: PolyconvexityAnswer,
+    /// What the notions demand.
+    pub notions: Vec<Definition>,
+    /// The loadings.
+    pub loadings: Vec<LoadingAnswer>,
+    /// Where notions disagree, in words.
+    pub disagreements: Vec<String>,
+}
+
+/// Every notion along a loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoadingAnswer {
+    /// What is imposed.
+    pub mode: Mode,
+    /// What holds the other directions.
+    pub lateral: Lateral,
+    /// In a few words.
+    pub title: &'static str,
+    /// Where the path ends in compression, and why.
+    pub compression_end: EndAnswer,
+    /// Where the path ends in tension, and why.
+    pub tension_end: EndAnswer,
+    /// States with the same imposed stretch and other free stretches, where some were met.
+    pub other_states: Vec<OtherState>,
+    /// The notions.
+    pub notions: Vec<NotionAnswer>,
+}
+
+/// The end of a path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EndAnswer {
+    /// The last stretch.
+    pub stretch: f64,
+    /// Why the path leads no further; `null` at the end of the range.
+    pub reason: Option<String>,
+}
+
+/// A second state with free faces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OtherState {
+    /// The imposed stretch.
+    pub stretch: f64,
+    /// `F_iJ`.
+    pub deformation_gradient: [[f64; 3]; 3],
+}
+
+/// A notion along a loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NotionAnswer {
+    /// Which one.
+    pub notion: Notion,
+    /// Whether it is defined for this law.
+    pub defined: bool,
+    /// Whether it holds in the reference.
+    pub holds_in_reference: bool,
+    /// Below stretch 1.
+    pub compression: SideAnswer,
+    /// Above stretch 1.
+    pub tension: SideAnswer,
+}
+
+/// A notion on one side of the reference.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SideAnswer {
+    /// The stretch at which it is lost, counted from the reference; `null` when it is not.
+    pub limit: Option<f64>,
+    /// All changes, nearest to the reference first.
+    pub changes: Vec<ChangeAnswer>,
+}
+
+/// A change of a notion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangeAnswer {
+    /// Lost or regained.
+    pub change: Change,
+    /// The imposed stretch.
+    pub stretch: f64,
+    /// Half of the width of its bracket, relative.
+    pub tolerance: f64,
+    /// The perturbation that tells.
+    pub witness: Witness,
+    /// `F_iJ` there.
+    pub deformation_gradient: [[f64; 3]; 3],
+}
+
+/// A law with what is to be asked.
+pub struct Question {
+    law: LawAnswer,
+    material: Box<dyn Hyperelastic>,
+    range: Range,
+    loadings: Vec<Loading>,
+}
+
+impl Question {
+    /// A law over a range of stretches, in some modes; all of them when none is named.
+    ///
+    /// # Errors
+    /// [`NotionsError`] when a parameter is out of range.
+    pub fn new(
+        settings: &MaterialSettings,
+        range: Range,
+        modes: &[Mode],
+    ) -> Result<Self, NotionsError> {
+        let material = settings.build()?;
+        let parameters = settings.entries().into_iter();
+        let asked = |loading: &Loading| modes.is_empty() || modes.contains(&loading.mode);
+        Ok(Self {
+            law: LawAnswer {
+                model: settings.model.name().to_owned(),
+                parameters: parameters
+                    .map(|(name, value)| (name.to_owned(), document(value)))
+                    .collect(),
+                isotropic: is_isotropic(&*material),
+            },
+            material,
+            range,
+            loadings: Loading::ALL.into_iter().filter(asked).collect(),
+        })
+    }
+
+    /// Every notion along every loading.
+    ///
+    /// # Errors
+    /// [`NotionsError`] when the law has no state in the reference.
+    pub fn answer(&self) -> Result<NotionsAnswer, NotionsError> {
+        let loadings: Vec<LoadingAnswer> = self
+            .loadings
+            .par_iter()
+            .map(|loading| self.along(*loading, &Notion::ALL))
+            .collect::<Result<_, _>>()?;
+        let definition = |notion: Notion| Definition {
+            notion,
+            definition: notion.definition(),
+            source: notion.source(),
+        };
+        Ok(NotionsAnswer {
+            material: self.law.clone(),
+            range: [self.range.low(), self.range.high()],
+            polyconvexity: self.polyconvexity(&loadings),
+            notions: Notion::ALL.map(definition).to_vec(),
+            disagreements: sentence::disagreements(&loadings),
+            loadings,
+        })
+    }
+
+    fn polyconvexity(&self, loadings: &[LoadingAnswer]) -> PolyconvexityAnswer {
+        let parameters: Vec<(&str, f64)> = self
+            .law
+            .parameters
+            .iter()
+            .filter_map(|(name, value)| Some((name.as_str(), value.as_f64()?)))
+            .collect();
+        let known = polyconvexity(&self.law.model, &parameters);
+        let refuted = loadings
+            .iter()
+            .find_map(|loading| Some((loading.title, loading.refutes_polyconvexity()?)));
+        match (known.knowledge, refuted) {
+            (Knowledge::Unknown, Some((title, stretch))) => PolyconvexityAnswer {
+                knowledge: Knowledge::NotPolyconvex,
+                reason: format!("it is not rank-one convex: {title}, stretch {stretch:.6}"),
+                source: "computed".to_owned(),
+            },
+            _ => PolyconvexityAnswer {
+                knowledge: known.knowledge,
+                reason: known.reason.to_owned(),
+                source: known.source.to_owned(),
+            },
+        }
+    }
+
+    fn along(&self, loading: Loading, notions: &[Notion]) -> Result<LoadingAnswer, NotionsError> {
+        let path = LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range)
+            .map_err(|source| NotionsError::Loading {
+                title: loading.title(),
+                source,
+            })?;
+        let has_energy = has_energy(&*self.material);
+        let reach = (self.range.low(), self.range.high());
+        let tracks = |tension: bool| -> Vec<Option<Track>> {
+            let of = |notion: &Notion| match notion {
+                Notion::RankOneConvexity if !has_energy => None,
+                Notion::RankOneConvexity => follow(&path, Notion::StrongEllipticity, tension)
+                    .map(|elliptic| follow_jumps(&path, &elliptic, reach, tension)),
+                other => follow(&path, *other, tension),
+            };
+            notions.iter().map(of).collect()
+        };
+        let (compression, tension) = (tracks(false), tracks(true));
+        let notions = notions
+            .iter()
+            .zip(compression.iter().zip(&tension))
+            .map(|(notion, (compression, tension))| NotionAnswer {
+                notion: *notion,
+                defined: tension.is_some(),
+                holds_in_reference: tension.as_ref().is_some_and(|track| track.holds_at_start),
+                compression: side(&path, compression.as_ref()),
+                tension: side(&path, tension.as_ref()),
+            })
+            .collect();
+        let limits = [self.range.low(), self.range.high()];
+        Ok(LoadingAnswer {
+            mode: loading.mode,
+            lateral: loading.lateral,
+            title: loading.title(),
+            compression_end: EndAnswer::of(&path.compression_end, limits[0]),
+            tension_end: EndAnswer::of(&path.tension_end, limits[1]),
+            other_states: other_states(&path),
+            notions,
+        })
+    }
+}
+
+impl LoadingAnswer {
+    /// A stretch at which the law is not rank-one convex.
+    fn refutes_polyconvexity(&self) -> Option<f64> {
+        let lost = |notion: Notion| {
+            let found = self.notions.iter().find(|answer| answer.notion == notion)?;
+            found.tension.limit.or(found.compression.limit)
+        };
+        lost(Notion::StrongEllipticity).or_else(|| lost(Notion::RankOneConvexity))
+    }
+}
+
+impl EndAnswer {
+    fn of(end: &PathEnd, limit: f64) -> Self {
+        match end {
+            PathEnd::Range => Self {
+                stretch: limit,
+                reason: None,
+            },
+            PathEnd::Law { stretch, source } => Self {
+                stretch: *stretch,
+                reason: Some(format!("the law ends there: {source}")),
+            },
+            PathEnd::NoState { stretch } => Self {
+                stretch: *stretch,
+                reason: Some(
+                    "the states with traction-free faces that begin in the reference do not go on there".to_owned(),
+                ),
+            },
+        }
+    }
+}
+
+/// A setting as it is written in JSON.
+fn document(value: Value) -> serde_json::Value {
+    match value {
+        Value::Number(number) => number.into(),
+        Value::Word(word) => word.into(),
+        other => other.to_string().into(),
+    }
+}
+
+/// Parts of the way to the ends at which second states are looked for.
+const OTHERS: [f64; 3] = [0.25, 0.5, 1.0];
+
+fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
+    let last = |states: &[PathState]| states.last().map_or(0.0, |state| state.parameter);
+    let ends = [last(&path.compression), last(&path.tension)];
+    let places = ends
+        .into_iter()
+        .flat_map(|end| OTHERS.map(|part| part * end));
+    places
+        .flat_map(|s| path.other_states(s).into_iter().map(move |f| (s, f)))
+        .map(|(s, f)| OtherState {
+            stretch: s.exp(),
+            deformation_gradient: *f.components(),
+        })
+        .collect()
+}
+
+fn side(path: &LoadingPath<'_>, track: Option<&Track>) -> SideAnswer {
+    let Some(track) = track else {
+        return SideAnswer::default();
+    };
+    let change = |event: &Event| {
+        let s = event.stretch.ln();
+        let state = path.at(s).or_else(|| path.at(s * (1.0 - 1e-12)));
+        ChangeAnswer {
+            change: event.change,
+            stretch: event.stretch,
+            tolerance: event.tolerance,
+            witness: event.witness,
+            deformation_gradient: state.map_or([[f64::NAN; 3]; 3], |state| {
+                *state.response.deformation.components()
+            }),
+        }
+    };
+    SideAnswer {
+        limit: track.limit(),
+        changes: track.events.iter().map(change).collect(),
+    }
+}

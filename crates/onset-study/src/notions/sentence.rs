@@ -1,0 +1,284 @@
+//! Notions in words: a table for people, and where notions disagree.
+
+use super::{LoadingAnswer, NotionAnswer, NotionsAnswer, SideAnswer};
+use onset::notions::{Change, Knowledge, Notion, Witness};
+use std::fmt::{Display, Formatter, Result};
+
+/// Limits closer than this, relative, count as the same.
+const SAME: f64 = 1e-6;
+
+impl Display for NotionsAnswer {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
+        writeln!(formatter, "{}", heading(&self.material))?;
+        let [low, high] = self.range;
+        writeln!(formatter, "Stretches from {low} to {high}.")?;
+        writeln!(formatter, "{}", polyconvexity(&self.polyconvexity))?;
+        for loading in &self.loadings {
+            writeln!(formatter, "\n{}", loading.title)?;
+            writeln!(
+                formatter,
+                "  {:<20} {:>16} {:>16}   at the loss",
+                "", "compression", "tension"
+            )?;
+            for answer in &loading.notions {
+                writeln!(
+                    formatter,
+                    "  {:<20} {:>16} {:>16}   {}",
+                    answer.notion.name(),
+                    cell(answer, &answer.compression),
+                    cell(answer, &answer.tension),
+                    witnesses(answer)
+                )?;
+            }
+            for (name, end) in [
+                ("compression", &loading.compression_end),
+                ("tension", &loading.tension_end),
+            ] {
+                if let Some(reason) = &end.reason {
+                    writeln!(
+                        formatter,
+                        "  {name} ends at stretch {:.9}: {reason}",
+                        end.stretch
+                    )?;
+                }
+            }
+            if let Some(other) = loading.other_states.first() {
+                let f = &other.deformation_gradient;
+                writeln!(
+                    formatter,
+                    "  not the only state: at stretch {:.6} the faces are also free of traction with F = diag({:.6}, {:.6}, {:.6})",
+                    other.stretch, f[0][0], f[1][1], f[2][2]
+                )?;
+            }
+        }
+        if !self.disagreements.is_empty() {
+            writeln!(formatter, "\nWhere notions disagree")?;
+        }
+        for sentence in &self.disagreements {
+            writeln!(formatter, "- {sentence}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The law in a line.
+pub(super) fn heading(law: &super::LawAnswer) -> String {
+    let parameters: Vec<String> = law
+        .parameters
+        .iter()
+        .map(|(name, value)| match value.as_f64() {
+            Some(number) => format!("{name} = {number}"),
+            None => format!("{name} = {value}"),
+        })
+        .collect();
+    let symmetry = match law.isotropic {
+        true => "isotropic",
+        false => "not isotropic",
+    };
+    format!("{} ({}), {symmetry}.", law.model, parameters.join(", "))
+}
+
+/// What is known about polyconvexity, in a line.
+pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
+    let word = match known.knowledge {
+        Knowledge::Polyconvex => "yes",
+        Knowledge::NotPolyconvex => "no",
+        Knowledge::Unknown => "unknown",
+    };
+    match known.source.is_empty() {
+        true => format!("Polyconvex: {word} ({}).", known.reason),
+        false => format!("Polyconvex: {word} ({}; {}).", known.reason, known.source),
+    }
+}
+
+fn cell(answer: &NotionAnswer, side: &SideAnswer) -> String {
+    match side.limit {
+        _ if !answer.defined => "not defined".to_owned(),
+        None => "never".to_owned(),
+        Some(_) if !answer.holds_in_reference => "in the reference".to_owned(),
+        Some(1.0) => "at once".to_owned(),
+        Some(limit) => {
+            let again = side
+                .changes
+                .iter()
+                .any(|change| change.change == Change::Regained);
+            format!("{limit:.10}{}", if again { "*" } else { "" })
+        }
+    }
+}
+
+/// The perturbation at the loss in tension, or else in compression.
+fn witnesses(answer: &NotionAnswer) -> String {
+    let first = |side: &SideAnswer| side.changes.first().map(|change| witness(&change.witness));
+    let mut text = first(&answer.tension)
+        .or_else(|| first(&answer.compression))
+        .unwrap_or_default();
+    for (name, side) in [
+        ("compression", &answer.compression),
+        ("tension", &answer.tension),
+    ] {
+        for change in &side.changes {
+            if change.change == Change::Regained {
+                text.push_str(&format!("; *again in {name} at {:.10}", change.stretch));
+            }
+        }
+    }
+    text
+}
+
+/// A perturbation in a few words.
+pub(super) fn witness(witness: &Witness) -> String {
+    match witness {
+        Witness::Wave {
+            direction,
+            polarization,
+        } => format!("N = {}, g = {}", vector(direction), vector(polarization)),
+        Witness::DeformationRate { rate } => format!("Fdot = {}", matrix(rate)),
+        Witness::StrainRate { rate } => format!("D = {}", matrix(rate)),
+        Witness::Jump {
+            amplitude,
+            direction,
+            at_edge,
+        } => {
+            let edge = if *at_edge {
+                " (to the edge of the range)"
+            } else {
+                ""
+            };
+            format!("a = {}, N = {}{edge}", vector(amplitude), vector(direction))
+        }
+    }
+}
+
+fn vector(components: &[f64; 3]) -> String {
+    format!("({})", components.map(|x| number(x, 4)).join(", "))
+}
+
+fn matrix(rows: &[[f64; 3]; 3]) -> String {
+    format!(
+        "[{}]",
+        rows.map(|row| row.map(|x| number(x, 2)).join(" "))
+            .join("; ")
+    )
+}
+
+fn number(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
+    match text.trim_start_matches(['-', '0', '.']).is_empty() {
+        true => "0".to_owned(),
+        false => text,
+    }
+}
+
+/// Where the notions disagree with strong ellipticity: a sentence or two for each notion.
+pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for notion in Notion::ALL {
+        let (mut sooner, mut later) = (Vec::new(), Vec::new());
+        for loading in loadings {
+            for tension in [true, false] {
+                match comparison(loading, notion, tension) {
+                    Some(Comparison::Sooner(text)) => sooner.push(text),
+                    Some(Comparison::Later(text)) => later.push(text),
+                    None => {}
+                }
+            }
+        }
+        let title = capitalized(notion.title());
+        if !sooner.is_empty() {
+            let list = sooner.join("; ");
+            sentences.push(match notion {
+                Notion::LoadMaximum => {
+                    format!("The load falls although waves still travel: {list}.")
+                }
+                Notion::RankOneConvexity => {
+                    format!("Finite jumps gain energy although waves still travel: {list}.")
+                }
+                _ => format!("{title} calls unstable, although waves still travel: {list}."),
+            });
+        }
+        // What follows from strong ellipticity holds on of necessity.
+        let implied = matches!(notion, Notion::BakerEricksen | Notion::RankOneConvexity);
+        if !later.is_empty() && !implied {
+            let list = later.join("; ");
+            sentences.push(match notion {
+                Notion::PlaneEllipticity => {
+                    format!("Waves out of the plane stop before those within it: {list}.")
+                }
+                Notion::LoadMaximum => {
+                    format!("The load still rises where waves have stopped: {list}.")
+                }
+                _ => format!("{title} does not see that waves stop: {list}."),
+            });
+        }
+    }
+    let hill = |loading: &&LoadingAnswer| {
+        let found = loading
+            .notions
+            .iter()
+            .find(|answer| answer.notion == Notion::Hill);
+        found.is_some_and(|hill| hill.compression.limit == Some(1.0))
+    };
+    if loadings.iter().any(|loading| hill(&loading)) {
+        sentences.push(
+            "Hill's condition for dead loads is lost with the first compression: a body under dead pressure gains energy by a \
+             rotation, whatever its law. With rotations held it is the line `pure-strain` that counts."
+                .to_owned(),
+        );
+    }
+    sentences
+}
+
+/// How a notion compares with strong ellipticity in a loading, in words.
+enum Comparison {
+    Sooner(String),
+    Later(String),
+}
+
+fn comparison(loading: &LoadingAnswer, notion: Notion, tension: bool) -> Option<Comparison> {
+    let limit = |notion: Notion| -> Option<Option<f64>> {
+        let found = loading
+            .notions
+            .iter()
+            .find(|answer| answer.notion == notion && answer.defined)?;
+        Some(match tension {
+            true => found.tension.limit,
+            false => found.compression.limit,
+        })
+    };
+    let (own, waves) = (limit(notion)?, limit(Notion::StrongEllipticity)?);
+    let distance = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| limit.ln().abs());
+    let (near, far) = (distance(own), distance(waves));
+    let what = format!(
+        "{}, {}",
+        loading.title,
+        if tension { "tension" } else { "compression" }
+    );
+    let until = |limit: Option<f64>| {
+        limit.map_or("throughout".to_owned(), |limit| format!("to {limit:.6}"))
+    };
+    match own {
+        Some(1.0) if notion == Notion::Hill => None,
+        Some(own) if near < far * (1.0 - SAME) => Some(Comparison::Sooner(format!(
+            "{what} from {own:.6} (waves {})",
+            until(waves)
+        ))),
+        _ => {
+            let waves = waves.filter(|_| near > far * (1.0 + SAME))?;
+            Some(Comparison::Later(format!(
+                "{what} from {waves:.6} ({})",
+                match own {
+                    Some(own) => format!("lost at {own:.6}"),
+                    None => "never lost".to_owned(),
+                }
+            )))
+        }
+    }
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}

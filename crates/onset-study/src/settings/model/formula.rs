@@ -1,0 +1,68 @@
+//! `model = "formula"`: an energy of one's own, written out.
+
+use super::super::error::SettingError;
+use super::super::key::key;
+use super::super::{Kind, MaterialSettings, Origin, Value};
+use super::OwnModel;
+use onset::formula::{Formula, FormulaError, FormulaLaw, Problem};
+use onset::material::{Hyperelastic, MaterialError};
+
+pub(super) const MODEL: OwnModel = OwnModel {
+    name: "formula",
+    formula: "W = the text of material.energy; every other material.<name> is a parameter",
+    source: "your own; `onset list formula` prints the language",
+    keys: &[key(
+        "material.energy",
+        Kind::Text,
+        "the energy per reference volume, as a formula",
+    )],
+    required: &["energy"],
+    takes_any_parameter: true,
+    check,
+    build,
+};
+
+/// Reads the formula. Whether every parameter has a value is told when the law is made: an axis may give it.
+fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
+    let (text, origin) = settings.require("energy")?;
+    let Err(error) = law(text, &settings.values()) else {
+        return Ok(());
+    };
+    let origin = match &error.problem {
+        Problem::UnknownName { .. } | Problem::NoFiberAngle { .. } => return Ok(()),
+        Problem::UnusedParameter { name, .. }
+        | Problem::NotAParameter { name, .. }
+        | Problem::ParameterNotFinite { name, .. } => settings.require(name)?.1,
+        _ => origin,
+    };
+    Err(told(&error, origin))
+}
+
+fn law(text: &Value, values: &[(&str, f64)]) -> Result<FormulaLaw, FormulaError> {
+    match text {
+        Value::Word(text) => Formula::parse(text)?.with(values),
+        other => Formula::parse(&other.to_string())?.with(values),
+    }
+}
+
+/// The error with the place of the setting before the place within the formula.
+fn told(error: &FormulaError, origin: &Origin) -> SettingError {
+    let message = match &error.place {
+        Some(place) => format!("energy, {place}: {}\n{}", error.problem, place.marked()),
+        None => error.problem.to_string(),
+    };
+    let told = SettingError::new(origin.clone(), message);
+    match error.problem.hint() {
+        Some(hint) => told.hint(hint),
+        None => told,
+    }
+}
+
+fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    let external = |message: String| MaterialError::External { message };
+    let (text, _) = settings
+        .require("energy")
+        .map_err(|error| external(error.to_string()))?;
+    let law = law(text, &settings.values()).map_err(|error| external(error.to_string()))?;
+    Ok(Box::new(law))
+}

@@ -1,0 +1,129 @@
+//! What is said between our process and the UMAT's: binary frames of known size, numbers in the machine's own order.
+//!
+//! 1. We send the setup: numbers of properties and state variables, and the properties.
+//! 2. The host answers with a greeting: ready, or why not.
+//! 3. We send batches of paths of deformation gradients; the host answers with an outcome a path, in order, as each is done.
+
+use std::io::{self, Read};
+
+/// What opens a greeting.
+pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU01");
+
+/// How loading went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loaded {
+    Ready,
+    Failed,
+    NoRoutine,
+}
+
+impl Loaded {
+    pub const fn code(self) -> u64 {
+        self as u64
+    }
+
+    pub fn of_code(code: u64) -> Option<Self> {
+        [Self::Ready, Self::Failed, Self::NoRoutine]
+            .into_iter()
+            .find(|loaded| loaded.code() == code)
+    }
+}
+
+/// How a path went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passed {
+    Done,
+    SmallerIncrement,
+    Overrun,
+    NoIncrement,
+}
+
+impl Passed {
+    pub const fn code(self) -> u64 {
+        self as u64
+    }
+
+    pub fn of_code(code: u64) -> Option<Self> {
+        [
+            Self::Done,
+            Self::SmallerIncrement,
+            Self::Overrun,
+            Self::NoIncrement,
+        ]
+        .into_iter()
+        .find(|passed| passed.code() == code)
+    }
+}
+
+/// An outcome: how it went, in which increment it ended, and the numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reply {
+    pub passed: Passed,
+    pub increment: u32,
+    /// `STRESS`, `DDSDDE` by columns, `SSE`, `SPD`, `SCD`, `PNEWDT`, `STATEV`.
+    pub numbers: Vec<f64>,
+}
+
+/// Numbers of a reply before the state variables.
+pub const FIXED: usize = 6 + 36 + 4;
+
+impl Reply {
+    pub fn write(&self, frame: &mut Vec<u8>) {
+        put(frame, self.passed.code());
+        put(frame, u64::from(self.increment));
+        put_numbers(frame, &self.numbers);
+    }
+
+    pub fn read(from: &mut impl Read, variables: usize) -> io::Result<Self> {
+        let mut bytes = vec![0; 8 * (2 + FIXED + variables)];
+        from.read_exact(&mut bytes)?;
+        let mut words = words(&bytes);
+        let mut next = || words.next().unwrap_or_default();
+        let passed = Passed::of_code(next()).ok_or_else(nonsense)?;
+        let increment = u32::try_from(next()).map_err(|_| nonsense())?;
+        Ok(Self {
+            passed,
+            increment,
+            numbers: words.map(f64::from_bits).collect(),
+        })
+    }
+}
+
+pub fn put(frame: &mut Vec<u8>, word: u64) {
+    frame.extend_from_slice(&word.to_ne_bytes());
+}
+
+pub fn put_numbers(frame: &mut Vec<u8>, numbers: &[f64]) {
+    for number in numbers {
+        put(frame, number.to_bits());
+    }
+}
+
+pub fn take(from: &mut impl Read) -> io::Result<u64> {
+    let mut bytes = [0; 8];
+    from.read_exact(&mut bytes)?;
+    Ok(u64::from_ne_bytes(bytes))
+}
+
+pub fn take_size(from: &mut impl Read) -> io::Result<usize> {
+    usize::try_from(take(from)?).map_err(|_| nonsense())
+}
+
+pub fn take_numbers(from: &mut impl Read, count: usize) -> io::Result<Vec<f64>> {
+    let mut bytes = vec![0; 8 * count];
+    from.read_exact(&mut bytes)?;
+    Ok(words(&bytes).map(f64::from_bits).collect())
+}
+
+/// Something else than a frame.
+pub fn nonsense() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "no frame")
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = u64> + '_ {
+    bytes.chunks_exact(8).map(|chunk| {
+        let mut word = [0; 8];
+        word.copy_from_slice(chunk);
+        u64::from_ne_bytes(word)
+    })
+}

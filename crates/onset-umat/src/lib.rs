@@ -1,0 +1,39 @@
+//! User materials with Abaqus's interface, `SUBROUTINE UMAT`, as materials of `onset`.
+//!
+//! A [`Umat`] is a shared library, its properties and its number of state variables. It implements
+//! [`Hyperelastic`](onset::material::Hyperelastic): a state `F` is reached from the identity in proportional increments
+//! ([`proportional_path`]), the Cauchy stress becomes `P`, and `DDSDDE` becomes `dP/dF` ([`Delivered::response`]).
+//!
+//! The routine runs in a process of its own, so that a crash, `STOP` or an endless loop in it is an error message and not our
+//! end. That process is the running program itself, when its `main` begins with [`serve_if_asked`].
+//!
+//! Conventions are those of Abaqus/Standard in three dimensions: components in the order 11, 22, 33, 12, 13, 23, engineering
+//! shear strains, `DDSDDE` the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation, stress and strain rotated
+//! by `DROT` before the call.
+
+mod conversion;
+mod error;
+mod frame;
+mod increment;
+mod program;
+mod voigt;
+
+#[cfg(unix)]
+mod host;
+#[cfg(unix)]
+mod process;
+#[cfg(unix)]
+mod routine;
+
+mod umat;
+
+pub use conversion::{Delivered, jaumann_kirchhoff, tangent_from_jaumann_kirchhoff};
+pub use error::UmatError;
+pub use increment::{Increment, proportional_path};
+pub use program::{HOST_VARIABLE, serve_if_asked};
+pub use umat::{Outcome, Umat, UmatSettings};
+pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
+
+/// Fortran source of the routines that Abaqus offers to user subroutines (`SINV`, `SPRINC`, `SPRIND`, `ROTSIG`, `XIT`, ...),
+/// written for `onset`: to be compiled together with a UMAT that calls them.
+pub const UTILITIES: &str = include_str!("../fortran/abaqus_utilities.f90");

@@ -1,0 +1,231 @@
+//! What can go wrong in a user's code is an error that says so, and leaves nothing behind.
+
+use crate::{blatz_ko, general, library, settings};
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, MaterialError};
+use onset_umat::{Outcome, Umat, UmatError, UmatSettings};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const HOSTILE: [&str; 1] = ["tests/fortran/hostile.f90"];
+
+/// The UMAT with a flaw; 0 has none.
+fn hostile(flaw: u32) -> Umat {
+    Umat::new(flawed(flaw)).expect("a UMAT")
+}
+
+fn flawed(flaw: u32) -> UmatSettings {
+    settings(&HOSTILE, &[10.0, 4.0, f64::from(flaw)])
+}
+
+fn asked(umat: &Umat) -> Result<Outcome, UmatError> {
+    umat.along(umat.path(&general()).expect("a path"))
+}
+
+#[track_caller]
+fn ended(umat: &Umat) -> (String, String) {
+    match asked(umat) {
+        Err(UmatError::Ended { how, output, state }) => {
+            assert_eq!(state.as_deref(), Some(&general().matrix()));
+            (how, output)
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_crash_is_told_with_signal_and_state_and_the_material_can_be_asked_again() {
+    let umat = hostile(1);
+    for _ in 0..2 {
+        let (how, _) = ended(&umat);
+        assert!(how.contains("signal 11"), "{how}");
+    }
+    let message = umat.response(&general()).expect_err("a crash").to_string();
+    assert!(
+        message.contains("at F = [1.2, 0.3, -0.1; -0.2,"),
+        "{message}"
+    );
+}
+
+#[test]
+fn an_endless_loop_ends_at_the_limit() {
+    let limit = Duration::from_millis(300);
+    let umat = Umat::new(UmatSettings {
+        time_limit: limit,
+        ..flawed(2)
+    })
+    .expect("a UMAT");
+    match asked(&umat) {
+        Err(UmatError::Silent { seconds, state, .. }) => {
+            assert_eq!(seconds, limit.as_secs_f64());
+            assert_eq!(state.as_deref(), Some(&general().matrix()));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn stop_is_told_with_what_it_printed() {
+    let (how, _) = ended(&hostile(5));
+    assert!(how.contains("exit code 0"), "{how}");
+    let (how, output) = ended(&hostile(6));
+    assert!(how.contains("exit code 1"), "{how}");
+    assert!(output.contains("negative stretch"), "{output}");
+}
+
+#[test]
+fn a_result_that_is_no_number_is_told_with_its_place() {
+    match asked(&hostile(3)) {
+        Err(UmatError::NotFinite { what, .. }) => assert!(what.contains("STRESS(2)"), "{what}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn reading_a_property_that_is_not_given_is_noticed() {
+    match asked(&hostile(10)) {
+        Err(UmatError::NotFinite { properties, .. }) => assert_eq!(properties, 3),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn writing_behind_the_state_variables_is_noticed() {
+    let overrun = |result| matches!(result, Err(UmatError::Overrun { variables: 0, .. }));
+    assert!(overrun(asked(&hostile(7))));
+    let wide_enough = Umat::new(UmatSettings {
+        state_variables: 1,
+        ..flawed(0)
+    });
+    assert!(asked(&wide_enough.expect("a UMAT")).is_ok());
+}
+
+#[test]
+fn a_wish_for_smaller_increments_is_told() {
+    match asked(&hostile(8)) {
+        Err(UmatError::SmallerIncrement {
+            factor, increment, ..
+        }) => assert_eq!((factor, increment), (0.25, 1)),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_a_umat_prints_or_writes_to_unnamed_files_disturbs_nobody() {
+    for flaw in [4, 13] {
+        let umat = hostile(flaw);
+        let quiet = hostile(0);
+        for _ in 0..3 {
+            assert_eq!(asked(&umat), asked(&quiet));
+        }
+    }
+    assert!(!Path::new("fort.7").exists());
+}
+
+#[test]
+fn after_a_failure_in_a_batch_the_other_states_are_answered() {
+    let umat = hostile(11);
+    let paths: Vec<_> = [0.1, 0.7, 0.2, 0.8, 0.3]
+        .into_iter()
+        .map(|strain: f64| {
+            let f = DeformationGradient::from_stretches([strain.exp(), 1.0, 1.0]);
+            umat.path(&f.expect("admissible")).expect("a path")
+        })
+        .collect();
+    let answered: Vec<bool> = umat.along_all(&paths).iter().map(Result::is_ok).collect();
+    assert_eq!(answered, [true, false, true, false, true]);
+}
+
+#[test]
+fn libraries_that_are_none_are_refused_with_the_reason() {
+    let refusal = |settings: UmatSettings| Umat::new(settings).err().expect("a refusal");
+    let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let at = |library: PathBuf| UmatSettings {
+        library,
+        ..flawed(0)
+    };
+
+    let error = refusal(at(file("nowhere.so")));
+    assert!(matches!(error, UmatError::NoLibrary { .. }), "{error}");
+
+    let text = file("text.so");
+    std::fs::write(&text, "subroutine umat\nend\n".repeat(100)).expect("a file");
+    let error = refusal(at(text));
+    assert!(matches!(error, UmatError::Load { .. }), "{error}");
+    assert!(error.to_string().contains("gfortran -shared"), "{error}");
+
+    // The same library, said to be for a machine that is none.
+    let mut bytes = std::fs::read(library(&HOSTILE)).expect("the library");
+    bytes[18..20].copy_from_slice(&[0xf7, 0x00]);
+    let foreign = file("foreign.so");
+    std::fs::write(&foreign, bytes).expect("a file");
+    let error = refusal(at(foreign));
+    assert!(matches!(error, UmatError::Load { .. }), "{error}");
+    if cfg!(target_os = "linux") {
+        assert!(error.to_string().contains("architecture"), "{error}");
+    }
+
+    let error = refusal(at(library(&["fortran/abaqus_utilities.f90"])));
+    assert!(matches!(error, UmatError::NoRoutine { .. }), "{error}");
+
+    let error = refusal(UmatSettings {
+        increments: 0,
+        ..flawed(0)
+    });
+    assert_eq!(error, UmatError::Increments { increments: 0 });
+}
+
+#[test]
+fn a_program_that_is_not_onset_is_no_host() {
+    for host in ["/bin/cat", "/bin/true", "/nowhere"] {
+        let error = Umat::new(UmatSettings {
+            host: Some(host.into()),
+            time_limit: Duration::from_millis(500),
+            ..flawed(0)
+        })
+        .err()
+        .expect("an error");
+        assert!(
+            !matches!(error, UmatError::Load { .. } | UmatError::NoRoutine { .. }),
+            "{error}"
+        );
+    }
+}
+
+/// Processes that run a library, by the name that is on their command line.
+#[cfg(target_os = "linux")]
+fn processes(library: &Path) -> usize {
+    use std::os::unix::ffi::OsStrExt;
+    let name = library.as_os_str().as_bytes();
+    std::fs::read_dir("/proc")
+        .expect("processes")
+        .filter_map(|entry| std::fs::read(entry.ok()?.path().join("cmdline")).ok())
+        .filter(|line| line.split(|byte| *byte == 0).any(|word| word == name))
+        .count()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn no_process_stays_behind() {
+    let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("no-process-stays.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    for flaw in [0, 1, 2, 3, 5, 7] {
+        let umat = Umat::new(UmatSettings {
+            library: own.clone(),
+            time_limit: Duration::from_millis(300),
+            ..flawed(flaw)
+        })
+        .expect("a UMAT");
+        assert_eq!(processes(&own), 1, "flaw {flaw}");
+        assert_eq!(asked(&umat).is_ok(), flaw == 0);
+        drop(umat);
+        assert_eq!(processes(&own), 0, "flaw {flaw}");
+    }
+}
+
+#[test]
+fn errors_of_the_users_code_are_errors_of_the_material() {
+    let error = hostile(3).response(&general());
+    assert!(matches!(error, Err(MaterialError::External { .. })));
+    assert!(blatz_ko().response(&general()).is_ok());
+}

@@ -1,0 +1,229 @@
+//! Stiffnesses without major symmetry, whose acoustic tensors can have complex eigenvalues.
+//!
+//! All eigenvalues of a real matrix `M` of three rows have positive real parts if and only if (Routh and Hurwitz) its trace,
+//! its determinant, and `tr M m - det M` are positive, where `m` is the sum of the principal minors of two rows. The
+//! determinant alone is no test: two eigenvalues can change sign together. For `M = Q(N) - level |N|^2` the three are
+//! homogeneous polynomials in the weights of `N = alpha a + beta b + gamma c`; in a cone in which all their coefficients are
+//! positive, every real part exceeds the level.
+
+use super::cover::{Cover, Triangle, cover, octants};
+use super::form::Form;
+use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
+use crate::algebra::{Complex, eigenvalues};
+use nalgebra::{Matrix3, SMatrix};
+
+/// Directions to go down from.
+const STARTS: usize = 4;
+/// Triangles per cover at most.
+const BUDGET: usize = 6_000;
+/// Covers that may find something lower.
+const COVERS: usize = 8;
+/// How far below the value found a bound is looked for, the next one where the last cannot be shown.
+const RESOLUTIONS: [f64; 3] = [1e-8, 1e-4, 1e-2];
+
+type Blocks3 = [[Matrix3<f64>; 3]; 3];
+
+pub(super) fn minimum<const D: usize>(
+    blocks: &Blocks<D>,
+    symmetric_part: &Form<f64>,
+    ceiling: f64,
+) -> Minimum {
+    let blocks: Blocks3 = std::array::from_fn(|j| {
+        std::array::from_fn(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)]))
+    });
+    let acoustic = |n: &Axes<f64>| combined(&blocks, n, n);
+    let real_part =
+        |n: &Axes<f64>| eigenvalues(&acoustic(n).map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
+    let mut starts: Vec<(f64, Axes<f64>)> = spread(false)
+        .map(unit)
+        .map(|n| (real_part(&n), n))
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = starts[0];
+    for start in starts.into_iter().take(STARTS) {
+        let end = descended(start, &real_part);
+        if end.0 < best.0 {
+            best = end;
+        }
+    }
+    // The real parts are not below the eigenvalues of the symmetric part (Bendixson).
+    let mut bound = symmetric_minimum(symmetric_part, f64::INFINITY).1;
+    'resolutions: for resolution in RESOLUTIONS {
+        for _ in 0..COVERS {
+            let level = ceiling.min(best.0 - resolution);
+            if bound >= level || (ceiling.is_finite() && best.0 < ceiling) {
+                break 'resolutions;
+            }
+            match cover(octants(false), BUDGET, |triangle| {
+                exceeds(&blocks, level, triangle)
+            }) {
+                Cover::Above => bound = level,
+                Cover::Fails(direction) => {
+                    let n = unit(direction);
+                    let end = descended((real_part(&n), n), &real_part);
+                    if end.0 >= best.0 {
+                        break;
+                    }
+                    best = end;
+                }
+                Cover::Open(_) => break,
+            }
+        }
+    }
+    Minimum {
+        direction: best.1,
+        value: best.0,
+        eigenpair: None,
+        bound: bound.min(best.0),
+    }
+}
+
+/// `T_iJkL a_J b_L`, symmetric in `a` and `b` as the stiffness is in `J` and `L`.
+fn combined(blocks: &Blocks3, a: &Axes<f64>, b: &Axes<f64>) -> Matrix3<f64> {
+    let mut sum = Matrix3::zeros();
+    for j in 0..3 {
+        for l in 0..3 {
+            sum += blocks[j][l] * (a[j] * b[l]);
+        }
+    }
+    sum
+}
+
+fn unit(n: Axes<f64>) -> Axes<f64> {
+    let length = dot(&n, &n).sqrt();
+    n.map(|component| component / length)
+}
+
+/// Coordinate search on the sphere with a shrinking step.
+fn descended(
+    (mut value, mut direction): (f64, Axes<f64>),
+    real_part: &impl Fn(&Axes<f64>) -> f64,
+) -> (f64, Axes<f64>) {
+    let mut step = 0.1;
+    while step > 1e-9 {
+        let mut is_better = false;
+        for axis in 0..3 {
+            for sign in [step, -step] {
+                let mut trial = direction;
+                trial[axis] += sign;
+                let trial = unit(trial);
+                let trial_value = real_part(&trial);
+                if trial_value < value {
+                    (value, direction, is_better) = (trial_value, trial, true);
+                }
+            }
+        }
+        if !is_better {
+            step *= 0.5;
+        }
+    }
+    (value, direction)
+}
+
+/// Whether the real parts of all eigenvalues exceed a level in the directions of a triangle.
+fn exceeds(blocks: &Blocks3, level: f64, triangle: &Triangle) -> Cover {
+    let coefficient = |m: usize, n: usize| {
+        let (a, b) = (&triangle[m], &triangle[n]);
+        combined(blocks, a, b) - Matrix3::identity() * (level * dot(a, b))
+    };
+    let [aa, bb, cc] = [0, 1, 2].map(|m| coefficient(m, m));
+    let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].map(|(m, n)| coefficient(m, n) * 2.0);
+    let m = |i: usize, k: usize| {
+        let mut entry = Ternary::zero(2);
+        for (alpha, beta, block) in [
+            (2, 0, aa),
+            (0, 2, bb),
+            (0, 0, cc),
+            (1, 1, ab),
+            (0, 1, bc),
+            (1, 0, ca),
+        ] {
+            entry.coefficients[alpha][beta] = block[(i, k)];
+        }
+        entry
+    };
+    let m: [[Ternary; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|k| m(i, k)));
+    let minor = |i: usize, k: usize, j: usize, l: usize| {
+        m[i][j].times(&m[k][l]).minus(&m[i][l].times(&m[k][j]))
+    };
+    let trace = m[0][0].plus(&m[1][1]).plus(&m[2][2]);
+    let minors = minor(0, 1, 0, 1)
+        .plus(&minor(0, 2, 0, 2))
+        .plus(&minor(1, 2, 1, 2));
+    let determinant = m[0][0]
+        .times(&minor(1, 2, 1, 2))
+        .minus(&m[0][1].times(&minor(1, 2, 0, 2)))
+        .plus(&m[0][2].times(&minor(1, 2, 0, 1)));
+    let pairs = trace.times(&minors).minus(&determinant);
+    let conditions = [trace, determinant, pairs];
+    let corner = (0..3).find(|&corner| !conditions.iter().all(|p| p.at_corner(corner) > 0.0));
+    if let Some(corner) = corner {
+        Cover::Fails(triangle[corner])
+    } else if conditions.iter().all(Ternary::is_positive) {
+        Cover::Above
+    } else {
+        Cover::Open(())
+    }
+}
+
+/// A homogeneous polynomial of a degree up to six in three weights: the coefficients of `alpha^i beta^j gamma^(degree - i - j)`.
+#[derive(Clone, Copy)]
+struct Ternary {
+    degree: usize,
+    coefficients: [[f64; 7]; 7],
+}
+
+impl Ternary {
+    fn zero(degree: usize) -> Self {
+        Self {
+            degree,
+            coefficients: [[0.0; 7]; 7],
+        }
+    }
+
+    /// The powers of `alpha` and `beta`.
+    fn powers(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let degree = self.degree;
+        (0..=degree).flat_map(move |i| (0..=degree - i).map(move |j| (i, j)))
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let mut product = Self::zero(self.degree + other.degree);
+        for (i, j) in self.powers() {
+            for (k, l) in other.powers() {
+                product.coefficients[i + k][j + l] +=
+                    self.coefficients[i][j] * other.coefficients[k][l];
+            }
+        }
+        product
+    }
+
+    fn combined(&self, other: &Self, factor: f64) -> Self {
+        let mut sum = *self;
+        for (i, j) in self.powers() {
+            sum.coefficients[i][j] += factor * other.coefficients[i][j];
+        }
+        sum
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self.combined(other, 1.0)
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self.combined(other, -1.0)
+    }
+
+    fn at_corner(&self, corner: usize) -> f64 {
+        match corner {
+            0 => self.coefficients[self.degree][0],
+            1 => self.coefficients[0][self.degree],
+            _ => self.coefficients[0][0],
+        }
+    }
+
+    /// Whether all coefficients are positive.
+    fn is_positive(&self) -> bool {
+        self.powers().all(|(i, j)| self.coefficients[i][j] > 0.0)
+    }
+}

@@ -1,0 +1,114 @@
+//! Branch and bound over the sphere of directions, in triangles.
+//!
+//! A direction of the cone of `a`, `b`, `c` is `N = alpha a + beta b + gamma c` with nonnegative weights, and
+//! `Q(N) - level |N|^2 = sum alpha^2 M(a, a) + ... + sum 2 alpha beta M(a, b)` with `M(a, b) = Q(a, b) - level a.b`. Where these six
+//! matrices are positive definite, every eigenvalue in the cone exceeds the level. The difference of `M(a, b)` from the
+//! value in the middle is of second order in the size of the triangle.
+
+use super::form::Form;
+use super::{Axes, dot};
+use crate::algebra::{is_positive_definite, symmetric_eigen};
+use crate::real::Real;
+
+/// Divisions of an octant after which the directions are no longer exact in floating point.
+const DEPTH: usize = 24;
+
+/// The directions of a triangle's corners. They are on the octahedron, whose points are exact in floating point, and not
+/// of unit length.
+pub(crate) type Triangle = [Axes<f64>; 3];
+
+/// What is known of a level in the directions of a triangle, or of all.
+pub(crate) enum Cover<Rest = ()> {
+    /// All eigenvalues exceed the level.
+    Above,
+    /// In this direction they do not (as far as the numbers can tell).
+    Fails(Axes<f64>),
+    /// Neither is known: of the sphere, the triangles that are left when the budget is exhausted.
+    Open(Rest),
+}
+
+/// The faces of the octahedron that hold all directions up to sign: one where the coordinate planes are mirrors, else four.
+pub(crate) fn octants(is_orthotropic: bool) -> Vec<Triangle> {
+    let signs: &[[f64; 2]] = if is_orthotropic {
+        &[[1.0, 1.0]]
+    } else {
+        &[[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]
+    };
+    let face = |[x, y]: &[f64; 2]| [[*x, 0.0, 0.0], [0.0, *y, 0.0], [0.0, 0.0, 1.0]];
+    signs.iter().map(face).collect()
+}
+
+/// The four triangles between the corners and the middles of the edges.
+pub(crate) fn divided([a, b, c]: &Triangle) -> [Triangle; 4] {
+    let middle = |p: &Axes<f64>, q: &Axes<f64>| std::array::from_fn(|i| 0.5 * (p[i] + q[i]));
+    let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+    [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
+}
+
+/// Whether a level is exceeded in all directions of the triangles, which are divided as often as a test of one of them needs
+/// it, all of one size at a time.
+pub(crate) fn cover(
+    mut triangles: Vec<Triangle>,
+    budget: usize,
+    test: impl Fn(&Triangle) -> Cover,
+) -> Cover<Vec<Triangle>> {
+    let mut examined = triangles.len();
+    for depth in 0.. {
+        let mut open = Vec::new();
+        for triangle in triangles {
+            match test(&triangle) {
+                Cover::Above => {}
+                Cover::Open(()) => open.push(triangle),
+                Cover::Fails(direction) => return Cover::Fails(direction),
+            }
+        }
+        examined += 4 * open.len();
+        if open.is_empty() {
+            break;
+        }
+        if depth == DEPTH || examined > budget {
+            return Cover::Open(open);
+        }
+        triangles = open.iter().flat_map(divided).collect();
+    }
+    Cover::Above
+}
+
+/// Whether the smallest eigenvalue exceeds a level in the directions of a triangle.
+pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) -> Cover {
+    let corners = triangle.map(|corner| corner.map(R::constant));
+    let is_above = |m: usize, n: usize| {
+        let (a, b) = (&corners[m], &corners[n]);
+        let mut matrix = form.acoustic(a, b);
+        let shift = dot(a, b) * level;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[i] = row[i] - shift;
+        }
+        is_positive_definite(&matrix)
+    };
+    if let Some(corner) = (0..3).find(|&m| !is_above(m, m)) {
+        Cover::Fails(triangle[corner])
+    } else if is_above(0, 1) && is_above(1, 2) && is_above(2, 0) {
+        Cover::Above
+    } else {
+        Cover::Open(())
+    }
+}
+
+/// A lower bound of the smallest eigenvalue in the directions of a triangle: the largest level that passes.
+pub(crate) fn lower_bound(form: &Form<f64>, triangle: &Triangle) -> f64 {
+    let level = |m: usize, n: usize| {
+        let (a, b) = (&triangle[m], &triangle[n]);
+        let product = dot(a, b);
+        if product > 0.0 {
+            symmetric_eigen(&form.acoustic(a, b)).0[0] / product
+        } else {
+            f64::NEG_INFINITY
+        }
+    };
+    let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+    pairs
+        .into_iter()
+        .map(|(m, n)| level(m, n))
+        .fold(f64::INFINITY, f64::min)
+}

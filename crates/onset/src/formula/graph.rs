@@ -1,0 +1,441 @@
+//! The operations of a formula, each once: a directed graph without cycles, in which equal parts are shared and constants
+//! folded while it is built.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// The number of a node; operands have smaller ones.
+pub(super) type Id = usize;
+
+/// A constant that can be compared and hashed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Bits(u64);
+
+impl Bits {
+    pub(super) fn of(value: f64) -> Self {
+        Self(value.to_bits())
+    }
+
+    pub(super) fn value(self) -> f64 {
+        f64::from_bits(self.0)
+    }
+}
+
+/// A function of one number that [`Real`](crate::real::Real) has; roots and reciprocals are powers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Function {
+    Exponential,
+    Logarithm,
+    Sine,
+    Cosine,
+    HyperbolicSine,
+    HyperbolicCosine,
+    HyperbolicTangent,
+}
+
+impl Function {
+    pub(super) fn of<R: crate::real::Real>(self, x: R) -> R {
+        match self {
+            Self::Exponential => x.exp(),
+            Self::Logarithm => x.ln(),
+            Self::Sine => x.sin(),
+            Self::Cosine => x.cos(),
+            Self::HyperbolicSine => x.sinh(),
+            Self::HyperbolicCosine => x.cosh(),
+            Self::HyperbolicTangent => x.tanh(),
+        }
+    }
+}
+
+/// What a formula is made of in the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Leaf {
+    /// `F_iJ`.
+    Component(usize, usize),
+    /// `C_IJ`, `I <= J`.
+    CauchyGreen(usize, usize),
+    /// `det F`.
+    Jacobian,
+    /// A principal stretch, counted from zero.
+    Stretch(usize),
+}
+
+/// One operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Node {
+    Constant(Bits),
+    /// A number that is given later.
+    Parameter(usize),
+    Leaf(Leaf),
+    Apply(Function, Id),
+    Negate(Id),
+    Add(Id, Id),
+    Subtract(Id, Id),
+    Multiply(Id, Id),
+    Divide(Id, Id),
+    Power(Id, Id),
+    /// The second where the first is negative, the third elsewhere.
+    Select(Id, Id, Id),
+}
+
+impl Node {
+    /// The nodes that it needs.
+    pub(super) fn operands(self) -> impl Iterator<Item = Id> {
+        let all = match self {
+            Self::Constant(_) | Self::Parameter(_) | Self::Leaf(_) => [None; 3],
+            Self::Apply(_, a) | Self::Negate(a) => [Some(a), None, None],
+            Self::Add(a, b)
+            | Self::Subtract(a, b)
+            | Self::Multiply(a, b)
+            | Self::Divide(a, b)
+            | Self::Power(a, b) => [Some(a), Some(b), None],
+            Self::Select(a, b, c) => [Some(a), Some(b), Some(c)],
+        };
+        all.into_iter().flatten()
+    }
+}
+
+/// Nodes in the order of evaluation.
+#[derive(Clone, Default)]
+pub(super) struct Graph {
+    nodes: Vec<Node>,
+    /// Where in the text a node was first written.
+    ranges: Vec<Range<usize>>,
+    known: HashMap<Node, Id>,
+    /// Where in the text the nodes to come are written.
+    pub(super) range: Range<usize>,
+}
+
+impl std::fmt::Debug for Graph {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_list().entries(&self.nodes).finish()
+    }
+}
+
+impl Graph {
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Where a node was first written, in bytes.
+    pub(super) fn range_of(&self, id: Id) -> Range<usize> {
+        self.ranges[id].clone()
+    }
+
+    /// The value of a node, where it is a constant.
+    pub(super) fn value(&self, id: Id) -> Option<f64> {
+        match self.nodes[id] {
+            Node::Constant(bits) => Some(bits.value()),
+            _ => None,
+        }
+    }
+
+    /// Which nodes a result needs, itself among them.
+    pub(super) fn needed_by(&self, result: Id) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        needed[result] = true;
+        for id in (0..self.nodes.len()).rev() {
+            if needed[id] {
+                self.nodes[id].operands().for_each(|a| needed[a] = true);
+            }
+        }
+        needed
+    }
+
+    fn node(&mut self, node: Node) -> Id {
+        if let Some(&id) = self.known.get(&node) {
+            return id;
+        }
+        let id = self.nodes.len();
+        self.nodes.push(node);
+        self.ranges.push(self.range.clone());
+        self.known.insert(node, id);
+        id
+    }
+
+    pub(super) fn constant(&mut self, value: f64) -> Id {
+        self.node(Node::Constant(Bits::of(value)))
+    }
+
+    pub(super) fn parameter(&mut self, number: usize) -> Id {
+        self.node(Node::Parameter(number))
+    }
+
+    pub(super) fn leaf(&mut self, leaf: Leaf) -> Id {
+        self.node(Node::Leaf(leaf))
+    }
+
+    pub(super) fn cauchy_green(&mut self, i: usize, j: usize) -> Id {
+        self.leaf(Leaf::CauchyGreen(i.min(j), i.max(j)))
+    }
+
+    /// The operation on constants: what it gives; or the operand that is not a finite number, so that the first cause is
+    /// the one that is reported.
+    fn folded<const N: usize>(
+        &mut self,
+        operands: [Id; N],
+        operation: impl FnOnce([f64; N]) -> f64,
+    ) -> Option<Id> {
+        let values = operands.map(|id| self.value(id));
+        let broken = |value: &Option<f64>| value.is_some_and(|value| !value.is_finite());
+        if let Some(at) = values.iter().position(broken) {
+            return Some(operands[at]);
+        }
+        if values.iter().any(Option::is_none) {
+            return None;
+        }
+        let result = operation(values.map(Option::unwrap_or_default));
+        Some(self.constant(result))
+    }
+
+    pub(super) fn apply(&mut self, function: Function, x: Id) -> Id {
+        if let Some(id) = self.folded([x], |[x]| function.of(x)) {
+            return id;
+        }
+        match (function, self.nodes[x]) {
+            // ln J^n = n ln J, as J is positive.
+            (Function::Logarithm, Node::Power(base, exponent))
+                if self.nodes[base] == Node::Leaf(Leaf::Jacobian) =>
+            {
+                let logarithm = self.apply(function, base);
+                self.multiply(logarithm, exponent)
+            }
+            _ => self.node(Node::Apply(function, x)),
+        }
+    }
+
+    pub(super) fn negate(&mut self, x: Id) -> Id {
+        if let Some(id) = self.folded([x], |[x]| -x) {
+            return id;
+        }
+        match self.nodes[x] {
+            Node::Negate(inner) => inner,
+            _ => self.node(Node::Negate(x)),
+        }
+    }
+
+    pub(super) fn add(&mut self, a: Id, b: Id) -> Id {
+        if let Some(id) = self.folded([a, b], |[a, b]| a + b) {
+            return id;
+        }
+        match (self.value(a), self.value(b)) {
+            (Some(0.0), _) => b,
+            (_, Some(0.0)) => a,
+            _ => self.node(Node::Add(a.min(b), a.max(b))),
+        }
+    }
+
+    pub(super) fn subtract(&mut self, a: Id, b: Id) -> Id {
+        if let Some(id) = self.folded([a, b], |[a, b]| a - b) {
+            return id;
+        }
+        match (self.value(a), self.value(b)) {
+            (Some(0.0), _) => self.negate(b),
+            (_, Some(0.0)) => a,
+            _ => self.node(Node::Subtract(a, b)),
+        }
+    }
+
+    pub(super) fn multiply(&mut self, a: Id, b: Id) -> Id {
+        if let Some(id) = self.folded([a, b], |[a, b]| a * b) {
+            return id;
+        }
+        match (self.value(a), self.value(b)) {
+            (Some(factor), None) => self.scale(b, factor, a),
+            (None, Some(factor)) => self.scale(a, factor, b),
+            // The square of an interval is never negative, its product with itself may be.
+            _ if a == b => {
+                let two = self.constant(2.0);
+                self.power(a, two)
+            }
+            _ => self.node(Node::Multiply(a.min(b), a.max(b))),
+        }
+    }
+
+    /// The product with a constant, which is the node `constant`.
+    fn scale(&mut self, x: Id, factor: f64, constant: Id) -> Id {
+        if factor == 0.0 {
+            return constant;
+        }
+        if factor == 1.0 {
+            return x;
+        }
+        if factor == -1.0 {
+            return self.negate(x);
+        }
+        match self.scaled(x) {
+            Some((inner, earlier)) => {
+                let both = self.constant(earlier * factor);
+                self.multiply(inner, both)
+            }
+            None => self.node(Node::Multiply(x.min(constant), x.max(constant))),
+        }
+    }
+
+    /// A product with a constant taken apart.
+    fn scaled(&self, x: Id) -> Option<(Id, f64)> {
+        match self.nodes[x] {
+            Node::Multiply(a, b) => match (self.value(a), self.value(b)) {
+                (Some(factor), None) => Some((b, factor)),
+                (None, Some(factor)) => Some((a, factor)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    pub(super) fn divide(&mut self, a: Id, b: Id) -> Id {
+        if let Some(id) = self.folded([a, b], |[a, b]| a / b) {
+            return id;
+        }
+        let scaled = self.scaled(a);
+        match (self.value(b), scaled) {
+            (Some(1.0), _) => a,
+            // Not defined at any state, whatever is divided.
+            (Some(0.0), _) => self.constant(f64::NAN),
+            (Some(divisor), Some((inner, factor))) => {
+                let quotient = self.constant(factor / divisor);
+                self.multiply(inner, quotient)
+            }
+            _ => self.node(Node::Divide(a, b)),
+        }
+    }
+
+    pub(super) fn power(&mut self, base: Id, exponent: Id) -> Id {
+        if let Some(id) = self.folded([base, exponent], |[base, exponent]| base.powf(exponent)) {
+            return id;
+        }
+        match (self.value(base), self.value(exponent), self.nodes[base]) {
+            (_, Some(0.0), _) => self.constant(1.0),
+            (_, Some(1.0), _) => base,
+            // (J^m)^n = J^(m n), as J is positive.
+            (_, _, Node::Power(inner, earlier))
+                if self.nodes[inner] == Node::Leaf(Leaf::Jacobian) =>
+            {
+                let product = self.multiply(earlier, exponent);
+                self.power(inner, product)
+            }
+            // c^y = exp(y ln c)
+            (Some(_), None, _) => {
+                let logarithm = self.apply(Function::Logarithm, base);
+                let product = self.multiply(exponent, logarithm);
+                self.apply(Function::Exponential, product)
+            }
+            _ => self.node(Node::Power(base, exponent)),
+        }
+    }
+
+    /// `below` where `test` is negative, `above` elsewhere.
+    pub(super) fn select(&mut self, test: Id, below: Id, above: Id) -> Id {
+        match self.value(test) {
+            Some(value) if !value.is_finite() => test,
+            Some(value) if value < 0.0 => below,
+            Some(_) => above,
+            None if below == above => below,
+            None => self.node(Node::Select(test, below, above)),
+        }
+    }
+
+    /// The sum of some nodes.
+    pub(super) fn sum(&mut self, terms: &[Id]) -> Id {
+        let mut total = terms[0];
+        for &term in &terms[1..] {
+            total = self.add(total, term);
+        }
+        total
+    }
+
+    /// The graph of the same result with numbers in place of the parameters.
+    pub(super) fn with_parameters(&self, result: Id, values: &[f64]) -> (Self, Id) {
+        let needed = self.needed_by(result);
+        let mut graph = Self::default();
+        let mut place: Vec<Id> = Vec::with_capacity(self.nodes.len());
+        for (id, node) in self.nodes.iter().enumerate() {
+            if !needed[id] {
+                place.push(0);
+                continue;
+            }
+            graph.range = self.ranges[id].clone();
+            place.push(match *node {
+                Node::Parameter(number) => graph.constant(values[number]),
+                Node::Constant(_) | Node::Leaf(_) => graph.node(*node),
+                Node::Apply(function, x) => graph.apply(function, place[x]),
+                Node::Negate(x) => graph.negate(place[x]),
+                Node::Add(a, b) => graph.add(place[a], place[b]),
+                Node::Subtract(a, b) => graph.subtract(place[a], place[b]),
+                Node::Multiply(a, b) => graph.multiply(place[a], place[b]),
+                Node::Divide(a, b) => graph.divide(place[a], place[b]),
+                Node::Power(a, b) => graph.power(place[a], place[b]),
+                Node::Select(test, below, above) => {
+                    graph.select(place[test], place[below], place[above])
+                }
+            });
+        }
+        (graph, place[result])
+    }
+
+    /// The result as a sum of two: one of the terms that need a leaf of a kind, one of those that do not; `None` for no terms.
+    pub(super) fn split(
+        &mut self,
+        result: Id,
+        is_of_kind: impl Fn(Leaf) -> bool,
+    ) -> [Option<Id>; 2] {
+        let mut depends = vec![false; result + 1];
+        for id in 0..=result {
+            depends[id] = match self.nodes[id] {
+                Node::Leaf(leaf) => is_of_kind(leaf),
+                node => node.operands().any(|a| depends[a]),
+            };
+        }
+        // Sums are taken apart from the end on, so that a part that occurs twice is one term.
+        let mut factors = vec![0.0; result + 1];
+        factors[result] = 1.0;
+        let mut sums = [None; 2];
+        for id in (0..=result).rev() {
+            let factor = factors[id];
+            if factor == 0.0 {
+                continue;
+            }
+            match (self.nodes[id], self.scaled(id)) {
+                (Node::Add(a, b), _) if depends[id] => {
+                    factors[a] += factor;
+                    factors[b] += factor;
+                }
+                (Node::Subtract(a, b), _) if depends[id] => {
+                    factors[a] += factor;
+                    factors[b] -= factor;
+                }
+                (Node::Negate(a), _) if depends[id] => factors[a] -= factor,
+                (_, Some((a, inner))) if depends[id] => factors[a] += inner * factor,
+                (Node::Divide(a, b), _) if depends[id] && self.value(b).is_some() => {
+                    factors[a] += factor / self.value(b).unwrap_or(1.0);
+                }
+                _ => {
+                    self.range = self.range_of(id);
+                    let factor = self.constant(factor);
+                    let term = self.multiply(id, factor);
+                    let sum = sums[usize::from(!depends[id])];
+                    sums[usize::from(!depends[id])] = Some(match sum {
+                        Some(sum) => self.add(sum, term),
+                        None => term,
+                    });
+                }
+            }
+        }
+        sums
+    }
+
+    /// The leaves that a result needs.
+    pub(super) fn leaves_of(&self, result: Id) -> impl Iterator<Item = Leaf> + '_ {
+        let needed = self.needed_by(result);
+        let leaf = move |(id, node): (Id, &Node)| match node {
+            Node::Leaf(leaf) if needed[id] => Some(*leaf),
+            _ => None,
+        };
+        self.nodes.iter().enumerate().filter_map(leaf)
+    }
+}

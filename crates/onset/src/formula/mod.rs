@@ -1,0 +1,254 @@
+//! A strain energy as a formula that somebody types.
+//!
+//! [`Formula::parse`] reads it, [`Formula::with`] gives its parameters values; the result is a law like any other, with stress and
+//! tangent exact, and enclosures by intervals:
+//!
+//! ```
+//! use onset::formula::Formula;
+//! use onset::kinematics::DeformationGradient;
+//! use onset::material::{BlatzKo, Hyperelastic};
+//! let law = Formula::parse("mu/2*(I2/I3 + 2*sqrt(I3) - 5)")?.with(&[("mu", 32.0)])?;
+//! let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+//! let (typed, built_in) = (law.response(&f)?, BlatzKo::default().response(&f)?);
+//! assert!((typed.first_piola - built_in.first_piola).amax() < 1e-12 * built_in.first_piola.amax());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The language: numbers, `+ - * / ^`, parentheses, the [`VARIABLES`] and [`FUNCTIONS`], `pi`, helpers
+//! (`let a = I1 - 3; mu/2*a + k*a^2`) and conditions (`if(J < 1, ..., ...)`, joined by `and`, `or`, `not`). Any other name is a
+//! parameter. The text is compiled once: equal parts are shared, constants folded, and the same list of operations serves
+//! floating point, jets and intervals.
+
+mod error;
+mod graph;
+mod lexer;
+mod parser;
+mod stretches;
+mod tape;
+mod words;
+
+pub use error::{FormulaError, Place, Problem};
+pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
+
+use crate::kinematics::DeformationGradient;
+use crate::material::{StrainEnergy, energy_of_stretches};
+use crate::real::Real;
+use graph::{Graph, Id, Leaf};
+use std::ops::Range;
+use stretches::StretchTape;
+use tape::Tape;
+
+/// A formula that has been read; its parameters have no values yet.
+///
+/// ```
+/// use onset::formula::Formula;
+/// let formula = Formula::parse("let a = I1bar - 3; c10*a + c20*a^2 + k/2*(J - 1)^2")?;
+/// assert!(formula.parameters().eq(["c10", "c20", "k"]));
+/// assert!(formula.is_isotropic());
+/// # Ok::<(), onset::formula::FormulaError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Formula {
+    text: String,
+    graph: Graph,
+    result: usize,
+    parameters: Vec<(String, Range<usize>)>,
+    variables: Vec<&'static str>,
+    helpers: Vec<String>,
+}
+
+impl Formula {
+    /// Reads a formula.
+    ///
+    /// # Errors
+    /// [`FormulaError`] with the place where the text stops being a formula.
+    pub fn parse(text: &str) -> Result<Self, FormulaError> {
+        let parsed = parser::parse(text)?;
+        Ok(Self {
+            text: text.to_owned(),
+            graph: parsed.graph,
+            result: parsed.result,
+            parameters: parsed.parameters,
+            variables: parsed.variables,
+            helpers: parsed.helpers.into_iter().map(|(name, _)| name).collect(),
+        })
+    }
+
+    /// The formula as typed.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The names that need a value, in the order of their first use; the [`FIBER_ANGLES`] among them where fiber invariants are
+    /// used.
+    pub fn parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The variables that are used, in the order of their first use.
+    pub fn variables(&self) -> &[&'static str] {
+        &self.variables
+    }
+
+    /// Whether components of `F` are used: such a law need not be objective.
+    pub fn uses_components(&self) -> bool {
+        self.uses(VariableKind::Component)
+    }
+
+    /// Whether only invariants are used that no rotation of space or of the material changes: the law is objective and isotropic.
+    pub fn is_isotropic(&self) -> bool {
+        !self.uses(VariableKind::Component) && !self.uses(VariableKind::Objective)
+    }
+
+    fn uses(&self, kind: VariableKind) -> bool {
+        let is_of_kind =
+            |name: &&str| words::variable(name).is_some_and(|(group, _)| group.kind == kind);
+        self.variables.iter().any(is_of_kind)
+    }
+
+    /// The law with values for its parameters.
+    ///
+    /// # Errors
+    /// [`FormulaError`] when a name has no value or a value no name, when a value is not finite, when a part is not a finite
+    /// number whatever the state is, and when the energy does not depend on the deformation.
+    pub fn with(&self, values: &[(&str, f64)]) -> Result<FormulaLaw, FormulaError> {
+        self.check_names(values)?;
+        let value = |(name, range): &(String, Range<usize>)| {
+            let given = values.iter().find(|(known, _)| known == name);
+            given
+                .map(|(_, value)| *value)
+                .ok_or_else(|| self.error(range.clone(), self.without_value(name, values)))
+        };
+        let numbers: Vec<f64> = self
+            .parameters
+            .iter()
+            .map(value)
+            .collect::<Result<_, _>>()?;
+        let (graph, result) = self.graph.with_parameters(self.result, &numbers);
+        let needed = graph.needed_by(result);
+        for id in (0..graph.len()).filter(|id| needed[*id]) {
+            if let Some(value) = graph.value(id)
+                && !value.is_finite()
+            {
+                let range = graph.range_of(id);
+                return Err(self.error(range, Problem::ConstantNotFinite { value }));
+            }
+        }
+        if graph.value(result).is_some() {
+            return Err(self.error(0..self.text.len(), Problem::Constant));
+        }
+        self.law(graph, result)
+    }
+
+    /// The terms in principal stretches apart from the others.
+    fn law(&self, mut graph: Graph, result: Id) -> Result<FormulaLaw, FormulaError> {
+        let is_stretch = |leaf: Leaf| matches!(leaf, Leaf::Stretch(_));
+        if !graph.leaves_of(result).any(is_stretch) {
+            return Ok(FormulaLaw {
+                stretches: None,
+                rest: Some(Tape::new(&graph, result)),
+            });
+        }
+        let [stretches, rest] = graph.split(result, is_stretch);
+        let stretches = stretches
+            .map(|id| StretchTape::new(&graph, id))
+            .transpose()
+            .map_err(|(range, problem)| self.error(range, problem))?;
+        let rest = rest.map(|id| Tape::new(&graph, id));
+        Ok(FormulaLaw { stretches, rest })
+    }
+
+    /// That every value is finite and belongs to a parameter.
+    fn check_names(&self, values: &[(&str, f64)]) -> Result<(), FormulaError> {
+        for (name, value) in values {
+            let problem = if self.parameters().any(|known| known == *name) {
+                if value.is_finite() {
+                    continue;
+                }
+                Problem::ParameterNotFinite {
+                    name: (*name).to_owned(),
+                    value: *value,
+                }
+            } else {
+                self.not_a_parameter(name)
+            };
+            return Err(FormulaError {
+                problem,
+                place: None,
+            });
+        }
+        Ok(())
+    }
+
+    fn not_a_parameter(&self, name: &str) -> Problem {
+        let is_helper = self.helpers.iter().any(|helper| helper == name);
+        let what = if is_helper {
+            Some("a helper of the formula")
+        } else {
+            words::meaning(name)
+        };
+        let name = name.to_owned();
+        match what {
+            Some(what) => Problem::NotAParameter { name, what },
+            None => Problem::UnusedParameter {
+                name,
+                parameters: self.parameters().map(str::to_owned).collect(),
+            },
+        }
+    }
+
+    fn without_value(&self, name: &str, values: &[(&str, f64)]) -> Problem {
+        if let Some(angle) = FIBER_ANGLES.into_iter().find(|angle| *angle == name) {
+            return Problem::NoFiberAngle { angle };
+        }
+        let variables = VARIABLES
+            .iter()
+            .flat_map(|group| group.names.iter().copied());
+        let given = values.iter().map(|(name, _)| *name);
+        let helpers = self.helpers.iter().map(String::as_str);
+        let known = variables.chain(helpers).chain(given).chain([words::PI]);
+        Problem::UnknownName {
+            name: name.to_owned(),
+            meant: words::nearest(name, known).map(str::to_owned),
+        }
+    }
+
+    fn error(&self, range: Range<usize>, problem: Problem) -> FormulaError {
+        FormulaError {
+            problem,
+            place: Some(Place::of(&self.text, range)),
+        }
+    }
+}
+
+/// A law given by a formula with numbers for its parameters; made by [`Formula::with`]. Units are those of the formula.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormulaLaw {
+    /// The terms in principal stretches.
+    stretches: Option<StretchTape>,
+    /// The other terms.
+    rest: Option<Tape>,
+}
+
+impl StrainEnergy for FormulaLaw {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let rest = |tape: &Tape| {
+            tape.evaluate(|leaf| match leaf {
+                Leaf::Component(i, j) => f.components()[i][j],
+                Leaf::CauchyGreen(i, j) => {
+                    let f = f.components();
+                    f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j]
+                }
+                Leaf::Jacobian => f.determinant(),
+                // Terms with stretches are in the other tape.
+                Leaf::Stretch(_) => R::constant(f64::NAN),
+            })
+        };
+        match (&self.stretches, &self.rest) {
+            (None, None) => R::constant(0.0),
+            (None, Some(tape)) => rest(tape),
+            (Some(stretches), None) => energy_of_stretches(stretches, f),
+            (Some(stretches), Some(tape)) => energy_of_stretches(stretches, f) + rest(tape),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The part of a formula that is a function of the principal stretches.
+
+use super::error::Problem;
+use super::graph::{Graph, Id, Leaf, Node};
+use super::tape::Tape;
+use crate::material::PrincipalEnergy;
+use crate::real::Real;
+use std::ops::Range;
+
+/// A symmetric function of the principal stretches; `J` is their product.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StretchTape(Tape);
+
+/// Stretches at which the symmetry is tried.
+const TRIED: [[f64; 3]; 3] = [[0.9, 1.05, 1.2], [1.3, 0.7, 1.1], [0.8, 1.02, 1.6]];
+
+/// The orders of three other than the first.
+const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+
+/// Relative difference of values that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl StretchTape {
+    /// The terms of a graph that need stretches; or what is wrong with them, and where.
+    pub(super) fn new(graph: &Graph, result: Id) -> Result<Self, (Range<usize>, Problem)> {
+        let needed = graph.needed_by(result);
+        for (id, node) in graph.nodes().iter().enumerate() {
+            let problem = match node {
+                // Its derivatives along the exchange of two stretches would have a jump.
+                Node::Select(..) => Problem::StretchesBranch,
+                Node::Leaf(Leaf::Component(..) | Leaf::CauchyGreen(..)) => Problem::StretchesMixed,
+                _ => continue,
+            };
+            if needed[id] {
+                return Err((graph.range_of(id), problem));
+            }
+        }
+        let tape = Self(Tape::new(graph, result));
+        let largest = TRIED.map(|at| tape.of_stretches(at).abs());
+        let scale = largest.into_iter().fold(0.0, f64::max);
+        for stretches in TRIED {
+            let value = tape.of_stretches(stretches);
+            for order in ORDERS {
+                let exchanged = tape.of_stretches(order.map(|n| stretches[n]));
+                if (exchanged - value).abs() > ROUNDING * scale {
+                    let problem = Problem::NotSymmetric {
+                        stretches,
+                        value,
+                        exchanged,
+                    };
+                    return Err((graph.range_of(result), problem));
+                }
+            }
+        }
+        Ok(tape)
+    }
+}
+
+impl PrincipalEnergy for StretchTape {
+    fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
+        self.0.evaluate(|leaf| match leaf {
+            Leaf::Stretch(n) => stretches[n],
+            Leaf::Jacobian => stretches[0] * stretches[1] * stretches[2],
+            Leaf::Component(..) | Leaf::CauchyGreen(..) => R::constant(f64::NAN),
+        })
+    }
+}

@@ -1,0 +1,227 @@
+//! A formula as a straight list of operations on a few registers, for numbers of every kind.
+
+use super::graph::{Function, Graph, Id, Leaf, Node};
+use crate::real::Real;
+
+/// A place for an intermediate result.
+type Register = u16;
+
+/// What is computed from registers and constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operation {
+    Constant(f64),
+    Leaf(Leaf),
+    Apply(Function, Register),
+    Negate(Register),
+    Add(Register, Register),
+    /// `x + c`
+    Shift(Register, f64),
+    Subtract(Register, Register),
+    /// `c - x`
+    From(f64, Register),
+    Multiply(Register, Register),
+    /// `c x`
+    Scale(Register, f64),
+    Divide(Register, Register),
+    /// `x / c`
+    Over(Register, f64),
+    /// `c / x`
+    Quotient(f64, Register),
+    SquareRoot(Register),
+    IntegerPower(Register, i32),
+    RealPower(Register, f64),
+    /// `x^y = exp(y ln x)`
+    Power(Register, Register),
+    Select(Register, Register, Register),
+}
+
+/// Operations in order, each with the register that takes its result.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tape {
+    steps: Vec<(Operation, Register)>,
+    registers: usize,
+    result: Register,
+}
+
+/// Largest exponent of a power by multiplication.
+const LARGEST_EXPONENT: f64 = 1024.0;
+
+impl Tape {
+    /// The operations that a result needs. Parameters have been replaced by numbers; one that has not counts as zero.
+    pub(super) fn new(graph: &Graph, result: Id) -> Self {
+        let needed = graph.needed_by(result);
+        let mut writer = Writer::new(graph, &needed, result);
+        for (id, is_needed) in needed.iter().enumerate() {
+            if *is_needed && !matches!(graph.nodes()[id], Node::Constant(_)) {
+                writer.write(id);
+            }
+        }
+        let result = writer.operand(result);
+        Self {
+            steps: writer.steps,
+            registers: writer.count,
+            result,
+        }
+    }
+
+    /// The result for values of the leaves. Registers live on the stack, unless there are many.
+    pub(super) fn evaluate<R: Real>(&self, value: impl Fn(Leaf) -> R) -> R {
+        let zero = R::constant(0.0);
+        match self.registers {
+            0..=4 => self.run(value, &mut [zero; 4]),
+            5..=8 => self.run(value, &mut [zero; 8]),
+            9..=16 => self.run(value, &mut [zero; 16]),
+            17..=32 => self.run(value, &mut [zero; 32]),
+            many => self.run(value, &mut vec![zero; many]),
+        }
+    }
+
+    fn run<R: Real>(&self, value: impl Fn(Leaf) -> R, registers: &mut [R]) -> R {
+        for &(operation, target) in &self.steps {
+            let at = |register: Register| registers[usize::from(register)];
+            registers[usize::from(target)] = match operation {
+                Operation::Constant(number) => R::constant(number),
+                Operation::Leaf(leaf) => value(leaf),
+                Operation::Apply(function, a) => function.of(at(a)),
+                Operation::Negate(a) => -at(a),
+                Operation::Add(a, b) => at(a) + at(b),
+                Operation::Shift(a, constant) => at(a) + constant,
+                Operation::Subtract(a, b) => at(a) - at(b),
+                Operation::From(constant, a) => -at(a) + constant,
+                Operation::Multiply(a, b) => at(a) * at(b),
+                Operation::Scale(a, factor) => at(a) * factor,
+                Operation::Divide(a, b) => at(a) / at(b),
+                Operation::Over(a, divisor) => at(a) / divisor,
+                Operation::Quotient(factor, a) => at(a).recip() * factor,
+                Operation::SquareRoot(a) => at(a).sqrt(),
+                Operation::IntegerPower(a, exponent) => at(a).powi(exponent),
+                Operation::RealPower(a, exponent) => at(a).powf(exponent),
+                Operation::Power(a, b) => (at(a).ln() * at(b)).exp(),
+                Operation::Select(test, below, above) => {
+                    at(test).switch(0.0, || at(below), || at(above))
+                }
+            };
+        }
+        registers[usize::from(self.result)]
+    }
+}
+
+/// Writes a tape: hands out registers and takes them back after the last use.
+struct Writer<'a> {
+    graph: &'a Graph,
+    steps: Vec<(Operation, Register)>,
+    /// The register of a node that has been written.
+    place: Vec<Option<Register>>,
+    /// How many uses of a node are still to come.
+    uses: Vec<usize>,
+    free: Vec<Register>,
+    count: usize,
+}
+
+impl<'a> Writer<'a> {
+    fn new(graph: &'a Graph, needed: &[bool], result: Id) -> Self {
+        let mut uses = vec![0; graph.len()];
+        for (id, node) in graph.nodes().iter().enumerate() {
+            if needed[id] {
+                node.operands().for_each(|a| uses[a] += 1);
+            }
+        }
+        uses[result] += 1;
+        Self {
+            graph,
+            steps: Vec::new(),
+            place: vec![None; graph.len()],
+            uses,
+            free: Vec::new(),
+            count: 0,
+        }
+    }
+
+    fn write(&mut self, id: Id) {
+        let node = self.graph.nodes()[id];
+        let operation = self.operation(node);
+        // Only now, so that no constant is written over an operand.
+        for operand in node.operands() {
+            self.uses[operand] -= 1;
+            if self.uses[operand] == 0
+                && let Some(register) = self.place[operand]
+            {
+                self.free.push(register);
+            }
+        }
+        let target = self.register();
+        self.place[id] = Some(target);
+        self.steps.push((operation, target));
+    }
+
+    /// A register that holds nothing of use.
+    fn register(&mut self) -> Register {
+        self.free.pop().unwrap_or_else(|| {
+            self.count += 1;
+            (self.count - 1) as Register
+        })
+    }
+
+    /// The register of an operand; a constant is written where it is needed.
+    fn operand(&mut self, id: Id) -> Register {
+        if let Some(register) = self.place[id] {
+            return register;
+        }
+        let register = self.register();
+        let value = self.graph.value(id).unwrap_or(0.0);
+        self.steps.push((Operation::Constant(value), register));
+        self.place[id] = Some(register);
+        register
+    }
+
+    fn operation(&mut self, node: Node) -> Operation {
+        let constant = |id: Id| self.graph.value(id);
+        match node {
+            Node::Constant(bits) => Operation::Constant(bits.value()),
+            Node::Parameter(_) => Operation::Constant(0.0),
+            Node::Leaf(leaf) => Operation::Leaf(leaf),
+            Node::Apply(function, a) => Operation::Apply(function, self.operand(a)),
+            Node::Negate(a) => Operation::Negate(self.operand(a)),
+            Node::Add(a, b) => match (constant(a), constant(b)) {
+                (Some(value), _) => Operation::Shift(self.operand(b), value),
+                (_, Some(value)) => Operation::Shift(self.operand(a), value),
+                _ => Operation::Add(self.operand(a), self.operand(b)),
+            },
+            Node::Subtract(a, b) => match (constant(a), constant(b)) {
+                (Some(value), _) => Operation::From(value, self.operand(b)),
+                (_, Some(value)) => Operation::Shift(self.operand(a), -value),
+                _ => Operation::Subtract(self.operand(a), self.operand(b)),
+            },
+            Node::Multiply(a, b) => match (constant(a), constant(b)) {
+                (Some(factor), _) => Operation::Scale(self.operand(b), factor),
+                (_, Some(factor)) => Operation::Scale(self.operand(a), factor),
+                _ => Operation::Multiply(self.operand(a), self.operand(b)),
+            },
+            Node::Divide(a, b) => match (constant(a), constant(b)) {
+                (Some(factor), _) => Operation::Quotient(factor, self.operand(b)),
+                (_, Some(divisor)) => Operation::Over(self.operand(a), divisor),
+                _ => Operation::Divide(self.operand(a), self.operand(b)),
+            },
+            Node::Power(a, b) => match constant(b) {
+                Some(exponent) => self.power(a, exponent),
+                None => Operation::Power(self.operand(a), self.operand(b)),
+            },
+            Node::Select(test, below, above) => {
+                Operation::Select(self.operand(test), self.operand(below), self.operand(above))
+            }
+        }
+    }
+
+    fn power(&mut self, base: Id, exponent: f64) -> Operation {
+        let base = self.operand(base);
+        if exponent == 0.5 {
+            Operation::SquareRoot(base)
+        } else if exponent == -1.0 {
+            Operation::Quotient(1.0, base)
+        } else if exponent.fract() == 0.0 && exponent.abs() <= LARGEST_EXPONENT {
+            Operation::IntegerPower(base, exponent as i32)
+        } else {
+            Operation::RealPower(base, exponent)
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! The exponentiated law of Hencky:
+//!
+//! `W = mu/k (exp(k |dev h|^2) - 1) + kappa/(2 k2) (exp(k2 (tr h)^2) - 1)`, `h_i = ln lambda_i`. As a law of two
+//! dimensions it is strongly elliptic everywhere for `k >= 1/4` and `khat >= 1/8`; in three dimensions no constants make it so.
+
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::hencky::logarithmic_invariants;
+use crate::kinematics::DeformationGradient;
+use crate::real::Real;
+
+pub(in super::super) const LAW: Law = Law {
+    name: "exponentiated-hencky",
+    formula: "W = mu/k (exp(k |dev h|^2) - 1) + kappa/(2 khat) (exp(khat (tr h)^2) - 1), h_i = ln lambda_i",
+    parameters: &[
+        Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus"),
+        Parameter::new(
+            "kappa",
+            "stress",
+            5.0 / 3.0,
+            Admitted::Positive,
+            "bulk modulus",
+        ),
+        Parameter::new(
+            "k",
+            "1",
+            0.25,
+            Admitted::Positive,
+            "constant of the exponent of shape",
+        ),
+        Parameter::new(
+            "khat",
+            "1",
+            0.125,
+            Admitted::Positive,
+            "constant of the exponent of volume",
+        ),
+    ],
+    domain: "all J > 0; moderate to large strains",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, bulk modulus kappa",
+    source: "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143; k = 1/4 and khat = 1/8, the least with which it is elliptic in two \
+             dimensions",
+    stiffness: |p| hooke(p[0], p[1]),
+    make: |p| {
+        boxed(Ok(ExponentiatedHencky {
+            mu: p[0],
+            kappa: p[1],
+            shape: p[2],
+            volume: p[3],
+        }))
+    },
+};
+
+struct ExponentiatedHencky {
+    mu: f64,
+    kappa: f64,
+    shape: f64,
+    volume: f64,
+}
+
+impl PrincipalEnergy for ExponentiatedHencky {
+    fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
+        let (shape, volume) = logarithmic_invariants(stretches);
+        ((shape * self.shape).exp() - 1.0) * (self.mu / self.shape)
+            + ((volume * volume * self.volume).exp() - 1.0) * (0.5 * self.kappa / self.volume)
+    }
+}
+
+impl StrainEnergy for ExponentiatedHencky {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        energy_of_stretches(self, f)
+    }
+}

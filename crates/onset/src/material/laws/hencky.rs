@@ -1,0 +1,61 @@
+//! Hencky's law: quadratic in the logarithmic strain `h_i = ln lambda_i`,
+//!
+//! `W = mu |dev h|^2 + kappa/2 (tr h)^2`. The principal Kirchhoff stresses are `2 mu dev h_i + kappa tr h`.
+
+use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use crate::kinematics::DeformationGradient;
+use crate::real::Real;
+
+pub(in super::super) const LAW: Law = Law {
+    name: "hencky",
+    formula: "W = mu |dev h|^2 + kappa/2 (tr h)^2, h_i = ln lambda_i",
+    parameters: &[
+        Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus"),
+        Parameter::new(
+            "kappa",
+            "stress",
+            5.0 / 3.0,
+            Admitted::Positive,
+            "bulk modulus",
+        ),
+    ],
+    domain: "all J > 0; metals and polymers at small to moderate strains; loses strong ellipticity at moderate ones",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, bulk modulus kappa",
+    source: "Hencky, Z. Techn. Phys. 9 (1928) 215; defaults: Poisson's ratio 1/4, any unit of stress",
+    stiffness: |p| hooke(p[0], p[1]),
+    make: |p| {
+        boxed(Ok(Hencky {
+            mu: p[0],
+            kappa: p[1],
+        }))
+    },
+};
+
+struct Hencky {
+    mu: f64,
+    kappa: f64,
+}
+
+/// `|dev h|^2` and `tr h` of the logarithmic strain.
+pub(super) fn logarithmic_invariants<R: Real>(stretches: [R; 3]) -> (R, R) {
+    let h = stretches.map(R::ln);
+    let trace = h[0] + h[1] + h[2];
+    let [a, b, c] = h.map(|h| h - trace / 3.0);
+    (a * a + b * b + c * c, trace)
+}
+
+impl PrincipalEnergy for Hencky {
+    fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
+        let (shape, volume) = logarithmic_invariants(stretches);
+        shape * self.mu + volume * volume * (0.5 * self.kappa)
+    }
+}
+
+impl StrainEnergy for Hencky {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        energy_of_stretches(self, f)
+    }
+}

@@ -1,0 +1,200 @@
+//! Isotropic energies as functions of the principal stretches.
+//!
+//! With `e_i = lambda_i^2` the eigenvalues of `C`, `g_i = dW/de_i` and `h_ij = d^2 W / de_i de_j`, in the principal axes,
+//!
+//! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`,
+//! `theta_ij = (g_i - g_j) / (e_i - e_j)`.
+//!
+//! The quotient is 0/0 where two stretches coincide. Since `W` is the same for every order of the stretches, `g_j` is `g_i`
+//! with the two exchanged, and along the segment from `(e_i, e_j)` to `(e_j, e_i)`
+//!
+//! `theta_ij = integral over 0 < t < 1 of 1/2 (h_ii + h_jj - 2 h_ij)`,
+//!
+//! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
+
+use crate::kinematics::DeformationGradient;
+use crate::real::{Jet, Real};
+
+/// An isotropic energy as a function of the principal stretches.
+pub trait PrincipalEnergy {
+    /// `W(lambda_1, lambda_2, lambda_3)` per reference volume, the same for every order of the stretches; units of
+    /// stress. Written with operations of [`Real`] only, without branches on its arguments.
+    fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R;
+}
+
+/// Relative difference of two eigenvalues of `C` below which they count as close: there the quotient has lost less than two
+/// digits, and five points of quadrature err by less than `1e-15`.
+const CLOSE: f64 = 0.05;
+
+/// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its middle on, with weights; it is symmetric about the
+/// middle, and so is the integrand.
+const RULE: [(f64, f64); 3] = [
+    (0.5, 64.0 / 225.0),
+    (0.769_234_655_052_841_5, 0.478_628_670_499_366_47),
+    (0.953_089_922_969_332, 0.236_926_885_056_189_08),
+];
+
+/// The energy at a state, exact to second order for jets over floating-point numbers: stresses and tangents are exact to
+/// rounding also where stretches coincide. Units of stress.
+///
+/// Of intervals nothing is known: the result is [`Interval::ENTIRE`](crate::real::Interval::ENTIRE), with all derivatives.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::{PrincipalEnergy, StrainEnergy, energy_of_stretches, Hyperelastic};
+/// use onset::real::Real;
+/// /// W = sum (lambda_i^4 - 1) / 4 = (tr C^2 - 3) / 4, hence P = F C
+/// struct Quartic;
+/// impl PrincipalEnergy for Quartic {
+///     fn of_stretches<R: Real>(&self, [a, b, c]: [R; 3]) -> R {
+///         (a.powi(4) + b.powi(4) + c.powi(4) - 3.0) * 0.25
+///     }
+/// }
+/// impl StrainEnergy for Quartic {
+///     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+///         energy_of_stretches(self, f)
+///     }
+/// }
+/// let f = DeformationGradient::new([[1.1, 0.3, 0.0], [-0.2, 0.9, 0.1], [0.0, 0.4, 1.2]])?;
+/// let m = f.matrix();
+/// let error = Quartic.response(&f)?.first_piola - m * m.transpose() * m;
+/// assert!(error.amax() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn energy_of_stretches<R: Real>(
+    energy: &impl PrincipalEnergy,
+    f: &DeformationGradient<R>,
+) -> R {
+    let c = f.right_cauchy_green();
+    let expansion = Expansion::of(energy, c.map(|row| row.map(R::number)));
+    expansion.at(&c)
+}
+
+/// The derivatives of an isotropic energy by `C` at one state, in the principal axes.
+struct Expansion {
+    /// `n_i` in column `i`.
+    axes: [[f64; 3]; 3],
+    /// `e_i`.
+    eigenvalues: [f64; 3],
+    value: f64,
+    /// `g_i`.
+    first: [f64; 3],
+    /// `h_ij`.
+    second: [[f64; 3]; 3],
+    /// `theta_12`, `theta_13`, `theta_23`.
+    shear: [f64; 3],
+}
+
+/// The pairs of axes, in the order of [`Expansion::shear`].
+const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+
+impl Expansion {
+    /// NaN throughout where the tensor is not one of numbers.
+    fn of(energy: &impl PrincipalEnergy, c: [[Option<f64>; 3]; 3]) -> Self {
+        let c = c.map(|row| row.map(|component| component.unwrap_or(f64::NAN)));
+        let (eigenvalues, axes) = eigen(c);
+        let local = of_eigenvalues(energy, eigenvalues);
+        let shear = PAIRS.map(|(i, j)| {
+            let (a, b) = (eigenvalues[i], eigenvalues[j]);
+            if (a - b).abs() > CLOSE * (a + b) {
+                (local.gradient[i] - local.gradient[j]) / (a - b)
+            } else {
+                mean_curvature(energy, eigenvalues, (i, j))
+            }
+        });
+        Self {
+            axes,
+            eigenvalues,
+            value: local.value,
+            first: local.gradient,
+            second: local.hessian,
+            shear,
+        }
+    }
+
+    /// The expansion about the state, at the state with its derivatives.
+    fn at<R: Real>(&self, c: &[[R; 3]; 3]) -> R {
+        let n = &self.axes;
+        // C n_j, then n_i . C n_j.
+        let product =
+            |i: usize, j: usize| c[i][0] * n[0][j] + c[i][1] * n[1][j] + c[i][2] * n[2][j];
+        let pushed: [[R; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
+        let component = |i: usize, j: usize| {
+            pushed[0][j] * n[0][i] + pushed[1][j] * n[1][i] + pushed[2][j] * n[2][i]
+        };
+        let d: [R; 3] = std::array::from_fn(|i| component(i, i) - self.eigenvalues[i]);
+        let along = |i: usize| {
+            let h = &self.second[i];
+            d[i] * ((d[0] * h[0] + d[1] * h[1] + d[2] * h[2]) * 0.5 + self.first[i])
+        };
+        let across = |p: usize| {
+            let (i, j) = PAIRS[p];
+            let shear = component(i, j);
+            shear * shear * self.shear[p]
+        };
+        along(0) + along(1) + along(2) + across(0) + across(1) + across(2) + self.value
+    }
+}
+
+/// The energy with its derivatives by the eigenvalues of `C`.
+fn of_eigenvalues(energy: &impl PrincipalEnergy, eigenvalues: [f64; 3]) -> Jet<3> {
+    energy.of_stretches(Jet::variables(eigenvalues).map(Real::sqrt))
+}
+
+/// The mean of `1/2 (h_ii + h_jj - 2 h_ij)` over the segment on which two eigenvalues are exchanged.
+fn mean_curvature(
+    energy: &impl PrincipalEnergy,
+    eigenvalues: [f64; 3],
+    (i, j): (usize, usize),
+) -> f64 {
+    let (a, b) = (eigenvalues[i], eigenvalues[j]);
+    let at = |t: f64| {
+        let mut between = eigenvalues;
+        between[i] = (1.0 - t) * a + t * b;
+        between[j] = (1.0 - t) * b + t * a;
+        let h = of_eigenvalues(energy, between).hessian;
+        0.5 * (h[i][i] + h[j][j]) - h[i][j]
+    };
+    if a == b {
+        return at(0.0);
+    }
+    RULE.iter().map(|(t, weight)| weight * at(*t)).sum()
+}
+
+/// Eigenvalues and eigenvectors (in columns) of a symmetric matrix by Jacobi's rotations, which find small eigenvalues of
+/// positive matrices to small relative errors; NaN of a matrix that is not finite.
+fn eigen(mut c: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Convergence is quadratic: five sweeps at most are seen.
+    for _ in 0..12 {
+        let mut is_done = true;
+        for (p, q) in PAIRS {
+            let small = f64::EPSILON * 0.25 * (c[p][p] * c[q][q]).abs().sqrt();
+            if c[p][q] == 0.0 || c[p][q].abs() <= small {
+                continue;
+            }
+            is_done = false;
+            let tau = (c[q][q] - c[p][p]) / (2.0 * c[p][q]);
+            let tangent = tau.signum() / (tau.abs() + tau.hypot(1.0));
+            let cosine = tangent.hypot(1.0).recip();
+            let sine = tangent * cosine;
+            let r = 3 - p - q;
+            let (cpr, cqr) = (c[p][r], c[q][r]);
+            c[p][p] -= tangent * c[p][q];
+            c[q][q] += tangent * c[p][q];
+            (c[p][q], c[q][p]) = (0.0, 0.0);
+            (c[p][r], c[q][r]) = (cosine * cpr - sine * cqr, sine * cpr + cosine * cqr);
+            (c[r][p], c[r][q]) = (c[p][r], c[q][r]);
+            for row in &mut axes {
+                (row[p], row[q]) = (
+                    cosine * row[p] - sine * row[q],
+                    sine * row[p] + cosine * row[q],
+                );
+            }
+        }
+        if is_done {
+            break;
+        }
+    }
+    ([c[0][0], c[1][1], c[2][2]], axes)
+}

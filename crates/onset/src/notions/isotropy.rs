@@ -1,0 +1,195 @@
+//! Isotropic laws: whether a law is one, and what its tangent is in principal axes.
+
+use super::{Witness, wave};
+use crate::kinematics::DeformationGradient;
+use crate::material::{FourthOrder, Hyperelastic, Response};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// How far two stresses of turned references may be apart, in units of their size.
+const TOLERANCE: f64 = 1e-9;
+
+/// Whether a law is isotropic: `P(F Q) = P(F) Q` to rounding, tried at deformations without symmetry, stretched and compressed, with rotations
+/// about axes without symmetry.
+///
+/// ```
+/// use onset::material::BlatzKo;
+/// assert!(onset::notions::is_isotropic(&BlatzKo::default()));
+/// ```
+pub fn is_isotropic(material: &dyn Hyperelastic) -> bool {
+    let axes = [
+        Vector3::new(0.36, 0.48, 0.8),
+        Vector3::new(-0.6, 0.64, 0.48),
+        Vector3::new(0.2, -0.3, 0.5),
+        Vector3::new(0.9, 0.1, -0.4),
+    ];
+    let mut answered = false;
+    // A law can be defined near the reference only.
+    for size in [0.2, 0.05] {
+        let stretches = [
+            Vector3::new(1.0 + size, 1.0 + 0.3 * size, 1.0 - 0.5 * size),
+            Vector3::new(1.0 - size, 1.0 + 0.6 * size, 1.0 + 0.1 * size),
+            Vector3::new(1.0 + 0.9 * size, 1.0 + 0.5 * size, 1.0 + 0.2 * size),
+            Vector3::new(1.0 - 0.9 * size, 1.0 - 0.4 * size, 1.0 - 0.2 * size),
+        ];
+        for (stretch, turned) in stretches.iter().zip(&axes) {
+            let f = Matrix3::from_diagonal(stretch);
+            let Some(straight) = respond(material, &f) else {
+                continue;
+            };
+            for axis in &axes {
+                let rotation = Rotation3::from_scaled_axis((axis + turned) * 0.9).into_inner();
+                let Some(other) = respond(material, &(f * rotation)) else {
+                    return false;
+                };
+                let expected = straight.first_piola * rotation;
+                let size = other.first_piola.amax() + expected.amax();
+                if (other.first_piola - expected).amax() > TOLERANCE * size {
+                    return false;
+                }
+                answered = true;
+            }
+        }
+    }
+    answered
+}
+
+/// Whether the energy that a law gives is the one that its stress belongs to: along a stretch and a shear the energy rises by the work
+/// of the stress. Laws in the form of subroutines often give none.
+pub fn has_energy(material: &dyn Hyperelastic) -> bool {
+    let step = Matrix3::new(0.06, 0.03, 0.0, -0.01, -0.02, 0.02, 0.0, 0.01, 0.03);
+    let at = |t: f64| respond(material, &(Matrix3::identity() + step * t));
+    let (Some(start), Some(middle), Some(end)) = (at(0.5), at(0.75), at(1.0)) else {
+        return false;
+    };
+    // Simpson's rule; its error is of fifth order in the step.
+    let power = |response: &Response| response.first_piola.dot(&step);
+    let work = (power(&start) + 4.0 * power(&middle) + power(&end)) * 0.5 / 6.0;
+    let risen = end.energy - start.energy;
+    (risen - work).abs() <= 1e-2 * work.abs()
+}
+
+fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Option<Response> {
+    let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+    let f = DeformationGradient::new(components).ok()?;
+    material.response(&f).ok()
+}
+
+/// The tangent of an isotropic law in principal axes; what is not here is zero.
+#[derive(Clone, Debug)]
+pub(super) struct PrincipalTangent {
+    /// `A_iijj = d^2 W / dlambda_i dlambda_j`.
+    normal: Matrix3<f64>,
+    /// `A_ijij` beside the diagonal.
+    shear: Matrix3<f64>,
+    /// `A_ijji` beside the diagonal.
+    cross: Matrix3<f64>,
+    left: Matrix3<f64>,
+    right: Matrix3<f64>,
+}
+
+impl PrincipalTangent {
+    pub(super) fn of(tangent: &FourthOrder, left: &Matrix3<f64>, right: &Matrix3<f64>) -> Self {
+        let aligned = *left == Matrix3::identity() && *right == Matrix3::identity();
+        let component = |i: usize, j: usize, k: usize, l: usize| {
+            if aligned {
+                return tangent[(i, j, k, l)];
+            }
+            let mut sum = 0.0;
+            for (a, b) in (0..9).map(|n| (n / 3, n % 3)) {
+                let first = left[(a, i)] * right[(b, j)];
+                for (c, d) in (0..9).map(|n| (n / 3, n % 3)) {
+                    sum += first * left[(c, k)] * right[(d, l)] * tangent[(a, b, c, d)];
+                }
+            }
+            sum
+        };
+        Self {
+            normal: Matrix3::from_fn(|i, j| component(i, i, j, j)),
+            shear: Matrix3::from_fn(|i, j| component(i, j, i, j)),
+            cross: Matrix3::from_fn(|i, j| component(i, j, j, i)),
+            left: *left,
+            right: *right,
+        }
+    }
+
+    /// The smallest `A_ijij`, `i != j`, with its wave.
+    pub(super) fn softest_shear(&self) -> (f64, Witness) {
+        let pairs = (0..9).map(|n| (n / 3, n % 3)).filter(|(i, j)| i != j);
+        let (i, j) = pairs.fold((0, 1), |best, pair| {
+            if self.shear[pair] < self.shear[best] {
+                pair
+            } else {
+                best
+            }
+        });
+        let witness = self.wave(&Vector3::ith(j, 1.0), &Vector3::ith(i, 1.0));
+        (self.shear[(i, j)], witness)
+    }
+
+    /// The smallest value of the form that decides on strong ellipticity, with its wave.
+    ///
+    /// With `x_i = g_i N_i` the form is `sum W_ij x_i x_j + sum_{i != j} (A_ijij g_i^2 N_j^2 + A_ijji x_i x_j)`, and `g_i^2 N_j^2 + g_j^2 N_i^2
+    /// >= 2 |x_i x_j|`, with equality where `|g_i| = |N_i|`. So it is positive for all waves if and only if the shear stiffnesses are
+    /// positive and, for all signs of the `x_i`, a quadratic form is positive on the simplex of the `|x_i|`.
+    pub(super) fn softest_wave(&self) -> (f64, Witness) {
+        let mut lowest = self.softest_shear();
+        for signs in [
+            Vector3::new(1.0, 1.0, 1.0),
+            Vector3::new(1.0, 1.0, -1.0),
+            Vector3::new(1.0, -1.0, 1.0),
+            Vector3::new(-1.0, 1.0, 1.0),
+        ] {
+            let matrix = Matrix3::from_fn(|i, j| {
+                if i == j {
+                    self.normal[(i, i)]
+                } else {
+                    let shear = 0.5 * (self.shear[(i, j)] + self.shear[(j, i)]);
+                    signs[i] * signs[j] * (self.normal[(i, j)] + self.cross[(i, j)]) + shear
+                }
+            });
+            let (value, x) = minimum_on_simplex(&matrix);
+            if value < lowest.0 {
+                let direction = x.map(f64::sqrt);
+                let polarization = direction.component_mul(&signs);
+                lowest = (value, self.wave(&direction, &polarization));
+            }
+        }
+        lowest
+    }
+
+    /// The wave with components by principal axes.
+    fn wave(&self, direction: &Vector3<f64>, polarization: &Vector3<f64>) -> Witness {
+        wave(&(self.right * direction), &(self.left * polarization))
+    }
+}
+
+/// The smallest `x . M x` over `x_i >= 0`, `sum x_i = 1`, with its place. `M` is symmetric.
+fn minimum_on_simplex(m: &Matrix3<f64>) -> (f64, Vector3<f64>) {
+    let corner = |i: usize| Vector3::ith(i, 1.0);
+    // Along an edge and within the simplex the form is stationary where M x is the same in all components that x has.
+    let edge = |i: usize, j: usize| {
+        let t = (m[(j, j)] - m[(i, j)]) / (m[(i, i)] + m[(j, j)] - 2.0 * m[(i, j)]);
+        corner(i) * t + corner(j) * (1.0 - t)
+    };
+    let minor = |i: usize, j: usize| {
+        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        m[(a, c)] * m[(b, d)] - m[(a, d)] * m[(b, c)]
+    };
+    let within = Vector3::from_fn(|i, _| minor(i, 0) + minor(i, 1) + minor(i, 2));
+    let candidates = [
+        corner(0),
+        corner(1),
+        corner(2),
+        edge(0, 1),
+        edge(0, 2),
+        edge(1, 2),
+        within / within.sum(),
+    ];
+    candidates
+        .into_iter()
+        .filter(|x| x.iter().all(|x| *x >= 0.0))
+        .map(|x| (x.dot(&(m * x)), x))
+        .fold((f64::INFINITY, corner(0)), |best, next| {
+            if next.0 < best.0 { next } else { best }
+        })
+}

@@ -1,0 +1,602 @@
+//! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
+
+use super::State;
+use crate::kinematics::{DeformationGradient, KinematicsError};
+use crate::material::{Hyperelastic, MaterialError, Response};
+use nalgebra::{Matrix3, Vector2};
+use thiserror::Error;
+
+/// What a specimen is subjected to, with one stretch `lambda` that is imposed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Mode {
+    /// One direction is stretched: `F11 = lambda`.
+    Uniaxial,
+    /// Two directions are stretched alike: `F11 = F22 = lambda`.
+    Equibiaxial,
+    /// One direction is stretched while another one is held, as in a wide strip ("pure shear").
+    Planar,
+    /// `F12 = gamma = lambda - 1/lambda`: `lambda` is the larger principal stretch of simple shear.
+    SimpleShear,
+    /// All directions are stretched alike.
+    Hydrostatic,
+}
+
+/// What holds the other directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Lateral {
+    /// They keep their length.
+    Held,
+    /// The third direction keeps its length.
+    PlaneStrain,
+    /// The third direction is free: no traction on its faces.
+    PlaneStress,
+    /// All faces that are not loaded are free of traction.
+    Free,
+}
+
+/// A mode with what holds the other directions.
+///
+/// | mode | `held` | `plane-strain` | `plane-stress` | `free` |
+/// |---|---|---|---|---|
+/// | `uniaxial` | `(l, 1, 1)` | `(l, *, 1)` | | `(l, *, *)` |
+/// | `equibiaxial` | | `(l, l, 1)` | `(l, l, *)` | |
+/// | `planar` | | `(l, 1/l, 1)` | `(l, 1, *)` | |
+/// | `simple-shear` | | `(1, 1, 1)` | `(1, 1, *)` | `(1, *, *)` |
+/// | `hydrostatic` | `(l, l, l)` | | | |
+///
+/// Stars are solved for: the diagonal components of `F` at which their normal tractions `P_22`, `P_33` vanish. Shears beside them
+/// stay zero; for laws with fibers that are not along the axes the faces then carry shear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Loading {
+    /// What is imposed.
+    pub mode: Mode,
+    /// What holds the rest.
+    pub lateral: Lateral,
+}
+
+impl Mode {
+    /// All modes.
+    pub const ALL: [Self; 5] = [
+        Self::Uniaxial,
+        Self::Equibiaxial,
+        Self::Planar,
+        Self::SimpleShear,
+        Self::Hydrostatic,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniaxial => "uniaxial",
+            Self::Equibiaxial => "equibiaxial",
+            Self::Planar => "planar",
+            Self::SimpleShear => "simple-shear",
+            Self::Hydrostatic => "hydrostatic",
+        }
+    }
+}
+
+impl Lateral {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Held => "held",
+            Self::PlaneStrain => "plane-strain",
+            Self::PlaneStress => "plane-stress",
+            Self::Free => "free",
+        }
+    }
+}
+
+impl Loading {
+    /// All loadings, in the order of tables.
+    pub const ALL: [Self; 11] = {
+        use Lateral::{Free, Held, PlaneStrain, PlaneStress};
+        use Mode::{Equibiaxial, Hydrostatic, Planar, SimpleShear, Uniaxial};
+        [
+            Self::new(Uniaxial, Free),
+            Self::new(Uniaxial, PlaneStrain),
+            Self::new(Uniaxial, Held),
+            Self::new(Equibiaxial, PlaneStress),
+            Self::new(Equibiaxial, PlaneStrain),
+            Self::new(Planar, PlaneStress),
+            Self::new(Planar, PlaneStrain),
+            Self::new(SimpleShear, Free),
+            Self::new(SimpleShear, PlaneStress),
+            Self::new(SimpleShear, PlaneStrain),
+            Self::new(Hydrostatic, Held),
+        ]
+    };
+
+    const fn new(mode: Mode, lateral: Lateral) -> Self {
+        Self { mode, lateral }
+    }
+
+    /// In a few words.
+    pub fn title(self) -> &'static str {
+        match (self.mode, self.lateral) {
+            (Mode::Uniaxial, Lateral::Free) => "uniaxial, lateral faces free",
+            (Mode::Uniaxial, Lateral::PlaneStrain) => "uniaxial, plane strain",
+            (Mode::Uniaxial, _) => "uniaxial strain",
+            (Mode::Equibiaxial, Lateral::PlaneStress | Lateral::Free) => {
+                "equibiaxial, plane stress"
+            }
+            (Mode::Equibiaxial, _) => "equibiaxial, plane strain",
+            (Mode::Planar, Lateral::PlaneStress | Lateral::Free) => "planar, plane stress",
+            (Mode::Planar, _) => "planar, isochoric",
+            (Mode::SimpleShear, Lateral::Free) => "simple shear, faces free",
+            (Mode::SimpleShear, Lateral::PlaneStress) => "simple shear, plane stress",
+            (Mode::SimpleShear, _) => "simple shear, plane strain",
+            (Mode::Hydrostatic, _) => "hydrostatic",
+        }
+    }
+
+    /// The principal directions (0, 1, 2) whose stretch is solved for.
+    fn free(self) -> &'static [usize] {
+        match (self.mode, self.lateral) {
+            (Mode::Uniaxial | Mode::SimpleShear, Lateral::Free) => &[1, 2],
+            (Mode::Uniaxial, Lateral::PlaneStrain) => &[1],
+            (Mode::Hydrostatic, _) => &[],
+            (_, Lateral::PlaneStress | Lateral::Free) => &[2],
+            _ => &[],
+        }
+    }
+
+    /// `F` with what is imposed at `s = ln lambda`, and its derivative by `s`; free directions have length 1.
+    fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
+        let stretch = s.exp();
+        let (mut f, mut rate) = (Matrix3::identity(), Matrix3::zeros());
+        let mut stretched = |axis: usize, sign: f64| {
+            f[(axis, axis)] = (sign * s).exp();
+            rate[(axis, axis)] = sign * (sign * s).exp();
+        };
+        match (self.mode, self.lateral) {
+            (Mode::Uniaxial, _) => stretched(0, 1.0),
+            (Mode::Planar, Lateral::PlaneStress | Lateral::Free) => stretched(0, 1.0),
+            (Mode::Planar, _) => {
+                stretched(0, 1.0);
+                stretched(1, -1.0);
+            }
+            (Mode::Equibiaxial, _) => (0..2).for_each(|axis| stretched(axis, 1.0)),
+            (Mode::Hydrostatic, _) => (0..3).for_each(|axis| stretched(axis, 1.0)),
+            (Mode::SimpleShear, _) => {
+                f[(0, 1)] = stretch - stretch.recip();
+                rate[(0, 1)] = stretch + stretch.recip();
+            }
+        }
+        (f, rate)
+    }
+}
+
+/// The stretches of interest, from the smallest to the largest; 1 is among them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    low: f64,
+    high: f64,
+}
+
+/// A range that is none.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error(
+    "the range of stretches leads from {low:?} to {high:?}; expected two numbers around 1 between {} and {}, for example 0.1,10",
+    Range::LIMITS.0,
+    Range::LIMITS.1
+)]
+pub struct RangeError {
+    /// Its first number.
+    pub low: f64,
+    /// Its second number.
+    pub high: f64,
+}
+
+impl Default for Range {
+    /// From 0.1 to 10, where fitting codes look.
+    fn default() -> Self {
+        Self {
+            low: 0.1,
+            high: 10.0,
+        }
+    }
+}
+
+impl Range {
+    /// The smallest and the largest stretch that a range may hold.
+    const LIMITS: (f64, f64) = (1e-3, 1e3);
+
+    /// From `low` below 1 to `high` above 1.
+    ///
+    /// # Errors
+    /// [`RangeError`] when 1 is not between them, or one is beyond 1/1000 or 1000.
+    pub fn new(low: f64, high: f64) -> Result<Self, RangeError> {
+        let admitted = Self::LIMITS.0 <= low && low < 1.0 && 1.0 < high && high <= Self::LIMITS.1;
+        match admitted {
+            true => Ok(Self { low, high }),
+            false => Err(RangeError { low, high }),
+        }
+    }
+
+    /// The smallest stretch.
+    pub fn low(&self) -> f64 {
+        self.low
+    }
+
+    /// The largest stretch.
+    pub fn high(&self) -> f64 {
+        self.high
+    }
+}
+
+/// A state of a loading.
+#[derive(Clone, Debug)]
+pub struct PathState {
+    /// `s = ln lambda`.
+    pub parameter: f64,
+    /// Energy, stress and tangent; the deformation is in it.
+    pub response: Response,
+    /// `dF/ds` along the loading, free directions included.
+    pub rate: Matrix3<f64>,
+    /// Logarithms of the free stretches, in the order of the axes, and their derivatives by `s`.
+    lateral: Vector2<f64>,
+    slope: Vector2<f64>,
+}
+
+/// Why a loading leads no further in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PathEnd {
+    /// It has reached the end of the range.
+    Range,
+    /// The law gives no finite numbers, or is not defined, beyond the stretch.
+    Law {
+        /// The last stretch with a state.
+        stretch: f64,
+        /// What the law says.
+        source: MaterialError,
+    },
+    /// Beyond the stretch the branch of states with free faces that starts at the reference does not go on.
+    NoState {
+        /// The last stretch with a state.
+        stretch: f64,
+    },
+}
+
+/// States of a loading, in tension and in compression, followed from the reference.
+pub struct LoadingPath<'a> {
+    material: &'a dyn Hyperelastic,
+    isotropic: bool,
+    /// What is loaded.
+    pub loading: Loading,
+    /// States at increasing stretch, the reference first.
+    pub tension: Vec<PathState>,
+    /// States at decreasing stretch, the reference first.
+    pub compression: Vec<PathState>,
+    /// Why the tension ends where it does.
+    pub tension_end: PathEnd,
+    /// Why the compression ends where it does.
+    pub compression_end: PathEnd,
+}
+
+/// States from the reference to an end of the range.
+const STEPS: usize = 192;
+/// How often a step of the path is halved before the path counts as ended.
+const HALVINGS: i32 = 44;
+/// No states are kept nearer than this, in `ln lambda`, to where a law ends.
+const BEFORE_END: f64 = 1e-6;
+/// Newton iterations for the free stretches.
+const ITERATIONS: usize = 40;
+
+/// Why a loading cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LoadingError {
+    /// The law has no response in the reference.
+    #[error("{0}")]
+    Law(#[from] MaterialError),
+    /// No state with free faces near the reference.
+    #[error(
+        "at stretch 1 no lateral stretches were found at which the free faces carry no traction"
+    )]
+    NoReference,
+}
+
+/// Why there is no state.
+enum Missing {
+    Law(MaterialError),
+    Equilibrium,
+}
+
+impl<'a> LoadingPath<'a> {
+    /// Follows a loading over a range.
+    ///
+    /// # Errors
+    /// [`LoadingError`] when there is no state in the reference, `lambda = 1`.
+    pub fn new(
+        material: &'a dyn Hyperelastic,
+        isotropic: bool,
+        loading: Loading,
+        range: &Range,
+    ) -> Result<Self, LoadingError> {
+        let reference =
+            solve(material, loading, 0.0, Vector2::zeros()).map_err(|missing| match missing {
+                Missing::Law(error) => LoadingError::Law(error),
+                Missing::Equilibrium => LoadingError::NoReference,
+            })?;
+        let side = |end: f64| branch(material, loading, &reference, end.ln());
+        let (tension, tension_end) = side(range.high);
+        let (compression, compression_end) = side(range.low);
+        Ok(Self {
+            material,
+            isotropic,
+            loading,
+            tension,
+            compression,
+            tension_end,
+            compression_end,
+        })
+    }
+
+    /// The law.
+    pub fn material(&self) -> &'a dyn Hyperelastic {
+        self.material
+    }
+
+    /// Whether the law is isotropic.
+    pub fn is_isotropic(&self) -> bool {
+        self.isotropic
+    }
+
+    /// The state at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
+    pub fn at(&self, s: f64) -> Option<PathState> {
+        let states = if s >= 0.0 {
+            &self.tension
+        } else {
+            &self.compression
+        };
+        let beyond = states.partition_point(|state| state.parameter.abs() < s.abs());
+        let after = states.get(beyond)?;
+        if after.parameter == s {
+            return Some(after.clone());
+        }
+        let before = states.get(beyond.checked_sub(1)?)?;
+        let nearest = match (s - before.parameter).abs() < (s - after.parameter).abs() {
+            true => before,
+            false => after,
+        };
+        continued(self.material, self.loading, nearest, s).ok()
+    }
+
+    /// The state at `s` as notions ask it.
+    pub fn state(&self, s: f64) -> Option<State> {
+        self.at(s).map(|state| self.ask(&state))
+    }
+
+    /// A state of this path as notions ask it.
+    pub fn ask(&self, state: &PathState) -> State {
+        State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate)
+    }
+
+    /// States with free faces other than the one followed, at a parameter: their deformations. Looked for from a grid of free stretches, so
+    /// that none found is no proof.
+    pub fn other_states(&self, s: f64) -> Vec<DeformationGradient> {
+        let count = self.loading.free().len();
+        let Some(own) = self.at(s).filter(|_| count > 0) else {
+            return Vec::new();
+        };
+        let mut found: Vec<PathState> = vec![own];
+        let starts = [-1.6, -0.8, -0.4, 0.0, 0.4, 0.8, 1.6];
+        for first in starts {
+            let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
+            for second in seconds {
+                let Ok(state) = solve(self.material, self.loading, s, Vector2::new(first, *second))
+                else {
+                    continue;
+                };
+                let new = |other: &PathState| (other.lateral - state.lateral).amax() > 1e-6;
+                if found.iter().all(new) {
+                    found.push(state);
+                }
+            }
+        }
+        found
+            .drain(1..)
+            .map(|state| state.response.deformation)
+            .collect()
+    }
+}
+
+/// States from the reference to `end`, and why they end.
+fn branch(
+    material: &dyn Hyperelastic,
+    loading: Loading,
+    reference: &PathState,
+    end: f64,
+) -> (Vec<PathState>, PathEnd) {
+    let step = end / STEPS as f64;
+    let mut states = vec![reference.clone()];
+    let mut here = reference.clone();
+    for n in 1..=STEPS {
+        let target = if n == STEPS { end } else { step * n as f64 };
+        let mut trial = target;
+        while here.parameter != target {
+            match continued(material, loading, &here, trial) {
+                Ok(state) => {
+                    states.push(state.clone());
+                    here = state;
+                    trial = target;
+                }
+                Err(missing) => {
+                    let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
+                    trial = 0.5 * (here.parameter + trial);
+                    if (trial - here.parameter).abs() <= smallest || trial == here.parameter {
+                        let stretch = here.parameter.exp();
+                        let end = match missing {
+                            Missing::Law(source) => {
+                                // Numbers that grow without bound leave nothing but rounding.
+                                let end = here.parameter;
+                                states.retain(|state| {
+                                    state.parameter == 0.0
+                                        || (state.parameter - end).abs() > BEFORE_END
+                                });
+                                PathEnd::Law { stretch, source }
+                            }
+                            Missing::Equilibrium => PathEnd::NoState { stretch },
+                        };
+                        return (states, end);
+                    }
+                }
+            }
+        }
+    }
+    (states, PathEnd::Range)
+}
+
+/// The state at `s` on the branch of a state nearby: solved from the tangent, and refused where it is another branch.
+fn continued(
+    material: &dyn Hyperelastic,
+    loading: Loading,
+    near: &PathState,
+    s: f64,
+) -> Result<PathState, Missing> {
+    let step = s - near.parameter;
+    let guess = near.lateral + near.slope * step;
+    let state = solve(material, loading, s, guess)?;
+    let moved = (state.lateral - guess).amax();
+    let admitted = 1e-9 + 0.3 * step.abs() * (1.0 + near.slope.amax());
+    if moved <= admitted {
+        Ok(state)
+    } else {
+        Err(Missing::Equilibrium)
+    }
+}
+
+/// Newton's method for the free stretches, down to rounding: `tau_kk = P_kk F_kk = 0` for all free directions `k`.
+fn solve(
+    material: &dyn Hyperelastic,
+    loading: Loading,
+    s: f64,
+    guess: Vector2<f64>,
+) -> Result<PathState, Missing> {
+    let free = loading.free();
+    let (imposed, imposed_rate) = loading.imposed(s);
+    let mut lateral = guess;
+    let mut last = f64::INFINITY;
+    for _ in 0..ITERATIONS {
+        let mut f = imposed;
+        for (n, axis) in free.iter().enumerate() {
+            f[(*axis, *axis)] = lateral[n].exp();
+        }
+        let response = respond(material, &f)?;
+        let linear = Linear::of(&response, free, &imposed_rate);
+        let Some(correction) = linear.solve(&-linear.traction) else {
+            return Err(Missing::Equilibrium);
+        };
+        let size = correction.amax();
+        // The corrections of a converged iteration are rounding, and so are its tractions; they stop to shrink.
+        let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
+        if size <= 4.0 * f64::EPSILON || settled {
+            let slope = linear.solve(&-linear.imposed).ok_or(Missing::Equilibrium)?;
+            let mut rate = imposed_rate;
+            for (n, axis) in free.iter().enumerate() {
+                rate[(*axis, *axis)] = slope[n] * f[(*axis, *axis)];
+            }
+            return Ok(PathState {
+                parameter: s,
+                response,
+                rate,
+                lateral,
+                slope,
+            });
+        }
+        last = size;
+        lateral += correction * (0.5 / size).min(1.0);
+    }
+    Err(Missing::Equilibrium)
+}
+
+fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Missing> {
+    let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+    let f = DeformationGradient::new(components).map_err(|error| {
+        Missing::Law(MaterialError::NotFinite {
+            jacobian: match error {
+                KinematicsError::JacobianNotPositive { jacobian } => jacobian,
+                _ => f.determinant(),
+            },
+        })
+    })?;
+    material.response(&f).map_err(Missing::Law)
+}
+
+/// The tractions on free faces to first order in the logarithms of the free stretches.
+struct Linear {
+    count: usize,
+    /// `tau_kk`.
+    traction: Vector2<f64>,
+    /// `dtau_kk / dln F_mm`.
+    matrix: [[f64; 2]; 2],
+    /// `dtau_kk / ds` of what is imposed.
+    imposed: Vector2<f64>,
+    /// The size of the numbers that the tractions are differences of.
+    magnitude: f64,
+}
+
+/// Tractions smaller than this, in units of the numbers that they are differences of, are rounding.
+const BALANCED: f64 = 1e-12;
+
+impl Linear {
+    fn of(response: &Response, free: &[usize], imposed_rate: &Matrix3<f64>) -> Self {
+        let f = response.deformation.components();
+        let mut linear = Self {
+            count: free.len(),
+            traction: Vector2::zeros(),
+            matrix: [[0.0; 2]; 2],
+            imposed: Vector2::zeros(),
+            magnitude: 0.0,
+        };
+        let mut largest: f64 = 0.0;
+        for (a, &k) in free.iter().enumerate() {
+            linear.traction[a] = response.first_piola[(k, k)] * f[k][k];
+            for (b, &m) in free.iter().enumerate() {
+                let stiffness = f[k][k] * response.tangent[(k, k, m, m)] * f[m][m];
+                let geometric = if k == m { linear.traction[a] } else { 0.0 };
+                linear.matrix[a][b] = stiffness + geometric;
+            }
+            for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+                largest = largest.max((f[k][k] * response.tangent[(k, k, i, j)] * f[i][j]).abs());
+                linear.imposed[a] +=
+                    f[k][k] * response.tangent[(k, k, i, j)] * imposed_rate[(i, j)];
+            }
+        }
+        linear.magnitude = largest + response.first_piola.amax() * f[0][0].max(f[1][1]);
+        linear
+    }
+
+    /// Whether the tractions vanish to rounding.
+    fn is_balanced(&self) -> bool {
+        self.traction.amax() <= BALANCED * self.magnitude
+    }
+
+    /// The solution of `matrix x = right`; `None` where the matrix is singular.
+    fn solve(&self, right: &Vector2<f64>) -> Option<Vector2<f64>> {
+        let m = &self.matrix;
+        let solution = match self.count {
+            0 => Vector2::zeros(),
+            1 => Vector2::new(right[0] / m[0][0], 0.0),
+            _ => {
+                let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+                Vector2::new(
+                    (right[0] * m[1][1] - right[1] * m[0][1]) / determinant,
+                    (right[1] * m[0][0] - right[0] * m[1][0]) / determinant,
+                )
+            }
+        };
+        solution.iter().all(|x| x.is_finite()).then_some(solution)
+    }
+}

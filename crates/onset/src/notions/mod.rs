@@ -1,0 +1,459 @@
+//! Notions of stability side by side: each a quantity with a sign and a witness, by its own name.
+//!
+//! "Stable" means many things. A wave, a dead load, a machine that stretches a specimen, a code that fits a law to tests: each
+//! asks another question, and a law can pass one and fail the next at the same state. A [`Notion`] names the question; its
+//! [`Measure`] at a [`State`] is positive where the answer is yes, and comes with the perturbation that makes it smallest.
+//! [`Loading`] leads to states, with traction-free faces solved for; [`follow`] tells where along it a notion is lost.
+//! [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
+//!
+//! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches
+//! `lambda_i`:
+//!
+//! | notion | demands |
+//! |---|---|
+//! | [`StrongEllipticity`](Notion::StrongEllipticity) | `A_iJkL g_i N_J g_k N_L > 0` for all `g`, `N` |
+//! | [`PlaneEllipticity`](Notion::PlaneEllipticity) | the same for `g`, `N` in the plane of the first two axes |
+//! | [`RankOneConvexity`](Notion::RankOneConvexity) | `W(F + a (x) N) > W(F) + P : a (x) N` for finite `a` |
+//! | [`BakerEricksen`](Notion::BakerEricksen) | `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0` |
+//! | [`Hill`](Notion::Hill) | `Fdot : A : Fdot > 0` for all `Fdot` (dead loads; rotations included) |
+//! | [`PureStrain`](Notion::PureStrain) | the same for `Fdot = R S`, `S` symmetric (rotations held) |
+//! | [`Drucker`](Notion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
+//! | [`PrincipalDrucker`](Notion::PrincipalDrucker) | `dtau_i dln(lambda_i) > 0` with principal axes held |
+//! | [`LoadMaximum`](Notion::LoadMaximum) | the load rises along the loading itself |
+//!
+//! What follows from what: [`RankOneConvexity`](Notion::RankOneConvexity) at a state implies ellipticity (not strict) there; strong
+//! ellipticity of an isotropic law implies the Baker-Ericksen inequalities; [`Hill`](Notion::Hill) implies strong ellipticity,
+//! [`PureStrain`](Notion::PureStrain) and that the load rises. [`Drucker`](Notion::Drucker)'s inequality and strong ellipticity
+//! imply nothing for each other.
+
+mod box_of_stretches;
+mod follow;
+mod forms;
+mod isotropy;
+mod jumps;
+mod loading;
+mod polyconvexity;
+mod root;
+
+pub use box_of_stretches::{SafeBox, safe_box, widest_safe_box};
+pub use follow::{Change, Event, Track, follow, follow_jumps};
+pub use isotropy::{has_energy, is_isotropic};
+pub use jumps::{Jump, JumpSearch};
+pub use loading::{
+    Lateral, Loading, LoadingError, LoadingPath, Mode, PathEnd, PathState, Range, RangeError,
+};
+pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
+
+use crate::continuum::Stiffness;
+use crate::kinematics::DeformationGradient;
+use crate::material::{Hyperelastic, MaterialError, Response};
+use forms::QuadraticForm;
+use isotropy::PrincipalTangent;
+use nalgebra::{Matrix3, Vector3};
+
+/// A notion of stability.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Notion {
+    /// Every plane wave travels: `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
+    ///
+    /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965),
+    /// section 44. Its loss is that of the waves' speed: shear bands and other bands of any thickness can form.
+    ///
+    /// For isotropic laws decided exactly: in principal axes, with `W_ij` the second derivatives of the energy by the
+    /// stretches, the form is nowhere negative if and only if the shear stiffnesses `A_ijij` are not negative and the matrices with
+    /// `W_ii` on the diagonal and `e_i e_j (W_ij + A_ijji) + A_ijij` beside it are copositive for all signs `e` (Simpson and Spector,
+    /// Arch. Ration. Mech. Anal. 84 (1983) 55). The measure is the smallest value that these conditions attain, a value of the form
+    /// at unit vectors; for other laws it is the smallest eigenvalue of all acoustic tensors. Units of stress.
+    StrongEllipticity,
+    /// Every plane wave within the plane of the first two axes travels: what a simulation in plane strain can see.
+    ///
+    /// The measure is the smallest eigenvalue of the acoustic tensors in the plane, exact. Units of stress. Source: as
+    /// [`Notion::StrongEllipticity`].
+    PlaneEllipticity,
+    /// No layering with finite jumps costs less energy: `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
+    ///
+    /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest `2 (W(F + a (x) N) - W(F) -
+    /// P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof up to rounding, a
+    /// positive one says that none was found.
+    RankOneConvexity,
+    /// The larger principal stress goes with the larger principal stretch: `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
+    ///
+    /// Source: Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33; for isotropic laws. The measure is the smallest
+    /// `(tau_i - tau_j) / (lambda_i^2 - lambda_j^2)`, which is the component `A_ijij` of the tangent in principal axes and so has its
+    /// limit at equal stretches. Units of stress.
+    BakerEricksen,
+    /// No rate gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot`.
+    ///
+    /// Source: Hill, J. Mech. Phys. Solids 5 (1957) 229 and 6 (1958) 236: where it holds everywhere, the rates of a body under dead loads
+    /// are unique. All nine rates are admitted, rotations too: for `Fdot = w x F` the form is that of the stress alone,
+    /// `tr(tau) |w|^2 - w . tau w`, so the condition is neutral without stress and in uniaxial tension (rotation about the load), and never holds
+    /// where two principal stresses have a negative sum, whatever the law. A value that is zero to rounding (3e-14 of the tangent) counts as held, which can move a limit by 1e-9. The measure is the smallest
+    /// eigenvalue of `A` as a matrix of nine rows. Units of stress.
+    Hill,
+    /// No rate without rotation gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot = R S`, `S` symmetric.
+    ///
+    /// The energy is convex in the right stretch tensor `U` to second order. Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4
+    /// (1959) 97; in rates Hill, J. Mech. Phys. Solids 16 (1968) 229, with Biot stress and `U` as conjugate measures. The measure is the
+    /// smallest eigenvalue on these six rates. Units of stress.
+    PureStrain,
+    /// Stress work of second order is positive: `tau° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Kirchhoff
+    /// stress.
+    ///
+    /// It is `(D F) : A : (D F) + tau : D^2 > 0`. Source: Hill, J. Mech. Phys. Solids 16 (1968) 229; Leblond, Eur. J. Mech. A 11 (1992) 447: for isotropic
+    /// laws the same as convexity in the logarithmic strain. Programs that fit laws call it Drucker's stability, after Drucker, J. Appl.
+    /// Mech. 26 (1959) 101. The measure is the smallest eigenvalue on symmetric `D`. Units of stress.
+    Drucker,
+    /// Drucker's stability as fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
+    ///
+    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike
+    /// materials, "Material stability" (checked there for stretches 0.1 to 10). The measure is its smallest eigenvalue. Units of stress.
+    PrincipalDrucker,
+    /// The load rises along the loading: `Pdot : Fdot > 0` along the path itself, with its traction-free faces.
+    ///
+    /// Under a prescribed load the specimen runs away where this ends (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars); under a
+    /// prescribed elongation a homogeneous specimen does not notice. For a single loaded direction `Pdot : Fdot = dP/dlambda` times a
+    /// positive number. The measure is `Pdot : Fdot` with the rate by the logarithm of the stretch. Units of stress.
+    LoadMaximum,
+}
+
+/// The value of a notion at a state; positive where it holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measure {
+    /// The smallest value found; units of stress.
+    pub value: f64,
+    /// Values above `-neutral` count as held; zero but for notions that are neutral at whole sets of states.
+    pub neutral: f64,
+    /// Values nearer to zero than this can be rounding: their sign says nothing.
+    pub rounding: f64,
+    /// The perturbation with this value.
+    pub witness: Witness,
+}
+
+impl Measure {
+    /// A number with the sign of the notion: negative where it does not hold.
+    pub fn signed(&self) -> f64 {
+        self.value + self.neutral
+    }
+
+    /// Whether the notion holds.
+    pub fn holds(&self) -> bool {
+        self.signed() > 0.0
+    }
+}
+
+/// The perturbation that makes a measure smallest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(tag = "kind", rename_all = "kebab-case")
+)]
+pub enum Witness {
+    /// A plane wave: unit direction `N` (reference) and unit polarization `g`.
+    Wave {
+        /// `N`.
+        direction: [f64; 3],
+        /// `g`.
+        polarization: [f64; 3],
+    },
+    /// A rate of the deformation gradient of unit length, `Fdot_iJ`.
+    DeformationRate {
+        /// `Fdot_iJ`.
+        rate: [[f64; 3]; 3],
+    },
+    /// A rate of deformation of unit length, `D_ij`.
+    StrainRate {
+        /// `D_ij`.
+        rate: [[f64; 3]; 3],
+    },
+    /// A finite jump `a (x) N` of the deformation gradient.
+    Jump {
+        /// `a`.
+        amplitude: [f64; 3],
+        /// `N`, of unit length.
+        direction: [f64; 3],
+        /// Whether the jump leads to the edge of what was looked at; the limit then depends on the edge, and is rough.
+        at_edge: bool,
+    },
+}
+
+impl Notion {
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 9] = [
+        Self::StrongEllipticity,
+        Self::PlaneEllipticity,
+        Self::RankOneConvexity,
+        Self::BakerEricksen,
+        Self::Hill,
+        Self::PureStrain,
+        Self::Drucker,
+        Self::PrincipalDrucker,
+        Self::LoadMaximum,
+    ];
+
+    /// The word used in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StrongEllipticity => "strong-ellipticity",
+            Self::PlaneEllipticity => "plane-ellipticity",
+            Self::RankOneConvexity => "rank-one-convexity",
+            Self::BakerEricksen => "baker-ericksen",
+            Self::Hill => "hill",
+            Self::PureStrain => "pure-strain",
+            Self::Drucker => "drucker",
+            Self::PrincipalDrucker => "principal-drucker",
+            Self::LoadMaximum => "load-maximum",
+        }
+    }
+
+    /// What it is called in sentences.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::StrongEllipticity => "strong ellipticity",
+            Self::PlaneEllipticity => "ellipticity in the plane",
+            Self::RankOneConvexity => "rank-one convexity",
+            Self::BakerEricksen => "the Baker-Ericksen inequality",
+            Self::Hill => "Hill's condition for dead loads",
+            Self::PureStrain => "Hill's condition with rotations held",
+            Self::Drucker => "Drucker's condition",
+            Self::PrincipalDrucker => "Drucker's check in principal axes",
+            Self::LoadMaximum => "a rising load",
+        }
+    }
+
+    /// What it demands, as a formula.
+    pub fn definition(self) -> &'static str {
+        match self {
+            Self::StrongEllipticity => "A_iJkL g_i N_J g_k N_L > 0 for all g, N",
+            Self::PlaneEllipticity => "A_iJkL g_i N_J g_k N_L > 0 for all g, N in the plane 1-2",
+            Self::RankOneConvexity => "W(F + a (x) N) > W(F) + P : a (x) N for all a, N",
+            Self::BakerEricksen => "(sigma_i - sigma_j)(lambda_i - lambda_j) > 0",
+            Self::Hill => "Fdot : A : Fdot > 0 for all Fdot",
+            Self::PureStrain => "Fdot : A : Fdot > 0 for all Fdot = R S, S symmetric",
+            Self::Drucker => "tau° : D > 0 for all D, tau° the Jaumann rate of Kirchhoff stress",
+            Self::PrincipalDrucker => "dtau_i dln(lambda_i) > 0 with principal axes held",
+            Self::LoadMaximum => "Pdot : Fdot > 0 along the loading",
+        }
+    }
+
+    /// Where it is from.
+    pub fn source(self) -> &'static str {
+        match self {
+            Self::StrongEllipticity | Self::PlaneEllipticity => {
+                "Hadamard 1903; Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983) 55"
+            }
+            Self::RankOneConvexity => "Ball, Arch. Ration. Mech. Anal. 63 (1977) 337",
+            Self::BakerEricksen => "Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33",
+            Self::Hill => "Hill, J. Mech. Phys. Solids 6 (1958) 236",
+            Self::PureStrain => {
+                "Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Hill, J. Mech. Phys. Solids 16 (1968) 229"
+            }
+            Self::Drucker => {
+                "Drucker, J. Appl. Mech. 26 (1959) 101; Leblond, Eur. J. Mech. A 11 (1992) 447"
+            }
+            Self::PrincipalDrucker => "Abaqus Analysis Guide, hyperelasticity, material stability",
+            Self::LoadMaximum => "Considère, Ann. Ponts Chaussées 9 (1885) 574",
+        }
+    }
+
+    /// The notion with a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|notion| notion.name() == name)
+    }
+
+    /// The measure at a state. `None` where the notion is not defined: Baker-Ericksen for laws that are not isotropic, the load maximum
+    /// at a state without a loading, and rank-one convexity always, since its search needs the law: see [`JumpSearch`].
+    ///
+    /// ```
+    /// use onset::kinematics::DeformationGradient;
+    /// use onset::material::BlatzKo;
+    /// use onset::notions::{Notion, State};
+    /// // Uniaxial strain 4 is beyond 2 + sqrt 3: not elliptic, but Drucker-stable.
+    /// let f = DeformationGradient::from_stretches([4.0, 1.0, 1.0])?;
+    /// let state = State::new(&BlatzKo::default(), &f)?;
+    /// assert!(!Notion::StrongEllipticity.measure(&state).is_some_and(|measure| measure.holds()));
+    /// assert!(Notion::Drucker.measure(&state).is_some_and(|measure| measure.holds()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn measure(self, state: &State) -> Option<Measure> {
+        match self {
+            Self::StrongEllipticity => Some(state.strong_ellipticity()),
+            Self::PlaneEllipticity => Some(state.plane_ellipticity()),
+            Self::RankOneConvexity => None,
+            Self::BakerEricksen => state.isotropic.as_ref().map(|tangent| {
+                let (value, wave) = tangent.softest_shear();
+                state.of(value, wave)
+            }),
+            Self::Hill => Some(state.hill()),
+            Self::PureStrain => Some(state.pure_strain()),
+            Self::Drucker => Some(state.drucker()),
+            Self::PrincipalDrucker => Some(state.principal_drucker()),
+            Self::LoadMaximum => state.rate.map(|rate| state.load_maximum(&rate)),
+        }
+    }
+}
+
+/// How far below zero, in units of the largest component of the tangent, rounding can leave a form that is zero.
+const NEUTRAL: f64 = 3e-14;
+/// How much of the largest component of the tangent can be rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A state at which notions are asked: the response of a law, its principal axes, and the loading that led there.
+#[derive(Clone, Debug)]
+pub struct State {
+    response: Response,
+    form: QuadraticForm,
+    /// Right and left principal axes in columns, `F = sum lambda_i n_i (x) N_i`.
+    right: Matrix3<f64>,
+    left: Matrix3<f64>,
+    isotropic: Option<PrincipalTangent>,
+    rate: Option<Matrix3<f64>>,
+}
+
+impl State {
+    /// A state of a law, without a loading. Whether the law is isotropic is found out ([`is_isotropic`]).
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the response is not finite.
+    pub fn new(
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Self, MaterialError> {
+        Ok(Self::of_response(
+            material.response(f)?,
+            is_isotropic(material),
+        ))
+    }
+
+    /// A state with a known response.
+    pub fn of_response(response: Response, isotropic: bool) -> Self {
+        let (left, right) = principal_axes(&response.deformation);
+        Self {
+            form: QuadraticForm::of(&response.tangent),
+            isotropic: isotropic.then(|| PrincipalTangent::of(&response.tangent, &left, &right)),
+            response,
+            left,
+            right,
+            rate: None,
+        }
+    }
+
+    /// The state with the rate `dF/ds` of the loading that led to it.
+    pub fn with_rate(mut self, rate: Matrix3<f64>) -> Self {
+        self.rate = Some(rate);
+        self
+    }
+
+    /// Energy, stress and tangent.
+    pub fn response(&self) -> &Response {
+        &self.response
+    }
+
+    fn of(&self, value: f64, witness: Witness) -> Measure {
+        Measure {
+            value,
+            neutral: 0.0,
+            rounding: ROUNDING * self.form.magnitude(),
+            witness,
+        }
+    }
+
+    fn strong_ellipticity(&self) -> Measure {
+        if let Some(tangent) = &self.isotropic {
+            let (value, wave) = tangent.softest_wave();
+            return self.of(value, wave);
+        }
+        let minimum = Stiffness::<3>::of(&self.response).minimum();
+        let witness = wave(&minimum.direction, &minimum.polarization);
+        self.of(minimum.eigenvalue.re, witness)
+    }
+
+    fn plane_ellipticity(&self) -> Measure {
+        let minimum = Stiffness::<2>::of(&self.response).minimum();
+        let spatial = |v: nalgebra::Vector2<f64>| Vector3::new(v[0], v[1], 0.0);
+        let witness = wave(&spatial(minimum.direction), &spatial(minimum.polarization));
+        self.of(minimum.eigenvalue.re, witness)
+    }
+
+    fn hill(&self) -> Measure {
+        let (value, rate) = self.form.smallest(&forms::all_rates());
+        Measure {
+            value,
+            neutral: NEUTRAL * self.form.magnitude(),
+            ..self.of(value, Witness::DeformationRate { rate: rows(&rate) })
+        }
+    }
+
+    fn pure_strain(&self) -> Measure {
+        let rotation = self.left * self.right.transpose();
+        let rates = forms::symmetric_rates().map(|s| rotation * s);
+        let (value, rate) = self.form.smallest(&rates);
+        self.of(value, Witness::DeformationRate { rate: rows(&rate) })
+    }
+
+    fn drucker(&self) -> Measure {
+        self.jaumann(&forms::symmetric_rates())
+    }
+
+    fn principal_drucker(&self) -> Measure {
+        let axis = |i: usize| self.left.column(i) * self.left.column(i).transpose();
+        self.jaumann(&[axis(0), axis(1), axis(2)])
+    }
+
+    /// The smallest `(D F) : A : (D F) + tau : D^2` over combinations of some orthonormal rates of deformation.
+    fn jaumann<const M: usize>(&self, rates: &[Matrix3<f64>; M]) -> Measure {
+        let f = self.response.deformation.matrix();
+        let tau = self.response.first_piola * f.transpose();
+        let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| (tau * (a * b + b * a)).trace() * 0.5;
+        let (value, rate) = self.form.smallest_with(&rates.map(|d| d * f), rates, work);
+        self.of(value, Witness::StrainRate { rate: rows(&rate) })
+    }
+
+    fn load_maximum(&self, rate: &Matrix3<f64>) -> Measure {
+        let value = self.form.at(rate, rate);
+        let unit = rate / rate.norm();
+        self.of(value, Witness::DeformationRate { rate: rows(&unit) })
+    }
+}
+
+/// Left and right principal axes in the columns of two rotations; the coordinate axes where `F` is diagonal.
+fn principal_axes(f: &DeformationGradient) -> (Matrix3<f64>, Matrix3<f64>) {
+    if f.is_block_diagonal::<1>() && f.components()[1][2] == 0.0 && f.components()[2][1] == 0.0 {
+        return (Matrix3::identity(), Matrix3::identity());
+    }
+    let svd = f.matrix().try_svd(true, true, f64::EPSILON, 200);
+    match svd.and_then(|svd| Some((svd.u?, svd.v_t?))) {
+        Some((left, right)) => (left, right.transpose()),
+        None => (Matrix3::identity(), Matrix3::identity()),
+    }
+}
+
+fn wave(direction: &Vector3<f64>, polarization: &Vector3<f64>) -> Witness {
+    Witness::Wave {
+        direction: oriented(direction),
+        polarization: oriented(polarization),
+    }
+}
+
+/// Of `v` and `-v` the one whose first component that is not negligible is positive, without negligible components.
+fn oriented(v: &Vector3<f64>) -> [f64; 3] {
+    let clean = v.map(|x| if x.abs() < 1e-15 { 0.0 } else { x });
+    let sign = match clean.iter().find(|x| **x != 0.0) {
+        Some(first) if *first < 0.0 => -1.0,
+        _ => 1.0,
+    };
+    [0, 1, 2].map(|i| sign * clean[i] + 0.0)
+}
+
+/// The rows of `X` or `-X`: the one whose first component that is not negligible is positive.
+fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    let row_by_row = matrix.transpose();
+    let leading = row_by_row.iter().find(|x| x.abs() > 1e-9);
+    let sign = leading.map_or(1.0, |x| x.signum());
+    std::array::from_fn(|i| std::array::from_fn(|j| sign * matrix[(i, j)] + 0.0))
+}

@@ -1,0 +1,159 @@
+//! What is known about polyconvexity: facts about laws, not about states.
+
+/// What is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Knowledge {
+    /// The law is polyconvex with these parameters.
+    Polyconvex,
+    /// It is not.
+    NotPolyconvex,
+    /// Nothing is known here.
+    Unknown,
+}
+
+/// What is known about the polyconvexity of a law with some parameters: that `W(F)` is a convex function of `F`, `cof F` and `det F`.
+///
+/// With growth it gives existence of equilibrium states (Ball, Arch. Ration. Mech. Anal. 63 (1977) 337), and it implies rank-one convexity and so
+/// ellipticity (not strict) at all states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Polyconvexity {
+    /// What is known.
+    pub knowledge: Knowledge,
+    /// Why, with the condition on the parameters.
+    pub reason: &'static str,
+    /// Where it is proved.
+    pub source: &'static str,
+}
+
+const BALL: &str = "Ball, Arch. Ration. Mech. Anal. 63 (1977) 337";
+const CHARRIER: &str = "Charrier, Dacorogna, Hanouzet and Laborde, SIAM J. Math. Anal. 19 (1988) 70; Hartmann and Neff, Int. J. Solids Struct. 40 (2003) 2767";
+const SCHROEDER_NEFF: &str = "Schröder and Neff, Int. J. Solids Struct. 40 (2003) 401; Balzani, Neff, Schröder and Holzapfel, Int. J. Solids Struct. 43 (2006) 6052";
+const KNOWLES_STERNBERG: &str = "Knowles and Sternberg, J. Elasticity 5 (1975) 341";
+const BRUHNS: &str = "Bruhns, Xiao and Meyers, Proc. R. Soc. Lond. A 457 (2001) 2207";
+const RAOULT: &str = "Raoult, Aplikace Matematiky 31 (1986) 417";
+const NEFF: &str = "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143";
+
+fn no(reason: &'static str, source: &'static str) -> Polyconvexity {
+    Polyconvexity {
+        knowledge: Knowledge::NotPolyconvex,
+        reason,
+        source,
+    }
+}
+
+fn yes(reason: &'static str, source: &'static str) -> Polyconvexity {
+    Polyconvexity {
+        knowledge: Knowledge::Polyconvex,
+        reason,
+        source,
+    }
+}
+
+const UNKNOWN: Polyconvexity = Polyconvexity {
+    knowledge: Knowledge::Unknown,
+    reason: "no statement about this law with these parameters is recorded",
+    source: "",
+};
+
+/// What is known about a law by its name, with its parameters by name; unknown where nothing is recorded.
+///
+/// ```
+/// use onset::notions::{Knowledge, polyconvexity};
+/// assert_eq!(polyconvexity("blatz-ko", &[("mu", 32.0)]).knowledge, Knowledge::NotPolyconvex);
+/// assert_eq!(polyconvexity("my-own", &[]).knowledge, Knowledge::Unknown);
+/// ```
+pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
+    let value = |name: &str| {
+        let found = parameters.iter().find(|(known, _)| *known == name);
+        found.map_or(f64::NAN, |(_, value)| *value)
+    };
+    let all_not_negative = |names: &[&str]| names.iter().all(|name| value(name) >= 0.0);
+    match law {
+        "blatz-ko" => no(
+            "it loses ellipticity where a ratio of principal stretches reaches 2 + sqrt 3",
+            KNOWLES_STERNBERG,
+        ),
+        "generalized-blatz-ko" if value("f") == 1.0 => {
+            yes("I1 and a convex function of J, since f = 1", BALL)
+        }
+        "hencky" => no("it is not elliptic at all states", BRUHNS),
+        "exponentiated-hencky" => no(
+            "in three dimensions it is not rank-one convex at all states",
+            NEFF,
+        ),
+        "saint-venant-kirchhoff" => no(
+            "its energy is no polyconvex function, whatever its constants",
+            RAOULT,
+        ),
+        "modified-mooney-rivlin" if value("lambda") > 0.0 => no(
+            "with lambda > 0 ellipticity is lost at large J, which polyconvexity excludes",
+            BALL,
+        ),
+        "neo-hooke" if value("lambda") > 0.0 => no(
+            "with lambda > 0 ellipticity is lost at J = exp(1 + 2 mu/lambda) in uniaxial strain, which polyconvexity excludes",
+            BALL,
+        ),
+        "neo-hooke" if value("lambda") == 0.0 => yes("I1 and -ln J", BALL),
+        "neo-hooke-quadratic" | "neo-hooke-polyconvex" if value("lambda") >= 0.0 => {
+            yes("I1 and a convex function of J, since lambda >= 0", BALL)
+        }
+        "mooney-rivlin" if all_not_negative(&["c10", "c01"]) && value("lambda") == 0.0 => yes(
+            "I1, I2 and -ln J with constants that are not negative",
+            BALL,
+        ),
+        "mooney-rivlin-isochoric" if value("c10") >= 0.0 && value("c01") == 0.0 => yes(
+            "J^(-2/3) I1 and a convex function of J, since c01 = 0",
+            CHARRIER,
+        ),
+        "neo-hooke-isochoric" | "gent" | "arruda-boyce" | "fung-isotropic" => yes(
+            "a convex, rising function of J^(-2/3) I1, and a convex one of J",
+            CHARRIER,
+        ),
+        "yeoh" if all_not_negative(&["c10", "c20", "c30"]) => yes(
+            "a convex, rising function of J^(-2/3) I1 since no constant is negative, and a convex one of J",
+            CHARRIER,
+        ),
+        "holzapfel-gasser-ogden-switch" => yes(
+            "convex, rising functions of J^(-2/3) I1 and of the stretch of fibers in tension, and a convex one of J",
+            SCHROEDER_NEFF,
+        ),
+        _ => UNKNOWN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::library;
+
+    #[test]
+    fn statements_are_about_laws_of_the_library_and_have_sources() {
+        let mut known = 0;
+        for law in library() {
+            let parameters: Vec<(&str, f64)> = law
+                .parameters
+                .iter()
+                .map(|parameter| (parameter.name, parameter.default))
+                .collect();
+            let found = polyconvexity(law.name, &parameters);
+            if found.knowledge != Knowledge::Unknown {
+                assert!(!found.source.is_empty() && !found.reason.is_empty());
+                known += 1;
+            }
+        }
+        assert!(known >= 12, "{known}");
+    }
+
+    #[test]
+    fn parameters_decide() {
+        let of = |lambda: f64| polyconvexity("neo-hooke", &[("mu", 1.0), ("lambda", lambda)]);
+        assert_eq!(of(0.0).knowledge, Knowledge::Polyconvex);
+        assert_eq!(of(2.0).knowledge, Knowledge::NotPolyconvex);
+        assert_eq!(of(-1.0).knowledge, Knowledge::Unknown);
+    }
+}

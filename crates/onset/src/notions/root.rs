@@ -1,0 +1,81 @@
+//! Zeros and dips of a function of one variable.
+
+/// A zero of a function between two places at which its signs differ, by regula falsi with the Illinois rule and bisection where that
+/// is slow; down to neighboring numbers or `resolution`. `None` for values are not possible places and count as the side of `high`.
+pub(super) fn bracket_zero(
+    value: &mut impl FnMut(f64) -> Option<f64>,
+    (mut low, mut at_low): (f64, f64),
+    (mut high, mut at_high): (f64, f64),
+    resolution: f64,
+) -> (f64, f64) {
+    let mut last = 0;
+    for step in 0..200 {
+        let width = (high - low).abs();
+        if width <= resolution {
+            break;
+        }
+        let secant = low + (high - low) * at_low / (at_low - at_high);
+        let guard = 0.25 * resolution;
+        let inside = (secant - low).abs() > guard && (secant - high).abs() > guard;
+        let middle = if step % 3 == 2 || !secant.is_finite() {
+            0.5 * (low + high)
+        } else if inside {
+            secant
+        } else {
+            // Beside the end that the zero is at, so that the bracket closes.
+            let end = if (secant - low).abs() <= guard {
+                low
+            } else {
+                high
+            };
+            end + (0.5 * (low + high) - end).signum() * 0.5 * resolution
+        };
+        if middle == low || middle == high {
+            break;
+        }
+        let found = value(middle).unwrap_or(at_high);
+        if (found > 0.0) == (at_low > 0.0) {
+            (low, at_low) = (middle, found);
+            if last == 1 {
+                at_high *= 0.5;
+            }
+            last = 1;
+        } else {
+            (high, at_high) = (middle, found);
+            if last == -1 {
+                at_low *= 0.5;
+            }
+            last = -1;
+        }
+    }
+    (low, high)
+}
+
+/// The place at which a function is smallest between two places (golden section), or the first one met at which it is not positive.
+pub(super) fn dip(
+    value: &mut impl FnMut(f64) -> Option<f64>,
+    mut low: f64,
+    mut high: f64,
+    steps: usize,
+) -> Option<(f64, f64)> {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut at_a, mut at_b) = (value(a)?, value(b)?);
+    for _ in 0..steps {
+        for found in [(a, at_a), (b, at_b)] {
+            if found.1 <= 0.0 {
+                return Some(found);
+            }
+        }
+        if at_a <= at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - ratio * (high - low);
+            at_a = value(a)?;
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + ratio * (high - low);
+            at_b = value(b)?;
+        }
+    }
+    None
+}

@@ -1,0 +1,178 @@
+//! How strength changes with plastic shear strain.
+
+use super::PlasticityError;
+
+/// The strength `k(gamma)`, the yield stress in pure shear, as a function of the plastic shear strain. Units of stress.
+///
+/// ```
+/// use onset::plasticity::Hardening;
+/// let law = Hardening::Voce { initial: 2.0, saturation: 1.0, reference: 0.1 };
+/// assert_eq!(law.strength(0.0), 2.0);
+/// assert_eq!(law.modulus(0.0), -10.0);
+/// assert!((law.strength(5.0) - 1.0).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hardening {
+    /// `k = initial + modulus gamma`; a softening law is used up where it reaches zero.
+    Linear {
+        /// Strength at first yield.
+        initial: f64,
+        /// Plastic modulus `h`.
+        modulus: f64,
+    },
+    /// `k = saturation + (initial - saturation) exp(-gamma/reference)`: hardens or softens toward a limit
+    /// (E. Voce, *J. Inst. Metals* 74 (1948) 537).
+    Voce {
+        /// Strength at first yield.
+        initial: f64,
+        /// Strength after large slip.
+        saturation: f64,
+        /// Slip in which the difference falls by `1/e`.
+        reference: f64,
+    },
+    /// `k = initial (1 + gamma/reference)^exponent`.
+    Power {
+        /// Strength at first yield.
+        initial: f64,
+        /// Slip that counts as one.
+        reference: f64,
+        /// The exponent; negative for softening.
+        exponent: f64,
+    },
+    /// `k = residual + (initial - residual + modulus gamma) exp(-gamma/reference)`: hardens, passes a peak, softens toward
+    /// the residual strength.
+    Peak {
+        /// Strength at first yield.
+        initial: f64,
+        /// Strength after large slip.
+        residual: f64,
+        /// Slope that the exponential wears down.
+        modulus: f64,
+        /// Slip in which it does so by `1/e`.
+        reference: f64,
+    },
+}
+
+impl Hardening {
+    /// Checks the parameters.
+    pub(super) fn check(&self) -> Result<(), PlasticityError> {
+        let positive = |name, value: f64| {
+            PlasticityError::require(value > 0.0, name, value, "a positive finite number")
+        };
+        let not_negative = |name, value: f64| {
+            PlasticityError::require(
+                value >= 0.0,
+                name,
+                value,
+                "zero or a positive finite number",
+            )
+        };
+        positive("strength", self.strength(0.0))?;
+        match *self {
+            Self::Linear { modulus, .. } => PlasticityError::require(
+                true,
+                "hardening-modulus",
+                modulus,
+                "a finite number, negative for softening",
+            ),
+            Self::Voce {
+                saturation,
+                reference,
+                ..
+            } => {
+                not_negative("saturation", saturation)?;
+                positive("reference-slip", reference)
+            }
+            Self::Power {
+                reference,
+                exponent,
+                ..
+            } => {
+                positive("reference-slip", reference)?;
+                PlasticityError::require(
+                    exponent <= 1.0,
+                    "exponent",
+                    exponent,
+                    "a number of at most 1, negative for softening",
+                )
+            }
+            Self::Peak {
+                residual,
+                modulus,
+                reference,
+                ..
+            } => {
+                not_negative("residual", residual)?;
+                not_negative("hardening-modulus", modulus)?;
+                positive("reference-slip", reference)
+            }
+        }
+    }
+
+    /// The strength `k(gamma)`. Units of stress.
+    pub fn strength(&self, slip: f64) -> f64 {
+        match *self {
+            Self::Linear { initial, modulus } => initial + modulus * slip,
+            Self::Voce {
+                initial,
+                saturation,
+                reference,
+            } => saturation + (initial - saturation) * (-slip / reference).exp(),
+            Self::Power {
+                initial,
+                reference,
+                exponent,
+            } => initial * (1.0 + slip / reference).powf(exponent),
+            Self::Peak {
+                initial,
+                residual,
+                modulus,
+                reference,
+            } => residual + (initial - residual + modulus * slip) * (-slip / reference).exp(),
+        }
+    }
+
+    /// The plastic modulus `h = dk/dgamma`. Units of stress.
+    pub fn modulus(&self, slip: f64) -> f64 {
+        match *self {
+            Self::Linear { modulus, .. } => modulus,
+            Self::Voce {
+                initial,
+                saturation,
+                reference,
+            } => (saturation - initial) / reference * (-slip / reference).exp(),
+            Self::Power {
+                initial,
+                reference,
+                exponent,
+            } => initial * exponent / reference * (1.0 + slip / reference).powf(exponent - 1.0),
+            Self::Peak {
+                initial,
+                residual,
+                modulus,
+                reference,
+            } => {
+                (modulus - (initial - residual + modulus * slip) / reference)
+                    * (-slip / reference).exp()
+            }
+        }
+    }
+
+    /// The smallest plastic modulus over all slips, or zero where it is positive everywhere. Units of stress.
+    pub fn lowest_modulus(&self) -> f64 {
+        let lowest = self.modulus(0.0).min(0.0);
+        match *self {
+            // The slope of the modulus vanishes where `initial - residual + modulus gamma = 2 modulus reference`.
+            Self::Peak {
+                initial,
+                residual,
+                modulus,
+                reference,
+            } if modulus > 0.0 => {
+                let steepest = 2.0 * reference - (initial - residual) / modulus;
+                lowest.min(self.modulus(steepest.max(0.0)))
+            }
+            _ => lowest,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! The law of Drucker and Prager, with von Mises as its special case.
+
+use super::{Hardening, PlasticityError};
+use crate::material::FourthOrder;
+use nalgebra::Matrix3;
+
+/// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
+///
+/// `f = tau + mu sigma_m - k(gamma)`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`; tension is positive.
+/// Source: J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371, without their vertex.
+///
+/// ```
+/// use onset::plasticity::{DruckerPrager, Hardening};
+/// let strength = Hardening::Linear { initial: 1.0, modulus: -2.0 };
+/// let sandstone = DruckerPrager::new(300.0, 0.25, 0.6, 0.3, strength)?;
+/// assert_eq!(sandstone.bulk_modulus(), 500.0);
+/// // Q : C : P = G + mu beta K
+/// assert_eq!(sandstone.flow_stiffness(), 300.0 + 0.6 * 0.3 * 500.0);
+/// # Ok::<(), onset::plasticity::PlasticityError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DruckerPrager {
+    shear_modulus: f64,
+    poisson_ratio: f64,
+    friction: f64,
+    dilatancy: f64,
+    hardening: Hardening,
+}
+
+impl DruckerPrager {
+    /// The law with shear modulus `G`, Poisson's ratio, pressure coefficient `mu`, dilatancy `beta`, and strength.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] outside of `G > 0`, `-1 < nu < 1/2`, `mu >= 0`; [`PlasticityError::SnapBack`] unless
+    /// `h > -(G + mu beta K)` at every slip.
+    pub fn new(
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        friction: f64,
+        dilatancy: f64,
+        hardening: Hardening,
+    ) -> Result<Self, PlasticityError> {
+        let require = PlasticityError::require;
+        require(
+            shear_modulus > 0.0,
+            "shear-modulus",
+            shear_modulus,
+            "a positive finite number",
+        )?;
+        require(
+            poisson_ratio > -1.0 && poisson_ratio < 0.5,
+            "poisson-ratio",
+            poisson_ratio,
+            "a number above -1 and below 0.5",
+        )?;
+        require(
+            friction >= 0.0,
+            "friction",
+            friction,
+            "zero or a positive finite number",
+        )?;
+        require(true, "dilatancy", dilatancy, "a finite number")?;
+        hardening.check()?;
+        let law = Self {
+            shear_modulus,
+            poisson_ratio,
+            friction,
+            dilatancy,
+            hardening,
+        };
+        let (modulus, least) = (hardening.lowest_modulus(), -law.flow_stiffness());
+        if modulus > least {
+            Ok(law)
+        } else {
+            Err(PlasticityError::SnapBack { modulus, least })
+        }
+    }
+
+    /// The law of von Mises (J2), `mu = beta = 0`.
+    ///
+    /// # Errors
+    /// As [`DruckerPrager::new`].
+    pub fn von_mises(
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        hardening: Hardening,
+    ) -> Result<Self, PlasticityError> {
+        Self::new(shear_modulus, poisson_ratio, 0.0, 0.0, hardening)
+    }
+
+    /// The shear modulus `G`. Units of stress.
+    pub fn shear_modulus(&self) -> f64 {
+        self.shear_modulus
+    }
+
+    /// The bulk modulus `K = 2 G (1 + nu) / (3 (1 - 2 nu))`. Units of stress.
+    pub fn bulk_modulus(&self) -> f64 {
+        let nu = self.poisson_ratio;
+        2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+    }
+
+    /// The pressure coefficient `mu`.
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// The dilatancy `beta`.
+    pub fn dilatancy(&self) -> f64 {
+        self.dilatancy
+    }
+
+    /// The strength as a function of slip.
+    pub fn hardening(&self) -> &Hardening {
+        &self.hardening
+    }
+
+    /// `Q : C : P = G + mu beta K`: how fast plastic flow at constant strain relaxes `tau + mu sigma_m`. Units of stress.
+    pub fn flow_stiffness(&self) -> f64 {
+        self.shear_modulus + self.friction * self.dilatancy * self.bulk_modulus()
+    }
+
+    /// The value `f` of the yield function; plastic flow keeps it at zero. Units of stress.
+    pub fn yield_function(&self, stress: &Matrix3<f64>, slip: f64) -> f64 {
+        equivalent_shear(&deviator(stress)) + self.friction * mean(stress)
+            - self.hardening.strength(slip)
+    }
+
+    /// The stress `2 G dev e + K tr(e) 1` of an elastic strain.
+    pub fn elastic_stress(&self, strain: &Matrix3<f64>) -> Matrix3<f64> {
+        deviator(strain) * (2.0 * self.shear_modulus)
+            + Matrix3::identity() * (self.bulk_modulus() * strain.trace())
+    }
+
+    /// The elastic strain `dev(sigma)/(2 G) + sigma_m/(3 K) 1` of a stress.
+    pub fn elastic_strain(&self, stress: &Matrix3<f64>) -> Matrix3<f64> {
+        deviator(stress) / (2.0 * self.shear_modulus)
+            + Matrix3::identity() * (mean(stress) / (3.0 * self.bulk_modulus()))
+    }
+
+    /// Direction of plastic strain `P` and normal of the yield surface `Q` at a stress, symmetric and without unit.
+    ///
+    /// # Errors
+    /// [`PlasticityError::NoDeviator`] where they are undefined.
+    pub fn directions(
+        &self,
+        stress: &Matrix3<f64>,
+    ) -> Result<(Matrix3<f64>, Matrix3<f64>), PlasticityError> {
+        let deviator = deviator(stress);
+        let shear = equivalent_shear(&deviator);
+        if shear <= 1e-14 * stress.amax() {
+            return Err(PlasticityError::NoDeviator);
+        }
+        let unit = deviator / (2.0 * shear);
+        let spherical = Matrix3::identity() / 3.0;
+        Ok((
+            unit + spherical * self.dilatancy,
+            unit + spherical * self.friction,
+        ))
+    }
+
+    /// The continuum tangent `C - (C:P)(Q:C) / (h + Q:C:P)`: rate of stress by rate of strain while the material flows.
+    /// Units of stress.
+    ///
+    /// # Errors
+    /// [`PlasticityError::NoDeviator`] at the apex.
+    pub fn continuum_tangent(
+        &self,
+        stress: &Matrix3<f64>,
+        slip: f64,
+    ) -> Result<FourthOrder, PlasticityError> {
+        let (flow, normal) = self.directions(stress)?;
+        let (a, b) = (self.elastic_stress(&flow), self.elastic_stress(&normal));
+        let stiffness = self.hardening.modulus(slip) + self.flow_stiffness();
+        Ok(self.tangent(1.0, self.bulk_modulus(), |i, j, k, l| {
+            -a[(i, j)] * b[(k, l)] / stiffness
+        }))
+    }
+
+    /// `2 G theta I_dev + K 1 1` plus another part.
+    pub(super) fn tangent(
+        &self,
+        theta: f64,
+        bulk: f64,
+        other: impl Fn(usize, usize, usize, usize) -> f64,
+    ) -> FourthOrder {
+        let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let shear = theta * self.shear_modulus;
+        FourthOrder::from_fn(|i, j, k, l| {
+            shear * (delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k))
+                + (bulk - 2.0 / 3.0 * shear) * delta(i, j) * delta(k, l)
+                + other(i, j, k, l)
+        })
+    }
+}
+
+/// A third of the trace.
+pub(super) fn mean(tensor: &Matrix3<f64>) -> f64 {
+    tensor.trace() / 3.0
+}
+
+/// The traceless part.
+pub(super) fn deviator(tensor: &Matrix3<f64>) -> Matrix3<f64> {
+    tensor - Matrix3::identity() * mean(tensor)
+}
+
+/// `sqrt(s:s/2)`.
+pub(super) fn equivalent_shear(deviator: &Matrix3<f64>) -> f64 {
+    (0.5 * deviator.norm_squared()).sqrt()
+}

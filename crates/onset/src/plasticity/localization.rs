@@ -1,0 +1,276 @@
+//! Critical plastic moduli and the bands that form at them.
+
+use super::search::largest;
+use super::{PlasticityError, RateModuli};
+use nalgebra::{Matrix3, Vector3};
+
+/// What is lost at a critical modulus.
+///
+/// For associated flow (`mu = beta`) the acoustic tensor is symmetric and both are lost together; otherwise strong
+/// ellipticity is lost first (D. Bigoni and D. Zaccaria, *Int. J. Solids Struct.* 29 (1992) 2123).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Notion {
+    /// `det q(n) = 0` for a direction: a band of localized deformation can form.
+    Ellipticity,
+    /// The symmetric part of `q(n)` is no longer positive definite for all directions.
+    StrongEllipticity,
+}
+
+/// The kind of a band, by the angle between its normal and the jump of velocity across it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum BandKind {
+    /// Opens, without shear.
+    DilationBand,
+    /// Shears and opens.
+    DilatantShearBand,
+    /// Shears at constant thickness.
+    ShearBand,
+    /// Shears and closes.
+    CompactantShearBand,
+    /// Closes, without shear.
+    CompactionBand,
+}
+
+/// A band: the jump of the velocity gradient is `polarization normal^T`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Unit normal of the band.
+    pub normal: Vector3<f64>,
+    /// Unit vector along the jump of velocity, directed as the material inside flows on.
+    pub polarization: Vector3<f64>,
+    /// What kind of a band it is.
+    pub kind: BandKind,
+    /// Angle between the normal and the axis of the largest (most tensile) principal stress, in degrees.
+    pub angle_to_major: f64,
+    /// Angle between the normal and the axis of the smallest (most compressive) principal stress, in degrees.
+    pub angle_to_minor: f64,
+}
+
+/// The plastic modulus at which a notion is lost, in the most critical direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Critical {
+    /// The critical modulus `h_cr`: the notion holds where `h > h_cr`. Units of stress.
+    pub modulus: f64,
+    /// What the critical modulus of no direction exceeds, to rounding. Units of stress.
+    pub bound: f64,
+    /// The band at it.
+    pub band: Band,
+}
+
+impl RateModuli {
+    /// The plastic modulus at which a notion is lost in one spatial direction. Units of stress.
+    ///
+    /// With `a = A n`, `b = B n` and the elastic acoustic tensor `q_e`,
+    /// `det q = det q_e (1 - b . q_e^-1 a / (h + Q:C:P))` vanishes at `h = b . q_e^-1 a - Q:C:P`, and the symmetric part becomes
+    /// singular at `h = (b . q_e^-1 a + sqrt(a . q_e^-1 a  b . q_e^-1 b)) / 2 - Q:C:P`.
+    ///
+    /// # Errors
+    /// [`PlasticityError::ElasticNotElliptic`] when `q_e` is not positive definite.
+    pub fn critical_modulus_along(
+        &self,
+        direction: &Vector3<f64>,
+        notion: Notion,
+    ) -> Result<f64, PlasticityError> {
+        let n = self.frame.transpose() * direction.normalize();
+        let elastic = self.principal_acoustic_tensor(&n);
+        let factor = elastic
+            .cholesky()
+            .ok_or(PlasticityError::ElasticNotElliptic)?;
+        let (a, b) = self.tractions(&n);
+        let (flow, loading) = (factor.solve(&a), factor.solve(&b));
+        let mixed = b.dot(&flow);
+        Ok(match notion {
+            Notion::Ellipticity => mixed,
+            Notion::StrongEllipticity => {
+                0.5 * (mixed + a.dot(&flow).sqrt() * b.dot(&loading).sqrt())
+            }
+        } - self.relaxation)
+    }
+
+    /// The largest critical modulus over all directions, where, and the band that forms.
+    ///
+    /// Over all directions of the sphere (those of the sheet for [`RateModuli::in_sheet`]): none is sampled. In principal axes
+    /// `h_cr(n)` is a quotient of cubics of `n_i^2`, bounded on parts of the triangle of these, and polished.
+    /// At small strain the maximum lies in the plane of the largest and the smallest principal stress, see the book.
+    ///
+    /// ```
+    /// use nalgebra::{Matrix3, Vector3};
+    /// use onset::plasticity::{DruckerPrager, Hardening, Notion};
+    /// let strength = Hardening::Linear { initial: 1.0, modulus: 0.0 };
+    /// let metal = DruckerPrager::von_mises(100.0, 0.3, strength)?;
+    /// let shear = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 0.0));
+    /// let critical = metal.rate_moduli(&shear, 0.0)?.critical(Notion::Ellipticity)?;
+    /// assert!(critical.modulus.abs() < 1e-12);
+    /// assert!((critical.band.angle_to_major - 45.0).abs() < 1e-9);
+    /// # Ok::<(), onset::plasticity::PlasticityError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`PlasticityError::ElasticNotElliptic`] when the elastic part is not strongly elliptic.
+    pub fn critical(&self, notion: Notion) -> Result<Critical, PlasticityError> {
+        let scale = self.normal.amax();
+        let found = largest(self, notion, &self.region(scale), scale)?;
+        let n = found.point.map(|x| x.max(0.0).sqrt());
+        Ok(Critical {
+            modulus: found.value * scale - self.relaxation,
+            bound: found.bound * scale - self.relaxation,
+            band: self.band(&n, notion)?,
+        })
+    }
+
+    /// Whether a notion holds in every direction for continued flow.
+    ///
+    /// # Errors
+    /// As [`RateModuli::critical`].
+    pub fn holds(&self, notion: Notion) -> Result<bool, PlasticityError> {
+        Ok(self.modulus > self.critical(notion)?.modulus)
+    }
+
+    /// The corners of the simplex of `n_i^2` that holds a maximum.
+    fn region(&self, scale: f64) -> Vec<Vector3<f64>> {
+        let axis = |i: usize| Vector3::ith(i, 1.0);
+        if self.sheet {
+            return vec![axis(0), axis(1)];
+        }
+        if self.isotropic {
+            let (major, minor) = self.extreme_axes();
+            return vec![axis(major), axis(minor)];
+        }
+        // Of two axes that the law cannot tell apart one is enough.
+        for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            let same = |a: f64, b: f64| (a - b).abs() <= 1e-13 * scale;
+            if same(self.flow[j], self.flow[k])
+                && same(self.loading[j], self.loading[k])
+                && same(self.normal[(j, j)], self.normal[(k, k)])
+                && same(self.shear[(i, j)], self.shear[(i, k)])
+                && same(self.shear[(j, i)], self.shear[(k, i)])
+                && same(self.shear[(j, k)], self.shear[(k, j)])
+                && same(self.coupling(i, j), self.coupling(i, k))
+            {
+                return vec![axis(i), axis(j)];
+            }
+        }
+        vec![axis(0), axis(1), axis(2)]
+    }
+
+    /// The principal axes of the largest and of the smallest stress; flow is ordered as stress is.
+    fn extreme_axes(&self) -> (usize, usize) {
+        match self.sheet {
+            true if self.flow[0] >= self.flow[1] => (0, 1),
+            true => (1, 0),
+            false => (self.flow.imax(), self.flow.imin()),
+        }
+    }
+
+    /// The band with a normal in principal axes, at its critical modulus.
+    fn band(&self, n: &Vector3<f64>, notion: Notion) -> Result<Band, PlasticityError> {
+        let factor = self
+            .principal_acoustic_tensor(n)
+            .cholesky()
+            .ok_or(PlasticityError::ElasticNotElliptic)?;
+        let (a, b) = self.tractions(n);
+        let (flow, loading) = (factor.solve(&a), factor.solve(&b));
+        // q g = 0, or (q + q^T) g = 0; b . g > 0 since plastic flow goes on inside.
+        let jump = match notion {
+            Notion::Ellipticity => flow,
+            Notion::StrongEllipticity => {
+                flow / a.dot(&flow).sqrt() + loading / b.dot(&loading).sqrt()
+            }
+        };
+        let length = jump.norm();
+        let polarization = if length > 0.0 { jump / length } else { *n };
+        let degrees = |axis: usize| {
+            let across = n - Vector3::ith(axis, n[axis]);
+            across.norm().atan2(n[axis].abs()).to_degrees()
+        };
+        let (major, minor) = self.extreme_axes();
+        let clean = |v: Vector3<f64>| v.map(|c| if c.abs() < 1e-15 { 0.0 } else { c });
+        Ok(Band {
+            normal: clean(self.frame * n),
+            polarization: clean(self.frame * polarization),
+            kind: BandKind::of(n, &polarization),
+            angle_to_major: degrees(major),
+            angle_to_minor: degrees(minor),
+        })
+    }
+
+    /// The smallest eigenvalue of the symmetric part of the acoustic tensor in a spatial direction. Units of stress.
+    pub fn smallest_symmetric_eigenvalue(&self, direction: &Vector3<f64>) -> f64 {
+        let q = self.acoustic_tensor(direction);
+        let symmetric: Matrix3<f64> = (q + q.transpose()) * 0.5;
+        symmetric.symmetric_eigenvalues().min()
+    }
+}
+
+impl BandKind {
+    /// Below this sine or cosine a band counts as without shear, or as of constant thickness.
+    const PURE: f64 = 1e-6;
+
+    fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {
+        let opening = normal.dot(polarization);
+        let shear = (polarization - normal * opening).norm();
+        match (shear < Self::PURE, opening) {
+            (true, opening) if opening > 0.0 => Self::DilationBand,
+            (true, _) => Self::CompactionBand,
+            (false, opening) if opening > Self::PURE => Self::DilatantShearBand,
+            (false, opening) if opening < -Self::PURE => Self::CompactantShearBand,
+            _ => Self::ShearBand,
+        }
+    }
+
+    /// Its name in a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DilationBand => "dilation band",
+            Self::DilatantShearBand => "dilatant shear band",
+            Self::ShearBand => "shear band",
+            Self::CompactantShearBand => "compactant shear band",
+            Self::CompactionBand => "compaction band",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plasticity::{DruckerPrager, Hardening};
+
+    #[test]
+    fn the_whole_triangle_holds_no_more_than_the_plane_of_the_extreme_stresses() {
+        let strength = Hardening::Linear {
+            initial: 1.0,
+            modulus: 0.0,
+        };
+        for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3), (0.9, -0.2), (0.2, 1.1)] {
+            let law = DruckerPrager::new(3.0, 0.3, friction, dilatancy, strength).expect("a law");
+            for principal in [[1.0, -0.4, -1.1], [0.1, 0.6, -1.0], [-0.9, 0.2, 0.1]] {
+                let stress = Matrix3::from_diagonal(&Vector3::from(principal));
+                let plane = law.rate_moduli(&stress, 0.0).expect("moduli");
+                let whole = RateModuli {
+                    isotropic: false,
+                    ..plane
+                };
+                for notion in [Notion::Ellipticity, Notion::StrongEllipticity] {
+                    let [plane, whole] =
+                        [plane, whole].map(|moduli| moduli.critical(notion).expect("critical"));
+                    assert!((plane.modulus - whole.modulus).abs() < 1e-12);
+                    assert!(
+                        whole.bound - whole.modulus < 1e-5,
+                        "{}",
+                        whole.bound - whole.modulus
+                    );
+                }
+            }
+        }
+    }
+}

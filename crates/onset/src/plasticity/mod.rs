@@ -1,0 +1,128 @@
+//! Rate-independent plasticity, and where it localizes.
+//!
+//! The law is that of Drucker and Prager in the notation of J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975)
+//! 371, of which von Mises (J2) is the case without friction and dilatancy: with the deviator `s`, `tau = sqrt(s:s/2)` and
+//! the mean stress `sigma_m`,
+//!
+//! `f = tau + mu sigma_m - k(gamma) <= 0`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`, `h = dk/dgamma`,
+//!
+//! plastic strain rate `P gamma'`, normal `Q` to the yield surface, plastic shear strain `gamma` (the *slip*), plastic
+//! modulus `h`. A tension test has the yield stress `sqrt(3) k` and the plastic modulus `3 h` if `mu = beta = 0`.
+//!
+//! - Small strain: [`DruckerPrager::update`], [`DruckerPrager::continuum_tangent`].
+//! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
+//! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two notions that differ when
+//!   `mu != beta`: [`Notion`].
+//! - [`follow`]: a loading path, and the first slip at which `h` falls to the critical modulus.
+//!
+//! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
+//! flows; waves, bands and every condition of localization are statements on rates and use it. The *consistent* tangent is
+//! the derivative of the stress after a finite step of the return mapping; Newton's method needs it, and it depends on the
+//! size of the step. The two agree in the limit of small steps.
+
+mod cubic;
+mod finite;
+mod hardening;
+mod law;
+mod localization;
+mod moduli;
+mod path;
+mod return_mapping;
+mod search;
+mod walk;
+
+pub use finite::{FiniteState, FiniteUpdate};
+pub use hardening::Hardening;
+pub use law::DruckerPrager;
+pub use localization::{Band, BandKind, Critical, Notion};
+pub use moduli::RateModuli;
+pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
+pub use return_mapping::{Branch, State, Update};
+
+use thiserror::Error;
+
+/// What can be wrong with a plastic law or with a state of it.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlasticityError {
+    /// A parameter is outside of what the law admits.
+    #[error("parameter {name} is {value:?}; expected {expected}")]
+    Parameter {
+        /// The parameter's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What the law admits, in words.
+        expected: &'static str,
+    },
+    /// The law softens so fast that the stress does not follow from the strain.
+    #[error(
+        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -(G + mu beta K), \
+         below which a strain does not determine the stress"
+    )]
+    SnapBack {
+        /// The smallest plastic modulus.
+        modulus: f64,
+        /// What it must exceed.
+        least: f64,
+    },
+    /// The strength has fallen to zero.
+    #[error("the strength is used up: it has fallen to zero at the plastic shear strain {slip}")]
+    Exhausted {
+        /// The slip at which it is zero.
+        slip: f64,
+    },
+    /// The stress is beyond the apex of the cone, and no plastic flow leads back.
+    #[error(
+        "the mean stress is beyond the apex of the yield cone, and without dilatancy no plastic flow relaxes it"
+    )]
+    Apex,
+    /// The stress deviator vanishes, so that neither flow nor normal has a direction.
+    #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
+    NoDeviator,
+    /// The elastic part alone is not strongly elliptic.
+    #[error(
+        "the elastic part of the law has itself lost strong ellipticity (elastic strains are too large)"
+    )]
+    ElasticNotElliptic,
+    /// Stress or strain over- or underflow.
+    #[error("the stress is not finite at this strain")]
+    NotFinite,
+    /// The initial stress is at or beyond the yield surface.
+    #[error(
+        "the confinement {confinement:e} itself makes the material yield; expected a pressure within the yield surface"
+    )]
+    Confinement {
+        /// The pressure.
+        confinement: f64,
+    },
+    /// The material does not yield along a path.
+    #[error("the material stays elastic on this path up to a strain of {strain}")]
+    NeverYields {
+        /// How far was looked.
+        strain: f64,
+    },
+    /// Bands in a sheet need a stress-free surface.
+    #[error(
+        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress without confinement"
+    )]
+    NotASheet,
+}
+
+impl PlasticityError {
+    fn require(
+        holds: bool,
+        name: &'static str,
+        value: f64,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if holds && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::Parameter {
+                name,
+                value,
+                expected,
+            })
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Loading paths: where a material that yields, hardens and softens first localizes.
+
+use super::law::{deviator, equivalent_shear, mean};
+use super::walk::Walk;
+use super::{Critical, DruckerPrager, Notion, PlasticityError, RateModuli};
+use nalgebra::{Matrix3, Vector3};
+
+/// How strain is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Strains {
+    /// Small strain: no difference between the stress measures, no stress terms in the acoustic tensor.
+    #[default]
+    Small,
+    /// Finite strain, logarithmic; yield in Kirchhoff stress.
+    Finite,
+}
+
+/// What a loading path prescribes along the fixed axes 1, 2, 3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum LoadingPath {
+    /// Strain along 1, constant lateral stresses.
+    UniaxialStress,
+    /// Strain along 1, no lateral strain.
+    UniaxialStrain,
+    /// Strain along 1, none along 3, constant stress along 2.
+    #[default]
+    PlaneStrain,
+    /// Opposite strains along 1 and 2, none along 3.
+    PureShear,
+    /// Compression along 1, constant confinement along 2 and 3.
+    TriaxialCompression,
+}
+
+/// The sense of the strain along 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Load {
+    /// Lengthening.
+    Tension,
+    /// Shortening.
+    #[default]
+    Compression,
+}
+
+/// Which bands are looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Bands {
+    /// Planar bands of any orientation in the bulk.
+    #[default]
+    Bulk,
+    /// Necks across a sheet normal to axis 3 with stress-free surfaces.
+    Sheet,
+}
+
+/// A loading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loading {
+    /// What is prescribed.
+    pub path: LoadingPath,
+    /// Its sense.
+    pub load: Load,
+    /// Small or finite strain.
+    pub strains: Strains,
+    /// Which bands are looked for.
+    pub bands: Bands,
+    /// Initial hydrostatic pressure, and the (Cauchy) pressure that constant lateral stresses keep. Units of stress.
+    pub confinement: f64,
+    /// Plastic shear strain up to which the path is followed.
+    pub slip: f64,
+}
+
+/// A state of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Plastic shear strain.
+    pub slip: f64,
+    /// Strains along the axes since the confined state; logarithmic at finite strain.
+    pub strain: [f64; 3],
+    /// Cauchy stresses along the axes.
+    pub stress: [f64; 3],
+    /// The plastic modulus `h`.
+    pub modulus: f64,
+    /// Critical modulus and band of localization.
+    pub ellipticity: Critical,
+    /// Critical modulus of strong ellipticity.
+    pub strong_ellipticity: Critical,
+    /// The moduli that decide.
+    pub moduli: RateModuli,
+}
+
+/// Why a path ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum End {
+    /// At the slip asked for.
+    Slip,
+    /// The strength is used up.
+    Exhausted,
+    /// The prescribed strain would have to turn back (snap-back): under control of strain nothing homogeneous goes on.
+    TurnsBack,
+    /// The stress deviator vanishes.
+    Apex,
+    /// The elastic strains have become too large for the elastic part of the law.
+    ElasticNotElliptic,
+    /// The stress turns so fast per slip that the integration would take too many steps.
+    TooStiff,
+}
+
+/// What a path shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Localization {
+    /// States from first yield on.
+    pub points: Vec<PathPoint>,
+    /// The first state at which ellipticity is lost, `h <= h_cr`.
+    pub onset: Option<PathPoint>,
+    /// The first state at which strong ellipticity is lost.
+    pub strong_ellipticity_lost: Option<PathPoint>,
+    /// Why the path ends.
+    pub end: End,
+}
+
+/// Points at which a path is looked at; closer near first yield.
+const POINTS: usize = 200;
+
+/// Follows a loading from the confined state through first yield and finds where it localizes.
+///
+/// Between the points the rate equations `sigma' = C : (e' - P)` are integrated per slip with controlled error; the result is
+/// that of infinitely small steps of the return mapping. A crossing of `h` and `h_cr` is refined to rounding; one that is
+/// undone between two neighboring points is overlooked.
+///
+/// ```
+/// use onset::plasticity::*;
+/// // Hardening that fades: J2 in plane strain localizes where the plastic modulus vanishes.
+/// let strength = Hardening::Peak { initial: 1.0, residual: 0.5, modulus: 100.0, reference: 0.02 };
+/// let metal = DruckerPrager::von_mises(400.0, 0.3, strength)?;
+/// let loading = Loading {
+///     path: LoadingPath::PureShear, load: Load::Tension, strains: Strains::Small, bands: Bands::Bulk,
+///     confinement: 0.0, slip: 0.1,
+/// };
+/// let onset = follow(&metal, &loading)?.onset.expect("softening localizes");
+/// assert!((onset.slip - 0.015).abs() < 1e-12);
+/// # Ok::<(), PlasticityError>(())
+/// ```
+///
+/// # Errors
+/// [`PlasticityError::Confinement`], [`PlasticityError::NeverYields`], [`PlasticityError::NotASheet`],
+/// [`PlasticityError::Parameter`].
+pub fn follow(law: &DruckerPrager, loading: &Loading) -> Result<Localization, PlasticityError> {
+    let walk = Walk::new(law, loading)?;
+    let mut y = walk.first_yield()?;
+    let mut found = Localization {
+        points: Vec::with_capacity(POINTS + 1),
+        onset: None,
+        strong_ellipticity_lost: None,
+        end: End::Slip,
+    };
+    let mut slip = 0.0;
+    for count in 0..=POINTS {
+        let fraction = count as f64 / POINTS as f64;
+        let next = loading.slip * fraction * fraction;
+        let reached = walk
+            .advance(&y, slip, next)
+            .and_then(|reached| Ok((reached, walk.point(&reached, next)?)));
+        let (reached, point) = match reached {
+            Ok(reached) => reached,
+            Err(end) if count > 0 => {
+                found.end = end;
+                break;
+            }
+            Err(End::ElasticNotElliptic) => return Err(PlasticityError::ElasticNotElliptic),
+            Err(_) => return Err(PlasticityError::NoDeviator),
+        };
+        for notion in [Notion::Ellipticity, Notion::StrongEllipticity] {
+            let lost = match notion {
+                Notion::Ellipticity => &mut found.onset,
+                Notion::StrongEllipticity => &mut found.strong_ellipticity_lost,
+            };
+            if lost.is_none() && point.margin(notion) <= 0.0 {
+                *lost = Some(if count == 0 {
+                    point
+                } else {
+                    walk.crossing(&y, slip, next, notion).unwrap_or(point)
+                });
+            }
+        }
+        found.points.push(point);
+        (y, slip) = (reached, next);
+    }
+    Ok(found)
+}
+
+impl PathPoint {
+    /// The critical state of a notion.
+    pub fn critical(&self, notion: Notion) -> &Critical {
+        match notion {
+            Notion::Ellipticity => &self.ellipticity,
+            Notion::StrongEllipticity => &self.strong_ellipticity,
+        }
+    }
+
+    /// `h - h_cr`.
+    pub(super) fn margin(&self, notion: Notion) -> f64 {
+        self.modulus - self.critical(notion).modulus
+    }
+}
+
+impl PathPoint {
+    /// `sqrt(s:s/2)` of the Cauchy stress.
+    pub fn equivalent_shear(&self) -> f64 {
+        let stress = Matrix3::from_diagonal(&Vector3::from(self.stress));
+        equivalent_shear(&deviator(&stress))
+    }
+
+    /// The mean Cauchy stress, positive in tension.
+    pub fn mean_stress(&self) -> f64 {
+        mean(&Matrix3::from_diagonal(&Vector3::from(self.stress)))
+    }
+}

@@ -1,0 +1,10 @@
+//! Laws that are typed as a formula: that they are the laws they say, and that everything else is refused with its place.
+
+mod agreement;
+mod conditions;
+mod hostile;
+mod language;
+mod library;
+mod refusals;
+mod states;
+mod trees;

@@ -1,0 +1,172 @@
+//! Loadings: traction-free faces are solved for, and paths end where they must.
+
+use super::{NeoHooke, assert_close, limit, path, track, zero};
+use onset::kinematics::DeformationGradient;
+use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, StrainEnergy};
+use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, PathEnd, Range};
+use onset::real::Real;
+
+#[test]
+fn free_faces_carry_no_traction() {
+    let law = ModifiedMooneyRivlin::default();
+    for loading in Loading::ALL {
+        let path = LoadingPath::new(&law, true, loading, &Range::default()).expect("a path");
+        let free: &[usize] = match loading.lateral {
+            Lateral::Free => &[1, 2],
+            Lateral::PlaneStress => &[2],
+            Lateral::PlaneStrain if loading.mode == Mode::Uniaxial => &[1],
+            _ => &[],
+        };
+        for state in path.tension.iter().chain(&path.compression) {
+            let (p, f) = (&state.response.first_piola, &state.response.deformation);
+            for axis in free {
+                let bound = 1e-12 * 20.0 / f.components()[*axis][*axis];
+                assert!(p[(*axis, *axis)].abs() < bound, "{}", loading.title());
+            }
+        }
+        assert!(path.tension_end == PathEnd::Range && path.compression_end == PathEnd::Range);
+        assert_close(
+            path.tension.last().expect("states").parameter.exp(),
+            10.0,
+            1e-12,
+        );
+    }
+}
+
+#[test]
+fn a_bar_of_blatz_ko_contracts_as_its_poisson_ratio_of_a_quarter_says() {
+    let law = BlatzKo::default();
+    let bar = path(&law, Mode::Uniaxial, Lateral::Free);
+    for stretch in [0.2, 0.77, 1.0, 1.5, 6.0_f64] {
+        let state = bar.at(stretch.ln()).expect("a state");
+        let f = state.response.deformation.components();
+        assert_close(f[1][1], stretch.powf(-0.25), 1e-13);
+        assert_close(f[2][2], stretch.powf(-0.25), 1e-13);
+        let load = 32.0 * (stretch.powf(-0.5) - stretch.powi(-3));
+        assert_close(state.response.first_piola[(0, 0)], load, 1e-12);
+    }
+}
+
+#[test]
+fn nearly_incompressible_bars_approach_the_incompressible_ones() {
+    for (lambda, tolerance) in [(1e3, 2e-2), (1e5, 2e-4), (1e7, 2e-6)] {
+        let law = NeoHooke { mu: 1.0, lambda };
+        let bar = path(&law, Mode::Uniaxial, Lateral::Free);
+        for stretch in [0.5, 2.0, 4.0_f64] {
+            let state = bar.at(stretch.ln()).expect("a state");
+            let load = stretch - stretch.powi(-2);
+            assert_close(state.response.first_piola[(0, 0)], load, tolerance);
+            let jacobian = state.response.deformation.jacobian();
+            assert_close(jacobian, 1.0, tolerance);
+        }
+        // Incompressible neo-Hooke is elliptic at all these states.
+        assert_eq!(limit(&bar, Notion::StrongEllipticity, true), None);
+        assert_eq!(limit(&bar, Notion::Drucker, true), None);
+    }
+}
+
+/// The load along a path, by differences: its maximum is where `Pdot : Fdot` vanishes.
+#[test]
+fn the_load_maximum_is_where_the_load_is_largest() {
+    let law = ModifiedMooneyRivlin::default();
+    for (mode, lateral) in [
+        (Mode::Uniaxial, Lateral::Held),
+        (Mode::Equibiaxial, Lateral::PlaneStrain),
+        (Mode::Hydrostatic, Lateral::Held),
+    ] {
+        let path = path(&law, mode, lateral);
+        let found = limit(&path, Notion::LoadMaximum, true).expect("a largest load");
+        let load = |s: f64| path.at(s).expect("a state").response.first_piola[(0, 0)];
+        let slope = |s: f64| {
+            let h = 1e-3;
+            (8.0 * (load(s + h) - load(s - h)) - (load(s + 2.0 * h) - load(s - 2.0 * h)))
+                / (12.0 * h)
+        };
+        let expected = zero(slope, found.ln() - 0.1, found.ln() + 0.1);
+        assert_close(found.ln(), expected, 1e-8);
+    }
+}
+
+/// `P33 = sin(x - 1) - (lambda - 1)` with the free stretch `x`: no state beyond `lambda = 2`.
+struct Folding;
+
+impl StrainEnergy for Folding {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let f = f.components();
+        let x = f[2][2] - 1.0;
+        -x.cos() - (f[0][0] - 1.0) * x + f[0][0] * f[0][0] + f[1][1] * f[1][1]
+    }
+}
+
+#[test]
+fn a_path_ends_where_the_free_faces_have_no_state_any_more_and_other_states_are_found() {
+    let loading = Loading {
+        mode: Mode::Planar,
+        lateral: Lateral::PlaneStress,
+    };
+    let path = LoadingPath::new(&Folding, false, loading, &Range::default()).expect("a state at 1");
+    let PathEnd::NoState { stretch } = path.tension_end else {
+        panic!("the path has an end: {:?}", path.tension_end);
+    };
+    assert_close(stretch, 2.0, 1e-9);
+    // sin y = 1/2 at y = pi/6, on the branch, and at y = 5 pi/6.
+    let s = 1.5_f64.ln();
+    let own = path.at(s).expect("a state").response.deformation;
+    let sixth = std::f64::consts::PI / 6.0;
+    assert_close(own.components()[2][2], 1.0 + sixth, 1e-12);
+    let others = path.other_states(s);
+    let second = others
+        .iter()
+        .map(|f| f.components()[2][2])
+        .find(|x| (x - 1.0 - 5.0 * sixth).abs() < 1e-9);
+    assert!(second.is_some(), "{others:?}");
+}
+
+/// Gent: no energy beyond `I1 = 3 + jm`.
+struct Limited;
+
+impl StrainEnergy for Limited {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let i = f.invariants();
+        let log = i.jacobian.ln();
+        ((i.first - 3.0) * -0.1 + 1.0).ln() * -5.0 - log + log * log
+    }
+}
+
+#[test]
+fn a_path_ends_where_the_law_does() {
+    let held = path(&Limited, Mode::Uniaxial, Lateral::Held);
+    let PathEnd::Law { stretch, .. } = held.tension_end else {
+        panic!("the law has an end: {:?}", held.tension_end);
+    };
+    // lambda^2 - 1 = 10
+    assert_close(stretch, 11.0_f64.sqrt(), 1e-9);
+    assert!(track(&held, Notion::StrongEllipticity, true).holds_at_start);
+}
+
+#[test]
+fn ranges_without_1_are_refused() {
+    assert!(Range::new(0.5, 3.0).is_ok());
+    for (low, high) in [
+        (1.1, 2.0),
+        (0.5, 0.9),
+        (2.0, 0.5),
+        (0.0, 2.0),
+        (0.5, f64::NAN),
+    ] {
+        let error = Range::new(low, high).expect_err("no range").to_string();
+        assert!(error.contains("for example 0.1,10"), "{error}");
+    }
+}
+
+/// Hyperfoam with `beta = 0` and exponent 8: there is a state at every amount of shear, since the energy grows without bound to both ends of
+/// the free stretch, but stiffnesses are many orders of magnitude apart.
+#[test]
+fn a_path_goes_on_where_tractions_are_differences_of_large_numbers() {
+    let law = Law::named("hyperfoam")
+        .expect("a law of the library")
+        .build(&[])
+        .expect("admissible");
+    let path = path(&*law, Mode::SimpleShear, Lateral::Free);
+    assert!(path.tension_end == PathEnd::Range && path.compression_end == PathEnd::Range);
+}

@@ -1,0 +1,62 @@
+//! Claims about notions of stability: closed forms, and independent ways to the same numbers.
+
+mod boxes;
+mod forms;
+mod jumps;
+mod known;
+mod loadings;
+
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, StrainEnergy};
+use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, Range, Track, follow};
+use onset::real::Real;
+
+/// `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2`.
+struct NeoHooke {
+    mu: f64,
+    lambda: f64,
+}
+
+impl StrainEnergy for NeoHooke {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let i = f.invariants();
+        let log = i.jacobian.ln();
+        (i.first - 3.0) * (0.5 * self.mu) - log * self.mu + log * log * (0.5 * self.lambda)
+    }
+}
+
+fn path<'a>(law: &'a dyn Hyperelastic, mode: Mode, lateral: Lateral) -> LoadingPath<'a> {
+    let loading = Loading { mode, lateral };
+    LoadingPath::new(law, true, loading, &Range::default()).expect("a state in the reference")
+}
+
+fn track(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Track {
+    follow(path, notion, tension).expect("the notion is defined")
+}
+
+/// The stretch at which a notion is lost in tension, or in compression.
+fn limit(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<f64> {
+    track(path, notion, tension).limit()
+}
+
+#[track_caller]
+fn assert_close(computed: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (computed - expected).abs() <= tolerance * expected.abs().max(1.0),
+        "{computed} is not {expected}"
+    );
+}
+
+/// The zero of an increasing or decreasing function, by bisection.
+fn zero(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let rising = function(low) < 0.0;
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (function(middle) < 0.0) == rising {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,7 @@
+//! The smallest acoustic eigenvalue over all directions in space: what is found, what bounds it, what is proved.
+
+mod crystals;
+mod forms;
+mod laws;
+mod proofs;
+mod scans;

@@ -1,0 +1,66 @@
+//! A Fortran compiler for the tests that run user materials.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Ways to get a compiler, tried in order: a program and its arguments.
+const INSTALLATIONS: &[&[&str]] = &[
+    &["apt-get", "install", "--yes", "gfortran"],
+    // Without a password, as on machines of continuous integration.
+    &["sudo", "-n", "apt-get", "install", "--yes", "gfortran"],
+    &["dnf", "install", "--assumeyes", "gcc-gfortran"],
+    &["brew", "install", "gcc"],
+];
+
+/// The compiler that the variable `ONSET_FORTRAN` or `FC` names, or `gfortran`, which is installed where it is missing and this
+/// is possible without asking.
+///
+/// # Errors
+/// What to do, in words, when there is none and none can be installed.
+pub fn compiler() -> Result<PathBuf, String> {
+    let named = ["ONSET_FORTRAN", "FC"]
+        .into_iter()
+        .find_map(|variable| std::env::var_os(variable).map(|name| (variable, name)));
+    if let Some((variable, name)) = named {
+        let compiler = PathBuf::from(name);
+        return if answers(&compiler) {
+            Ok(compiler)
+        } else {
+            Err(format!(
+                "{variable} names {}, which does not answer --version",
+                compiler.display()
+            ))
+        };
+    }
+    let gfortran = PathBuf::from("gfortran");
+    if answers(&gfortran) {
+        return Ok(gfortran);
+    }
+    for installation in INSTALLATIONS {
+        eprintln!("== Fortran compiler: {}", installation.join(" "));
+        let installed = Command::new(installation[0])
+            .args(&installation[1..])
+            .env("DEBIAN_FRONTEND", "noninteractive")
+            .stdin(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success());
+        if installed && answers(&gfortran) {
+            return Ok(gfortran);
+        }
+    }
+    Err(
+        "there is no gfortran and none could be installed; install it (apt-get install gfortran, dnf install gcc-gfortran, brew \
+         install gcc), or let ONSET_FORTRAN name a Fortran compiler with gfortran's arguments"
+            .to_owned(),
+    )
+}
+
+/// Whether a program starts and tells its version.
+fn answers(program: &PathBuf) -> bool {
+    Command::new(program)
+        .arg("--version")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|status| status.success())
+}
