@@ -1,5 +1,5 @@
 use super::Study;
-use crate::settings::{KEYS, Key, MAP_KEYS, Model, Quantity, STATE_KEYS, Value, study_keys};
+use crate::settings::{KEYS, Key, Kind, MAP_KEYS, Model, Quantity, STATE_KEYS, Value, study_keys};
 
 const PLANE: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 10\n\
                      [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 6\n";

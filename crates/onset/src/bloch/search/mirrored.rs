@@ -506,15 +506,13 @@ impl Descent {
         if !is_convex {
             return;
         }
+        let is_near = |bottom: [f64; 2]| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < SAME);
+        let is_known = self.bottom.is_some_and(is_near);
+        let is_too_high = self.value - 4.0 * decrease > floor;
         if length(self.step) < SHORT || decrease <= 1e-14 * self.value.abs() {
             self.value -= 0.5 * decrease;
             self.state = State::Settled(valley(&curvature));
-        } else if self
-            .bottom
-            .is_some_and(|bottom| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < SAME))
-        {
-            self.state = State::Left;
-        } else if self.value - 4.0 * decrease > floor {
+        } else if is_known || is_too_high {
             self.state = State::Left;
         }
     }
