@@ -303,10 +303,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         self.admits(f)?;
         let energy = plane_jet(self, f.components());
-        let mut values = energy
-            .gradient
-            .iter()
-            .chain(energy.hessian.as_flattened());
+        let mut values = energy.gradient.iter().chain(energy.hessian.as_flattened());
         if values.all(|value| value.is_finite()) {
             Ok(PlaneResponse {
                 first_piola: energy.gradient,

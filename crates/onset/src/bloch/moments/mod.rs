@@ -12,6 +12,7 @@ mod long_waves;
 mod refine;
 mod scan;
 mod sums;
+mod valley;
 
 use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
@@ -31,6 +32,7 @@ use refine::{BEATEN, Descents, HARD, Refine};
 use scan::{Scan, Start, Starts};
 use std::f64::consts::TAU;
 use sums::Sums;
+use valley::Valley;
 
 /// Grid points per period of the fastest phase.
 const DENSITY: usize = 12;
@@ -51,6 +53,8 @@ pub struct GradientMoments<const D: usize> {
     sums: Sums,
     /// Extreme points of `H(k) / |k|_h^2`.
     scaled: Wells<D>,
+    /// Where the method is nearly rank deficient.
+    valley: Option<Valley<D>>,
     /// Extreme points of `H(k)`.
     plain: Wells<D>,
     /// `H(k) / |k|_h^2` for long waves, `h0 + hc cos t + hs sin t` in the doubled angle `t` of `G^1/2 k`.
@@ -120,15 +124,18 @@ impl<const D: usize> GradientMoments<D> {
         let [h11, h12, _, h22] = &entries;
         let moments: Vec<[f64; 3]> = (0..h11.len()).map(|n| [h11[n], h12[n], h22[n]]).collect();
         let laplacian = grid.laplacian();
-        let scaled: Vec<[f64; 3]> = moments
+        let mut scaled: Vec<[f64; 3]> = moments
             .iter()
             .zip(laplacian)
             .map(|(h, laplacian)| h.map(|entry| entry / laplacian))
             .collect();
+        // At zero there is no wave.
+        scaled[0] = [f64::NAN; 3];
         let wells = |moments: &[[f64; 3]]| Wells {
             any: Candidates::new(lattice, &grid, moments, false),
             mirrored: Candidates::new(lattice, &grid, moments, true),
         };
+        let valley = Valley::new(lattice, &grid, &scaled);
         let (scaled, plain) = (wells(&scaled), wells(&moments));
         let long = long_moments(method, &matrix);
         let long_noise = matrix.long_wave_noise();
@@ -136,6 +143,7 @@ impl<const D: usize> GradientMoments<D> {
             matrix,
             sums,
             scaled,
+            valley,
             plain,
             long,
             long_noise,
@@ -188,7 +196,10 @@ impl<const D: usize> GradientMoments<D> {
             columns: &columns,
         };
         let limits: Vec<f64> = long_waves.iter().map(|(value, _)| *value).collect();
-        let finite = batch.bottoms::<MIRRORED>(Objective::Scaled, &limits);
+        let mut finite = batch.bottoms::<MIRRORED>(Objective::Scaled, &limits);
+        for (row, bottom) in rows.iter().zip(&mut finite) {
+            self.look_around(row, bottom);
+        }
         let none = vec![f64::INFINITY; rows.len()];
         let highest = batch.bottoms::<MIRRORED>(Objective::Highest, &none);
         let mut extremes = Vec::with_capacity(rows.len());
@@ -246,6 +257,21 @@ impl<const D: usize> GradientMoments<D> {
             k
         } else {
             self.search.folded(&k)
+        }
+    }
+
+    /// Replaces a bottom in a valley of nearly no energy by the lowest one there.
+    fn look_around(&self, row: &Coefficients, bottom: &mut Bottom<D>) {
+        let magnitude = magnitude(row);
+        if let Some(valley) = self
+            .valley
+            .as_ref()
+            .filter(|v| v.holds(bottom.0, magnitude))
+        {
+            let found = valley.bottom(row, magnitude, |k| self.careful(row, Objective::Scaled, k));
+            if found.0 < bottom.0 {
+                *bottom = found;
+            }
         }
     }
 

@@ -5,6 +5,20 @@ use super::contraction::{Columns, Contraction};
 use crate::algebra::Pack;
 use pulp::{Simd, WithSimd};
 
+/// Where the lowest value is below this fraction of the largest one, wells are narrow beside the spacing of the grid:
+const WEAK: f64 = 1e-3;
+/// descents lead further down, and regions are looked into that lie by this fraction of the lowest value above it.
+const RIVAL: f64 = 0.05;
+
+/// That part of the margin. It is less than what the threshold of the scan has to spare.
+fn rivalry(lowest: f64, scale: f64) -> f64 {
+    if lowest.abs() < WEAK * scale {
+        RIVAL * lowest.abs()
+    } else {
+        0.0
+    }
+}
+
 /// A tangent and a candidate, by their numbers.
 pub(super) type Start = (usize, usize);
 
@@ -87,7 +101,7 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                     break;
                 };
                 let best = lowest[lane];
-                let margin = 2.0 * margin(best, self.scales[n]);
+                let margin = 2.0 * margin(best, self.scales[n]) + rivalry(best, self.scales[n]);
                 if best - margin > *limit {
                     continue;
                 }
