@@ -2,7 +2,7 @@
 
 use crate::table::{Random, laws};
 use onset::kinematics::DeformationGradient;
-use onset::material::{Hyperelastic, PlaneTangent, StrainEnergy};
+use onset::material::{Hyperelastic, PlaneTangent, StrainEnergy, library};
 use onset::real::{Lanes, Mirrored, Real};
 
 fn stretched(random: &mut Random) -> DeformationGradient {
@@ -60,6 +60,32 @@ fn a_tangent_is_to_the_last_digit_the_same_in_any_company() {
                 "{}",
                 entry.name
             );
+        }
+    }
+}
+
+#[test]
+fn every_law_of_the_library_gives_together_what_it_gives_alone() {
+    let mut random = Random::new(34);
+    for law in library() {
+        let built = law.build(&[]).expect("defaults");
+        let mut states: Vec<_> = (0..11)
+            .map(|_| {
+                let stretches = [0; 3].map(|_| random.stretch(1.6));
+                DeformationGradient::from_stretches(stretches).expect("positive stretches")
+            })
+            .collect();
+        states.extend((0..9).map(|_| random.planar_state(1.3)));
+        let tangents = built.plane_tangents(&states);
+        assert_eq!(tangents.len(), states.len());
+        for (f, together) in states.iter().zip(tangents) {
+            assert_eq!(together, built.plane_tangent(f), "{}", law.name);
+            // A state that a law refuses is refused alone, not with its company.
+            let full = built.response(f);
+            assert_eq!(together.is_ok(), full.is_ok(), "{}", law.name);
+            if let Ok(tangent) = together {
+                assert_close(&tangent, &expected(&*built, f), law.name);
+            }
         }
     }
 }
