@@ -6,6 +6,12 @@ use std::process::{Command, Stdio};
 /// Ways to get a compiler, tried in order: a program and its arguments.
 const INSTALLATIONS: &[&[&str]] = &[
     &["apt-get", "install", "--yes", "gfortran"],
+    // Where the lists of packages have been removed or are old.
+    &[
+        "sh",
+        "-c",
+        "apt-get update && apt-get install --yes gfortran",
+    ],
     // Without a password, as on machines of continuous integration.
     &["sudo", "-n", "apt-get", "install", "--yes", "gfortran"],
     &["dnf", "install", "--assumeyes", "gcc-gfortran"],

@@ -401,3 +401,32 @@ fn an_output_that_no_map_has_is_refused_with_those_that_there_are() {
         assert!(answer.stderr.contains(fact), "{}", answer.stderr);
     }
 }
+
+#[test]
+fn states_at_which_the_law_is_not_defined_are_undefined_in_a_map() {
+    let text = STUDY
+        .replace(
+            "title = \"a study\"\n",
+            "[material]\nmodel = \"gent\"\njm = 2.0\n",
+        )
+        .replace("tile = 8", "tile = 64")
+        .replace("states = 36", "states = 12")
+        .replace("states = 34", "states = 12");
+    let place = Place::new(&text);
+    let document = place.document("gent.zarr", "");
+    let count = &document["verdicts"]["undefined"]["states"];
+    let undefined = count.as_u64().expect("a count");
+    assert!((1..144).contains(&undefined), "{document}");
+}
+
+#[test]
+fn a_law_whose_reference_carries_no_waves_is_refused() {
+    let energy = "-(I1 - 3)";
+    let answer = onset(&["state", "--stretch", "1.1,1", "--energy", energy]);
+    assert_eq!(answer.code, Some(2), "{}", answer.stdout);
+    assert!(
+        answer.stderr.contains("carries no waves"),
+        "{}",
+        answer.stderr
+    );
+}

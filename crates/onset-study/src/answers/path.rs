@@ -247,7 +247,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None => writeln!(
                 formatter,
-                "The material stays strongly elliptic along the whole path."
+                "The material stays strongly elliptic along the whole path, for waves in the plane of the particles."
             )?,
         }
         match &self.discretization_onset {

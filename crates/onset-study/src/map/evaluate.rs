@@ -102,6 +102,7 @@ impl Evaluator {
                     .minimum;
                 Ok(self.with_continuum(&minimum, Record::UNDEFINED))
             }
+            Err(error) if error.is_outside_domain() => Ok(Record::UNDEFINED),
             Err(error) => Err(error.into()),
         }
     }

@@ -61,13 +61,18 @@ impl Display for NotionsAnswer {
     }
 }
 
+/// A number for a heading: no more than six digits of it.
+fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
 /// The law in a line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
     let parameters: Vec<String> = law
         .parameters
         .iter()
         .map(|(name, value)| match value.as_f64() {
-            Some(number) => format!("{name} = {number}"),
+            Some(number) => format!("{name} = {}", six_digits(number)),
             None => format!("{name} = {value}"),
         })
         .collect();

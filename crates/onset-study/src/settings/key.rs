@@ -398,6 +398,10 @@ impl Key {
         match self.default_json() {
             serde_json::Value::String(word) => word,
             serde_json::Value::Null => String::new(),
+            serde_json::Value::Array(words) => {
+                let words: Vec<&str> = words.iter().filter_map(|word| word.as_str()).collect();
+                words.join(",")
+            }
             other => other.to_string(),
         }
     }

@@ -57,6 +57,14 @@ pub enum MaterialError {
         /// Why, and what to do.
         message: String,
     },
+    /// The undeformed material carries no waves, so that nothing can be measured by their speed.
+    #[error(
+        "the undeformed material carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
+    )]
+    NoWaves {
+        /// The largest acoustic eigenvalue.
+        eigenvalue: f64,
+    },
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
         "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"

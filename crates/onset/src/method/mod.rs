@@ -262,6 +262,11 @@ impl MethodError {
                 | Self::SingularMoment { .. }
         )
     }
+
+    /// Whether the law of the material is not defined at the state, as beyond the locking stretch of its chains.
+    pub fn is_outside_domain(&self) -> bool {
+        matches!(self, Self::Material(MaterialError::OutsideDomain { .. }))
+    }
 }
 
 /// A method on its lattice, ready to be evaluated at any state.

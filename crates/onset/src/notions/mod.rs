@@ -300,7 +300,8 @@ impl Notion {
 
 /// How far below zero, in units of the largest component of the tangent, rounding can leave a form that is zero.
 const NEUTRAL: f64 = 3e-14;
-/// How much of the largest component of the tangent can be rounding.
+/// How much of the largest component of the tangent can be rounding where stretches are equal. Between axes of a different stretch
+/// it grows with their ratio: the small stiffness of the one is found beside the large stiffness of the other.
 const ROUNDING: f64 = 1e-13;
 
 /// A state at which notions are asked: the response of a law, its principal axes, and the loading that led there.
@@ -358,9 +359,14 @@ impl State {
         Measure {
             value,
             neutral: 0.0,
-            rounding: ROUNDING * self.form.magnitude(),
+            rounding: ROUNDING * self.form.magnitude() * self.ratio_of_stretches(),
             witness,
         }
+    }
+
+    fn ratio_of_stretches(&self) -> f64 {
+        let [largest, _, smallest] = self.response.deformation.principal_stretches();
+        largest / smallest
     }
 
     fn strong_ellipticity(&self) -> Measure {

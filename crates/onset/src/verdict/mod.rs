@@ -123,13 +123,18 @@ pub struct Assessment<const D: usize> {
 /// reference density. Length^2/time^2.
 ///
 /// # Errors
-/// [`MaterialError`] when the response of the undeformed material is not finite.
+/// [`MaterialError`] when the response of the undeformed material is not finite, or carries no waves.
 pub fn speed_squared<const D: usize>(
     method: &Method<D>,
     material: &dyn Hyperelastic,
 ) -> Result<f64, MaterialError> {
     let reference = material.response(&DeformationGradient::identity())?;
-    Ok(Stiffness::<D>::of(&reference).maximum_eigenvalue() / method.discretization().density)
+    let eigenvalue = Stiffness::<D>::of(&reference).maximum_eigenvalue();
+    if eigenvalue > 0.0 {
+        Ok(eigenvalue / method.discretization().density)
+    } else {
+        Err(MaterialError::NoWaves { eigenvalue })
+    }
 }
 
 /// Assesses a material and a method at a homogeneous state.

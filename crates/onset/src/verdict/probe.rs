@@ -21,7 +21,7 @@ pub enum Phase {
     Flutter,
     /// Some perturbation grows without bound in one direction, `Re omega^2 < 0`.
     Unstable,
-    /// The method cannot be evaluated: too few (or too many) neighbors in the support.
+    /// The method cannot be evaluated: too few (or too many) neighbors in the support; or the law is not defined there.
     Undefined,
 }
 
@@ -66,7 +66,11 @@ pub fn probe_material<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<Probe, MaterialError> {
-    let minimum = Stiffness::<D>::at(material, f)?.minimum().eigenvalue.re;
+    let stiffness = match Stiffness::<D>::at(material, f) {
+        Err(MaterialError::OutsideDomain { .. }) => return Ok((Phase::Undefined, f64::NAN)),
+        other => other?,
+    };
+    let minimum = stiffness.minimum().eigenvalue.re;
     let phase = if minimum > 0.0 {
         Phase::Stable
     } else {
@@ -110,7 +114,9 @@ impl<'a, const D: usize> DiscretizationProbe<'a, D> {
             Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
             Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
             Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(error) if error.is_about_support() => Ok((Phase::Undefined, f64::NAN)),
+            Err(error) if error.is_about_support() || error.is_outside_domain() => {
+                Ok((Phase::Undefined, f64::NAN))
+            }
             Err(error) => Err(error),
         }
     }
