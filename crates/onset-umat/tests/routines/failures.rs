@@ -1,6 +1,7 @@
 //! What can go wrong in a user's code is an error that says so, and leaves nothing behind.
 
 use crate::{blatz_ko, general, library, settings};
+use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
 use onset_umat::{Outcome, Umat, UmatError, UmatSettings};
