@@ -204,7 +204,10 @@ const OF_A_LAW: [&[&str]; 6] = [
 fn every_command_of_a_law_takes_its_energy() {
     for command in OF_A_LAW {
         let message = refusal(&[command, &["--energy", "(("]].concat());
-        assert!(message.contains("is not closed"), "{command:?}: {message}");
+        assert!(
+            message.contains("the end of the formula"),
+            "{command:?}: {message}"
+        );
     }
     let energy = [
         "--energy",
