@@ -235,6 +235,10 @@ pub struct LawArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
+    /// --set material.mu=1. Short for material.model=formula and material.energy.
+    #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
+    pub energy: Option<String>,
     /// The smallest and the largest stretch.
     #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
     pub range: Stretches,

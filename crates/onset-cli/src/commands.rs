@@ -144,15 +144,36 @@ pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
         .map_err(Failure::input)
 }
 
+/// The assignments with those that `--energy` is short for; an error where `--set` says otherwise.
+fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<String>, Failure> {
+    let Some(energy) = energy else {
+        return Ok(assignments.to_vec());
+    };
+    let meant = [("material.model", "formula"), ("material.energy", energy)];
+    for assignment in assignments {
+        let (name, value) = assignment.split_once('=').unwrap_or((assignment, ""));
+        let value = value.trim().trim_matches('"');
+        let other = meant
+            .iter()
+            .find(|(key, meant)| *key == name.trim() && *meant != value);
+        if let Some((key, meant)) = other {
+            return Err(Failure::input(format!(
+                "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: leave out one of them"
+            )));
+        }
+    }
+    let short_for = meant.map(|(key, value)| format!("{key}={value}"));
+    Ok(assignments.iter().cloned().chain(short_for).collect())
+}
+
 impl ProblemArguments {
     fn build(&self) -> Result<Problem, Failure> {
-        let mut assignments = self.assignments.clone();
-        if let Some(energy) = &self.energy {
-            assignments.push("material.model=formula".to_owned());
-            assignments.push(format!("material.energy={energy}"));
-        }
-        let settings = Settings::from_assignments(&assignments).map_err(Failure::input)?;
-        Ok(Problem::new(settings)?)
+        Ok(Problem::new(self.settings()?)?)
+    }
+
+    fn settings(&self) -> Result<Settings, Failure> {
+        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
+        Settings::from_assignments(&assignments).map_err(Failure::input)
     }
 }
 

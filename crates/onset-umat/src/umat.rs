@@ -131,16 +131,47 @@ impl Umat {
     pub fn along_all(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
         let mut outcomes = Vec::with_capacity(paths.len());
         while outcomes.len() < paths.len() {
-            let rest = &paths[outcomes.len()..];
-            let batch = &rest[..rest.len().min(BATCH)];
-            let mut replies = Vec::with_capacity(batch.len());
-            let failure = self.ask(batch, &mut replies).err();
-            for (path, reply) in batch.iter().zip(replies) {
-                outcomes.push(self.outcome(path, reply));
-            }
-            outcomes.extend(failure.map(Err));
+            outcomes.extend(self.batch(&paths[outcomes.len()..]));
         }
         outcomes
+    }
+
+    /// The outcomes at the ends of paths of equal length when all are needed: after a failure nothing more is asked, so that an
+    /// endless loop in the routine costs its time limit once.
+    ///
+    /// # Errors
+    /// The first that [`Umat::along_all`] has.
+    #[cfg(unix)]
+    pub fn along_every(&self, paths: &[Vec<Matrix3<f64>>]) -> Result<Vec<Outcome>, UmatError> {
+        let mut outcomes = Vec::with_capacity(paths.len());
+        while outcomes.len() < paths.len() {
+            for outcome in self.batch(&paths[outcomes.len()..]) {
+                outcomes.push(outcome?);
+            }
+        }
+        Ok(outcomes)
+    }
+
+    /// Outcomes on the first of some paths, up to a failure of the process; one at least.
+    #[cfg(unix)]
+    fn batch(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
+        let batch = &paths[..paths.len().min(BATCH)];
+        let mut replies = Vec::with_capacity(batch.len());
+        let failure = self.ask(batch, &mut replies).err();
+        let answered = batch.iter().zip(replies);
+        answered
+            .map(|(path, reply)| self.outcome(path, reply))
+            .chain(failure.map(Err))
+            .collect()
+    }
+
+    /// Not on this system.
+    ///
+    /// # Errors
+    /// [`UmatError::Platform`], always.
+    #[cfg(not(unix))]
+    pub fn along_every(&self, _paths: &[Vec<Matrix3<f64>>]) -> Result<Vec<Outcome>, UmatError> {
+        Err(UmatError::Platform)
     }
 
     /// Not on this system.

@@ -4,13 +4,11 @@ use super::{Failure, print};
 use crate::arguments::AuditArguments;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, states};
-use onset_study::settings::Settings;
 use std::process::ExitCode;
 
 /// Audits the material that is set.
 pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
-    let settings =
-        Settings::from_assignments(&arguments.problem.assignments).map_err(Failure::input)?;
+    let settings = arguments.problem.settings()?;
     let mut deformations = Vec::new();
     for stretches in &arguments.stretch {
         deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);

@@ -1,6 +1,6 @@
 //! `onset notions` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, print, print_json, print_text, study};
+use super::{Failure, print, print_json, print_text, study, with_energy};
 use crate::arguments::{CardArguments, LawArguments, NotionsArguments};
 use onset_study::figure::Figure;
 use onset_study::notions::{CardError, Question};
@@ -51,11 +51,12 @@ fn question(
 
 /// The law of a study, or of the assignments alone.
 fn material(arguments: &LawArguments) -> Result<MaterialSettings, Failure> {
+    let assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
     let Some(file) = &arguments.file else {
-        let settings = Settings::from_assignments(&arguments.assignments);
+        let settings = Settings::from_assignments(&assignments);
         return Ok(settings.map_err(Failure::input)?.material);
     };
-    let study = study(file, &arguments.assignments)?;
+    let study = study(file, &assignments)?;
     let varied = study
         .axes
         .iter()

@@ -190,6 +190,52 @@ fn an_energy_needs_its_model() {
     assert!(message.contains("energy"), "{message}");
 }
 
+/// The beginnings of all commands that take a law.
+const OF_A_LAW: [&[&str]; 6] = [
+    &["state", "--stretch", "1.1,0.9"],
+    &["dispersion", "--stretch", "1.1,0.9", "--wave-vector=1,1"],
+    &["path", "--from", "1,1", "--to", "1.1,1.1"],
+    &["audit", "--stretch", "1.1,0.9"],
+    &["notions", "--mode", "uniaxial"],
+    &["card", "--out", "/nowhere"],
+];
+
+#[test]
+fn every_command_of_a_law_takes_its_energy() {
+    for command in OF_A_LAW {
+        let message = refusal(&[command, &["--energy", "(("]].concat());
+        assert!(
+            message.contains("the end of the formula"),
+            "{command:?}: {message}"
+        );
+    }
+    let energy = [
+        "--energy",
+        "mu/2*(I1 - 3 - 2*ln(J))",
+        "--set",
+        "material.mu=2",
+    ];
+    for command in ["audit --stretch 1.1,0.9", "notions --mode uniaxial"] {
+        let command: Vec<&str> = command.split(' ').collect();
+        let told = answer(&[&command[..], &energy].concat()).to_string();
+        assert!(told.contains("formula"), "{command:?}: {told}");
+    }
+}
+
+#[test]
+fn two_laws_at_once_are_refused() {
+    let energy = "mu/2*(I1 - 3 - 2*ln(J))";
+    let one = ["--energy", energy, "--set", "material.mu=2"];
+    for other in ["material.energy=I1", "material.model=blatz-ko"] {
+        for command in OF_A_LAW {
+            let message = refusal(&[command, &one, &["--set", other]].concat());
+            assert!(message.contains("two laws"), "{command:?}: {message}");
+        }
+    }
+    let twice = ["--set", "material.model=formula"];
+    answer(&[OF_A_LAW[0], &one, &twice].concat());
+}
+
 #[test]
 fn the_language_is_listed() {
     let answer = onset(&["list", "formula"]);

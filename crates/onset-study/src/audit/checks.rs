@@ -2,7 +2,7 @@
 
 use super::convention::{Convention, StressChange};
 use super::difference::{derivative, steps};
-use super::reading::{Delivery, relative};
+use super::reading::{Delivery, ratio, relative_to};
 use super::subject::{Sample, Subject, deformation};
 use super::{AuditError, TOLERANCE, TangentFinding, UNKNOWN, tolerance};
 use nalgebra::{Matrix3, Matrix6, Rotation3};
@@ -81,7 +81,13 @@ pub struct Measured {
     current_energy_gradient: Matrix3<f64>,
     /// How well the change of the stress is known, relative to it.
     pub uncertainty: f64,
+    /// Whether there is an energy here or nearby; at a state free of stress it may well be zero.
+    reports_energy: bool,
 }
+
+/// Stresses that a smaller strain than this would make are compared with the one that it makes: at a state free of stress,
+/// differences are nothing but rounding.
+const SMALL_STRAIN: f64 = 1e-3;
 
 impl Measured {
     /// Measures at a state.
@@ -101,6 +107,7 @@ impl Measured {
             }
         }
         let samples = subject.samples_near(f, &states)?;
+        let reports_energy = samples.iter().any(|sample| sample.energy != 0.0);
         let values: Vec<Vec<f64>> = samples
             .iter()
             .map(|sample| {
@@ -143,7 +150,24 @@ impl Measured {
             current_energy_gradient: of_energy(10),
             uncertainty: if size > 0.0 { uncertainty / size } else { 0.0 },
             sample,
+            reports_energy,
         })
+    }
+
+    /// The stress of a small strain.
+    fn small_stress(&self) -> f64 {
+        SMALL_STRAIN * modulus(self)
+    }
+
+    /// How far a Cauchy stress is from that of this state.
+    fn stress_error(&self, stress: &Matrix3<f64>, expected: &Matrix3<f64>) -> f64 {
+        relative_to(stress.as_slice(), expected.as_slice(), self.small_stress())
+    }
+
+    /// How far an energy is from that of this state.
+    fn energy_error(&self, energy: f64) -> f64 {
+        let small = SMALL_STRAIN * self.small_stress();
+        relative_to(&[energy], &[self.sample.energy], small)
     }
 }
 
@@ -153,13 +177,15 @@ pub fn all(
     reference: &Measured,
     measured: &[Measured],
 ) -> Result<Vec<Check>, AuditError> {
+    let energy = energy(subject, measured);
+    let is_derivative = energy.outcome == Outcome::Passed;
     let mut checks = vec![
         reference_stress(reference),
         moduli(reference),
         stress_symmetry(measured),
         objectivity(subject, measured)?,
-        energy(subject, measured),
-        closed_loops(subject)?,
+        energy,
+        closed_loops(subject, is_derivative)?,
         material_symmetry(subject, measured)?,
         stress_tangent_symmetry(subject, measured),
         delivered_symmetry(subject, measured),
@@ -191,8 +217,9 @@ fn has_history(subject: &Subject<'_>) -> bool {
     matches!(subject, Subject::User(umat) if umat.settings().state_variables > 0)
 }
 
-fn modulus(reference: &Measured) -> f64 {
-    let gradient = &reference.change.gradient;
+/// The stiffness of a state: the norm of how the stress changes.
+fn modulus(state: &Measured) -> f64 {
+    let gradient = &state.change.gradient;
     let mut sum = 0.0;
     for (i, j) in VOIGT {
         for (k, l) in VOIGT {
@@ -203,7 +230,7 @@ fn modulus(reference: &Measured) -> f64 {
 }
 
 fn reference_stress(reference: &Measured) -> Check {
-    let error = size(&reference.sample.cauchy) / modulus(reference);
+    let error = ratio(size(&reference.sample.cauchy), modulus(reference));
     Check::new(
         "reference stress",
         if error.is_nan() { f64::INFINITY } else { error },
@@ -255,7 +282,7 @@ fn moduli(reference: &Measured) -> Check {
 fn stress_symmetry(measured: &[Measured]) -> Check {
     let error = largest(measured.iter().map(|state| {
         let stress = &state.sample.cauchy;
-        relative(stress.as_slice(), stress.transpose().as_slice())
+        state.stress_error(stress, &stress.transpose())
     }));
     Check::new(
         "symmetry of the stress",
@@ -281,8 +308,8 @@ fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, Au
             let expected = rotation * state.sample.cauchy * rotation.transpose();
             error = largest([
                 error,
-                relative(turned.cauchy.as_slice(), expected.as_slice()),
-                relative(&[turned.energy], &[state.sample.energy]),
+                state.stress_error(&turned.cauchy, &expected),
+                state.energy_error(turned.energy),
             ]);
         }
     }
@@ -296,14 +323,14 @@ fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, Au
 
 fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let name = "energy";
-    if measured.iter().all(|state| state.sample.energy == 0.0) {
+    if measured.iter().all(|state| !state.reports_energy) {
         return Check::noted(name, None, "no energy is reported (SSE is zero)");
     }
     // P:dF = J sigma : l.
     let error = |of: fn(&Measured) -> &Matrix3<f64>| {
         largest(measured.iter().map(|state| {
             let kirchhoff = state.sample.deformation.jacobian() * state.sample.cauchy;
-            relative(of(state).as_slice(), kirchhoff.as_slice())
+            state.stress_error(of(state), &kirchhoff)
         }))
     };
     let reference = error(|state| &state.energy_gradient);
@@ -326,12 +353,14 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     .excused(has_history(subject))
 }
 
-/// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders.
-fn closed_loops(subject: &Subject<'_>) -> Result<Check, AuditError> {
+/// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders. Where the stress has
+/// a kink it is not smooth; a stress that is the derivative of an energy does no work around it all the same.
+fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, AuditError> {
     const POINTS: usize = 64;
     const RADIUS: f64 = 0.1;
     let planes: [(usize, usize); 3] = [(0, 4), (1, 8), (2, 3)];
-    let mut error: f64 = 0.0;
+    // All loops have one scale: in some planes a law may have no stress at all.
+    let (mut left, mut moved): (f64, f64) = (0.0, 0.0);
     for (first, second) in planes {
         let unit = |n: usize| {
             let mut unit: Matrix3<f64> = Matrix3::zeros();
@@ -357,7 +386,16 @@ fn closed_loops(subject: &Subject<'_>) -> Result<Check, AuditError> {
             work += piola.dot(&rate);
             turnover += piola.dot(&rate).abs();
         }
-        error = largest([error, work.abs() / turnover]);
+        left = largest([left, work.abs()]);
+        moved = moved.max(turnover);
+    }
+    let error = ratio(left, moved);
+    if error > TOLERANCE && is_derivative {
+        return Ok(Check::noted(
+            "closed loops",
+            Some(error),
+            "work seems left around closed loops, though the stress is the derivative of the energy: quadrature across a kink",
+        ));
     }
     Ok(Check::new(
         "closed loops",
@@ -376,10 +414,9 @@ fn material_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Result<Che
             .map(|state| deformation(&(state.sample.deformation.matrix() * rotation)))
             .collect::<Result<Vec<_>, _>>()?;
         for (turned, state) in subject.samples(&states)?.iter().zip(measured) {
-            let expected = &state.sample.cauchy;
             error = largest([
                 error,
-                relative(turned.cauchy.as_slice(), expected.as_slice()),
+                state.stress_error(&turned.cauchy, &state.sample.cauchy),
             ]);
         }
     }
@@ -434,9 +471,7 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
         again
             .iter()
             .zip(measured.iter().rev())
-            .map(|(again, state)| {
-                relative(again.cauchy.as_slice(), state.sample.cauchy.as_slice())
-            }),
+            .map(|(again, state)| state.stress_error(&again.cauchy, &state.sample.cauchy)),
     );
     Ok(Check::new(
         "memory",
@@ -458,10 +493,12 @@ fn increments(settings: &UmatSettings, measured: &[Measured]) -> Result<Check, A
         .map(|state| state.sample.deformation)
         .collect();
     let finer = Subject::User(&umat).samples(&states)?;
-    let error =
-        largest(finer.iter().zip(measured).map(|(finer, state)| {
-            relative(state.sample.cauchy.as_slice(), finer.cauchy.as_slice())
-        }));
+    let error = largest(
+        finer
+            .iter()
+            .zip(measured)
+            .map(|(finer, state)| state.stress_error(&state.sample.cauchy, &finer.cauchy)),
+    );
     let finding = match error <= TOLERANCE {
         true => "the stress does not depend on the number of increments".to_owned(),
         false => format!(

@@ -216,7 +216,7 @@ impl Delivery {
     /// The largest difference of a component and its mirror image across the diagonal, relative to all.
     pub fn asymmetry(&self) -> f64 {
         match self {
-            Self::Matrix(matrix) => (**matrix - matrix.transpose()).norm() / matrix.norm(),
+            Self::Matrix(matrix) => relative(matrix.transpose().as_slice(), matrix.as_slice()),
             Self::Tensor(tensor) => {
                 let mirrored = FourthOrder::from_fn(|i, j, k, l| tensor[(k, l, i, j)]);
                 relative(
@@ -228,15 +228,29 @@ impl Delivery {
     }
 }
 
-/// `|a - b| / |b|`, infinite where one of them is not finite.
+/// `|a - b| / |b|`, one where only `b` is zero, infinite where one of them is not finite.
 pub fn relative(a: &[f64], b: &[f64]) -> f64 {
+    relative_to(a, b, 0.0)
+}
+
+/// `|a - b|` relative to `|b|` or to a size below which nothing counts, whichever is larger.
+pub fn relative_to(a: &[f64], b: &[f64], least: f64) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     let difference = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
     if difference == 0.0 {
         return 0.0;
     }
-    let ratio = difference / norm(&mut b.iter().copied());
-    if ratio.is_nan() { f64::INFINITY } else { ratio }
+    let error = ratio(difference, norm(&mut b.iter().copied()).max(least));
+    if error.is_nan() { f64::INFINITY } else { error }
+}
+
+/// A size relative to another: all of it where the other is zero.
+pub fn ratio(size: f64, scale: f64) -> f64 {
+    match (size == 0.0, scale == 0.0) {
+        (true, _) => 0.0,
+        (false, true) => 1.0,
+        (false, false) => size / scale,
+    }
 }
 
 /// A reading with how far it is from what was delivered.

@@ -115,17 +115,16 @@ fn of_user(
     states: &[DeformationGradient],
     paths: &[Vec<Matrix3<f64>>],
 ) -> Result<Vec<Sample>, MaterialError> {
-    states
-        .iter()
-        .zip(umat.along_all(paths))
+    let samples = states.iter().zip(umat.along_every(paths)?);
+    Ok(samples
         .map(|(f, outcome)| {
-            let delivered = outcome?.delivered;
-            Ok(Sample {
+            let delivered = outcome.delivered;
+            Sample {
                 deformation: *f,
                 cauchy: delivered.cauchy(),
                 energy: delivered.sse,
                 delivery: Delivery::Matrix(Box::new(delivered.ddsdde)),
-            })
+            }
         })
-        .collect()
+        .collect())
 }

@@ -1,6 +1,7 @@
 //! What can go wrong in a user's code is an error that says so, and leaves nothing behind.
 
 use crate::{blatz_ko, general, library, settings};
+use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
 use onset_umat::{Outcome, Umat, UmatError, UmatSettings};
@@ -221,6 +222,34 @@ fn no_process_stays_behind() {
         drop(umat);
         assert_eq!(processes(&own), 0, "flaw {flaw}");
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn nothing_is_asked_after_a_failure_when_all_are_needed() {
+    let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("asked-once.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    let umat = Umat::new(UmatSettings {
+        library: own.clone(),
+        ..flawed(11)
+    })
+    .expect("a UMAT");
+    let paths: Vec<_> = [1.1, 3.0, 1.2]
+        .map(|stretch| vec![Matrix3::from_diagonal_element(stretch)])
+        .to_vec();
+    let outcome = umat.along_every(&paths);
+    assert!(
+        matches!(outcome, Err(UmatError::Ended { .. })),
+        "{outcome:?}"
+    );
+    // Nobody was started to answer for the third.
+    assert_eq!(processes(&own), 0);
+    assert_eq!(umat.along_all(&paths).len(), 3);
+    assert_eq!(processes(&own), 1);
+    assert_eq!(
+        umat.along_every(&paths[..1]),
+        Ok(vec![umat.along(paths[0].clone()).expect("an outcome")])
+    );
 }
 
 #[test]

@@ -1,0 +1,70 @@
+//! `onset_study::audit` on laws whose answers are known.
+
+use onset::kinematics::DeformationGradient;
+use onset_study::audit::{Audit, Outcome, states};
+use onset_study::settings::{MaterialSettings, Model, Settings};
+
+fn of_energy(energy: &str, states: &[DeformationGradient]) -> Audit {
+    let assignments = [
+        "material.model=formula".to_owned(),
+        format!("material.energy={energy}"),
+    ];
+    let settings = Settings::from_assignments(&assignments).expect("a law");
+    Audit::of_material(&settings.material, None, states).expect("an audit")
+}
+
+fn outcome(audit: &Audit, name: &str) -> Outcome {
+    let check = audit.checks.iter().find(|check| check.name == name);
+    check.expect("a check").outcome
+}
+
+fn assert_finite(audit: &Audit) {
+    for check in &audit.checks {
+        assert!(check.error.is_none_or(f64::is_finite), "{check:?}");
+    }
+}
+
+#[test]
+fn every_law_of_the_library_is_consistent() {
+    let states = states(0.1).expect("states");
+    let laws: Vec<Model> = Model::all()
+        .filter(|model| matches!(model, Model::Law(_)))
+        .collect();
+    assert!(laws.len() >= 25);
+    for model in laws {
+        let audit = Audit::of_material(&MaterialSettings::new(model, &[]), None, &states);
+        let audit = audit.expect("an audit");
+        assert!(audit.consistent, "{audit}");
+        assert_finite(&audit);
+    }
+}
+
+#[test]
+fn a_state_without_stress_is_compared_with_the_stiffness() {
+    let undeformed = [DeformationGradient::identity()];
+    for model in ["blatz-ko", "modified-mooney-rivlin"] {
+        let model = Model::named(model).expect("a law");
+        let audit = Audit::of_material(&MaterialSettings::new(model, &[]), None, &undeformed)
+            .expect("an audit");
+        assert!(audit.consistent, "{audit}");
+        assert_finite(&audit);
+        assert_eq!(outcome(&audit, "energy"), Outcome::Passed);
+        let symmetry = audit.checks.iter().find(|c| c.name == "material symmetry");
+        assert_eq!(symmetry.expect("a check").finding, "isotropic");
+    }
+    // What depends on the observer is found at a state without stress as well.
+    let audit = of_energy("(F11-1)^2+(F22-1)^2+(F33-1)^2+F12^2", &undeformed);
+    assert_eq!(outcome(&audit, "objectivity"), Outcome::Failed);
+    assert_finite(&audit);
+}
+
+#[test]
+fn a_kink_of_an_energy_is_no_lack_of_one() {
+    let states = states(0.1).expect("states");
+    for energy in ["I1-3-2*ln(J)+abs(I1-3)", "F11^2+F22^2+F33^2+F12^2-2*ln(J)"] {
+        let audit = of_energy(energy, &states);
+        assert_eq!(outcome(&audit, "energy"), Outcome::Passed, "{audit}");
+        assert_ne!(outcome(&audit, "closed loops"), Outcome::Failed, "{audit}");
+        assert_finite(&audit);
+    }
+}
