@@ -149,9 +149,15 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         }
         Some(())
     };
+    // Boxes a little too large for the range beside the end tell where the other end is exactly.
+    let nudge = 1e-3;
+    let beside_low = -range.low().ln() / found.high.ln() * (1.0 - nudge);
+    let beside_high = -found.low.ln() / range.high().ln() * (1.0 + nudge);
+    let high = field.safe_box(beside_low, range, false)?.high;
+    let low = field.safe_box(beside_high, range, false)?.low;
     for (low, high) in [
-        (found.low, range.high()),
-        (range.low(), found.high),
+        (low, range.high()),
+        (range.low(), high),
         (range.low(), range.high()),
     ] {
         at(-low.ln() / high.ln())?;
