@@ -5,7 +5,7 @@ use super::sentence::{heading, witness};
 use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
-use onset::notions::{Notion, SafeBox, Witness, safe_box, widest_safe_box};
+use onset::notions::{BoxEnd, Notion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::{Display, Formatter};
@@ -36,9 +36,13 @@ pub struct BoxAnswer {
     pub low: f64,
     /// The largest stretch.
     pub high: f64,
-    /// The principal stretches at which ellipticity is lost on its surface; `null` where the range ends the box.
+    /// What keeps the smallest stretch from being smaller.
+    pub low_end: BoxEnd,
+    /// What keeps the largest stretch from being larger.
+    pub high_end: BoxEnd,
+    /// The principal stretches of the critical state on its surface; `null` where only the range ends the box.
     pub critical_stretches: Option<[f64; 3]>,
-    /// The wave that stops there.
+    /// The wave that stops there; `null` where the law is not defined beyond.
     pub witness: Option<Witness>,
 }
 
@@ -122,8 +126,35 @@ impl BoxAnswer {
         Self {
             low: found.low,
             high: found.high,
-            critical_stretches: found.critical.map(|(stretches, _)| stretches),
-            witness: found.critical.map(|(_, witness)| witness),
+            low_end: found.low_end,
+            high_end: found.high_end,
+            critical_stretches: found.critical.map(|critical| critical.stretches),
+            witness: found.critical.and_then(|critical| critical.witness),
+        }
+    }
+
+    /// What its ends are, in words.
+    pub(super) fn ends(&self) -> String {
+        let [low, high] = [self.low_end, self.high_end].map(|end| self.end(end));
+        match low == high {
+            true => format!("both ends: {low}"),
+            false => format!("lower end: {low}; upper end: {high}"),
+        }
+    }
+
+    fn end(&self, end: BoxEnd) -> String {
+        let state = || {
+            let digits = |stretch: f64| format!("{stretch:.6}");
+            let stretches = self.critical_stretches.unwrap_or([f64::NAN; 3]);
+            stretches.map(digits).join(", ")
+        };
+        match (end, &self.witness) {
+            (BoxEnd::Range, _) => "end of the range that was looked at".to_owned(),
+            (BoxEnd::Shape, _) => "set by the other end and the shape of the box".to_owned(),
+            (BoxEnd::Critical, Some(wave)) => {
+                format!("a wave stops at ({}), {}", state(), witness(wave))
+            }
+            (BoxEnd::Critical, None) => format!("the law is not defined beyond ({})", state()),
         }
     }
 }
@@ -247,15 +278,7 @@ impl Display for CardAnswer {
                 "{name:<30} {:.8} to {:.8}",
                 found.low, found.high
             )?;
-            if let (Some(stretches), Some(wave)) = (found.critical_stretches, &found.witness) {
-                let [a, b, c] = stretches;
-                writeln!(
-                    formatter,
-                    "{:<30} ends at ({a:.6}, {b:.6}, {c:.6}), {}",
-                    "",
-                    witness(wave)
-                )?;
-            }
+            writeln!(formatter, "{:<30} {}", "", found.ends())?;
         }
         if !self.material.isotropic {
             writeln!(
@@ -264,12 +287,17 @@ impl Display for CardAnswer {
             )?;
         }
         writeln!(formatter)?;
-        for limits in &self.loadings {
+        let compressed: Vec<String> = self
+            .loadings
+            .iter()
+            .map(|limits| Limits::cell(limits.compression, &limits.compression_end))
+            .collect();
+        let width = compressed.iter().map(String::len).max().unwrap_or(0);
+        for (limits, compressed) in self.loadings.iter().zip(&compressed) {
             writeln!(
                 formatter,
-                "{:<30} compression {:<14} tension {}",
+                "{:<30} compression {compressed:<width$}   tension {}",
                 limits.title,
-                Limits::cell(limits.compression, &limits.compression_end),
                 Limits::cell(limits.tension, &limits.tension_end)
             )?;
         }

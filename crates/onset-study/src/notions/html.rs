@@ -34,17 +34,11 @@ impl CardAnswer {
             "<table><tr><th>box</th><th>from</th><th>to</th><th>what ends it</th></tr>\n",
         );
         for (name, found) in self.boxes() {
-            let end = match (found.critical_stretches, &found.witness) {
-                (Some([a, b, c]), Some(wave)) => {
-                    format!("stretches ({a:.4}, {b:.4}, {c:.4}), {}", witness(wave))
-                }
-                _ => "the range that was looked at".to_owned(),
-            };
             page.push_str(&row(&[
                 escaped(name),
                 format!("{:.6}", found.low),
                 format!("{:.6}", found.high),
-                escaped(&end),
+                escaped(&found.ends()),
             ]));
         }
         page.push_str("</table>\n");

@@ -12,8 +12,37 @@ pub struct SafeBox {
     pub low: f64,
     /// The largest stretch.
     pub high: f64,
-    /// The state on the surface of the box at which ellipticity is lost, and its wave; `None` where the box is as large as the range.
-    pub critical: Option<([f64; 3], Witness)>,
+    /// What keeps the smallest stretch from being smaller.
+    pub low_end: BoxEnd,
+    /// What keeps the largest stretch from being larger.
+    pub high_end: BoxEnd,
+    /// The state on the surface of the box that ends it; `None` where only the range does.
+    pub critical: Option<Critical>,
+}
+
+/// A state on the surface of a box beyond which a law is not strongly elliptic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Critical {
+    /// Its principal stretches.
+    pub stretches: [f64; 3],
+    /// The wave that stops there; `None` where the law itself is not defined beyond.
+    pub witness: Option<Witness>,
+}
+
+/// What is at an end of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum BoxEnd {
+    /// The end of the range.
+    Range,
+    /// The critical state has this stretch.
+    Critical,
+    /// The other end and the shape of the box.
+    Shape,
 }
 
 /// Points along an edge of a face of the box from which rays are looked along.
@@ -31,13 +60,32 @@ const LONGER: f64 = 1.2;
 const SMALLEST_TURN: f64 = 1e-11;
 /// Width of the bracket of a loss along a ray, in units of the box.
 const RESOLUTION: f64 = 1e-14;
+/// Rays lead beyond the range by this factor: a loss between two of them can be nearer than on any of them.
+const BEYOND: f64 = 1.25;
+/// Points along an edge of the grids with which a box is checked inside, a coarse and a fine one; for laws that are not isotropic.
+const CHECKS: [usize; 2] = [21, 41];
+const CHECKS_OF_ANY: [usize; 2] = [9, 13];
+/// How often a box is made smaller on a grid.
+const SHRINKS: usize = 16;
+/// Grid points with the lowest values that are descended from, besides all lowest among their neighbors.
+const LOWEST: usize = 8;
+/// Descents from a grid, at most.
+const STARTS: usize = 24;
+/// Descents within a box stop at this step, in units of the box.
+const SMALLEST_STEP: f64 = 1e-7;
+/// Skews that are tried for the widest box, before the best is refined in so many steps.
+const SKEWS: usize = 17;
+const REFINEMENTS: usize = 20;
+/// A stretch this near to an end of a box, relative, is at it.
+const AT_END: f64 = 1e-7;
 
 /// The largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic, with the exponent `k = skew`
 /// (1 for a box that is symmetric in the logarithms). `None` where the law is not elliptic in the reference.
 ///
 /// The principal axes are those of the coordinates; for an isotropic law ([`is_isotropic`]) that is no restriction. The box is found by a dense
 /// search with local improvement, no proof: rays lead from the reference through points of a grid on the surface of the box to the first state at
-/// which ellipticity is lost, and the shortest rays are turned until they are shortest.
+/// which ellipticity is lost, and the shortest rays are turned until they are shortest. The box is then searched inside: from the low points of two
+/// grids the measure is descended, and where it is not positive the box is made smaller.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -49,45 +97,73 @@ const RESOLUTION: f64 = 1e-14;
 /// # Ok::<(), &str>(())
 /// ```
 pub fn safe_box(material: &dyn Hyperelastic, skew: f64, range: &Range) -> Option<SafeBox> {
-    Field::new(material).safe_box(skew, range)
+    Field::new(material).safe_box(skew, range, true)
 }
 
 /// The widest box `[low, high]^3` within a range in which a law is strongly elliptic: the one with the largest `high / low` among boxes of all
-/// skews that [`safe_box`] finds, refined beside the best of 9 skews. `None` where the law is not elliptic in the reference.
+/// skews that [`safe_box`] finds, refined beside the best of 17 skews; boxes that reach the ends of the range are among them. `None` where the law
+/// is not elliptic in the reference.
 pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<SafeBox> {
     let field = Field::new(material);
-    let at = |angle: f64| field.safe_box(angle.tan(), range);
     let width = |found: &SafeBox| (found.high / found.low).ln();
-    let count = 9;
-    let angle = |n: usize| std::f64::consts::FRAC_PI_2 * (n as f64 + 0.5) / count as f64;
-    let boxes: Vec<SafeBox> = (0..count).map(|n| at(angle(n))).collect::<Option<_>>()?;
-    let best = (0..count).max_by(|a, b| width(&boxes[*a]).total_cmp(&width(&boxes[*b])))?;
+    let mut widest: Option<(f64, SafeBox)> = None;
+    let mut at = |skew: f64| -> Option<f64> {
+        let found = field.safe_box(skew, range, false)?;
+        if widest.is_none_or(|(_, best)| width(&found) > width(&best)) {
+            widest = Some((skew, found));
+        }
+        Some(width(&found))
+    };
+    let step = std::f64::consts::FRAC_PI_2 / SKEWS as f64;
+    let angle = |n: usize| step * (n as f64 + 0.5);
+    let widths: Vec<f64> = (0..SKEWS)
+        .map(|n| at(angle(n).tan()))
+        .collect::<Option<_>>()?;
+    let best = (0..SKEWS).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
     // Golden section between the neighbors of the best one.
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = (
-        angle(best.saturating_sub(1)),
-        angle((best + 1).min(count - 1)),
+        angle(best) - 0.99 * step.min(angle(best)),
+        angle(best) + 0.99 * step.min(std::f64::consts::FRAC_PI_2 - angle(best)),
     );
-    let mut widest = boxes[best];
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (at(a)?, at(b)?);
-    for _ in 0..30 {
-        for found in [at_a, at_b] {
-            if width(&found) > width(&widest) {
-                widest = found;
-            }
-        }
-        if width(&at_a) >= width(&at_b) {
+    let (mut at_a, mut at_b) = (at(a.tan())?, at(b.tan())?);
+    for _ in 0..REFINEMENTS {
+        if at_a >= at_b {
             (high, b, at_b) = (b, a, at_a);
             a = high - ratio * (high - low);
-            at_a = at(a)?;
+            at_a = at(a.tan())?;
         } else {
             (low, a, at_a) = (a, b, at_b);
             b = low + ratio * (high - low);
-            at_b = at(b)?;
+            at_b = at(b.tan())?;
         }
     }
-    Some(widest)
+    // Boxes that reach an end of the range, or both.
+    let (_, found) = widest?;
+    let mut at = |skew: f64| {
+        let found = field.safe_box(skew, range, false)?;
+        // The same width to rounding, at a proper end, is preferred.
+        if widest.is_none_or(|(_, best)| width(&found) > width(&best) - AT_END) {
+            widest = Some((skew, found));
+        }
+        Some(())
+    };
+    // Boxes a little too large for the range beside the end tell where the other end is exactly.
+    let nudge = 1e-3;
+    let beside_low = -range.low().ln() / found.high.ln() * (1.0 - nudge);
+    let beside_high = -found.low.ln() / range.high().ln() * (1.0 + nudge);
+    let high = field.safe_box(beside_low, range, false)?.high;
+    let low = field.safe_box(beside_high, range, false)?.low;
+    for (low, high) in [
+        (low, range.high()),
+        (range.low(), high),
+        (range.low(), range.high()),
+    ] {
+        at(-low.ln() / high.ln())?;
+    }
+    let (skew, _) = widest?;
+    field.safe_box(skew, range, true)
 }
 
 /// Ellipticity over logarithms of principal stretches.
@@ -123,7 +199,7 @@ impl<'a> Field<'a> {
             .map_or(f64::NEG_INFINITY, |measure| measure.value)
     }
 
-    fn safe_box(&self, skew: f64, range: &Range) -> Option<SafeBox> {
+    fn safe_box(&self, skew: f64, range: &Range, checked: bool) -> Option<SafeBox> {
         if self.value([0.0; 3]) <= 0.0 {
             return None;
         }
@@ -133,15 +209,58 @@ impl<'a> Field<'a> {
             low: skew * high,
             high,
         };
-        let (edge, along) = match self.isotropic {
-            true => (EDGE, ALONG),
-            false => (EDGE_OF_ANY, ALONG_OF_ANY),
+        let mut best = self
+            .shortest(&shape)
+            .filter(|(length, _)| *length < 1.0 + AT_END);
+        if checked {
+            for count in self.either(CHECKS, CHECKS_OF_ANY) {
+                for _ in 0..SHRINKS {
+                    let size = best.map_or(1.0, |(length, _)| length.min(1.0));
+                    let Some(found) = self.inside(&shape, size, count) else {
+                        break;
+                    };
+                    best = Some(found);
+                    if found.0 > size * (1.0 - 1e-12) {
+                        break;
+                    }
+                }
+            }
+        }
+        let size = best.map_or(1.0, |(length, _)| length.min(1.0));
+        let [low, high] = [-size * shape.low, size * shape.high].map(f64::exp);
+        let critical = best.map(|(length, point)| self.critical(&shape, length, &point));
+        let end = |own: f64, limit: f64| {
+            let near = |stretch: f64| (stretch / own - 1.0).abs() < AT_END;
+            match critical {
+                _ if near(limit) => BoxEnd::Range,
+                Some(critical) if critical.stretches.into_iter().any(near) => BoxEnd::Critical,
+                _ => BoxEnd::Shape,
+            }
         };
+        Some(SafeBox {
+            low,
+            high,
+            low_end: end(low, range.low()),
+            high_end: end(high, range.high()),
+            critical,
+        })
+    }
+
+    fn either<T>(&self, of_isotropic: T, of_any: T) -> T {
+        match self.isotropic {
+            true => of_isotropic,
+            false => of_any,
+        }
+    }
+
+    /// The shortest ray to a loss, with its length in units of the box, as far as a little beyond the box.
+    fn shortest(&self, shape: &Shape) -> Option<(f64, Point)> {
+        let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
         // Rays that are clearly longer than the shortest one so far are not followed to their end.
-        let mut shortest = 1.0_f64;
+        let mut shortest = BEYOND;
         let mut rays: Vec<(f64, Point)> = Vec::new();
         for point in shape.surface(edge, self.isotropic) {
-            if let Some(length) = self.loss(&shape, &point, along, LONGER * shortest) {
+            if let Some(length) = self.loss(shape, &point, along, LONGER * shortest) {
                 shortest = shortest.min(length);
                 rays.push((length, point));
             }
@@ -156,41 +275,88 @@ impl<'a> Field<'a> {
             if tried.iter().any(|other| other.is_beside(&point, edge)) {
                 continue;
             }
-            let improved = self.improved(&shape, (length, point), along, edge);
+            let improved = self.improved(shape, (length, point), along, edge);
             tried.push(point);
             if best.is_none_or(|best| improved.0 < best.0) {
                 best = Some(improved);
             }
         }
-        let size = best.map_or(1.0, |(length, _)| length);
-        Some(SafeBox {
-            low: (-size * shape.low).exp(),
-            high: (size * shape.high).exp(),
-            critical: best.and_then(|(length, point)| self.critical(&shape, length, &point)),
-        })
+        best
     }
 
-    fn critical(&self, shape: &Shape, length: f64, point: &Point) -> Option<([f64; 3], Witness)> {
+    /// A ray within a box to a loss that a descent from low points of a grid finds, turned until it is shortest.
+    fn inside(&self, shape: &Shape, size: f64, count: usize) -> Option<(f64, Point)> {
+        let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
+        let within = Grid::new(count, self.isotropic, |place| {
+            self.value(shape.inside(place, size))
+        });
+        for start in within.low_points() {
+            let Some(place) = self.descended(shape, size, start, 0.5 / (count - 1) as f64) else {
+                continue;
+            };
+            let (length, point) = shape.ray(shape.inside(place, size));
+            if let Some(length) = self.loss(shape, &point, along, length.min(size)) {
+                return Some(self.improved(shape, (length, point), along, edge));
+            }
+        }
+        None
+    }
+
+    /// From a place in a box to one at which ellipticity is lost, where a descent leads to one.
+    fn descended(
+        &self,
+        shape: &Shape,
+        size: f64,
+        mut place: [f64; 3],
+        mut step: f64,
+    ) -> Option<[f64; 3]> {
+        let mut value = self.value(shape.inside(place, size));
+        while value > 0.0 {
+            if step < SMALLEST_STEP {
+                return None;
+            }
+            let mut lower = None;
+            for direction in 0..27 {
+                let trial = [1, 3, 9].map(|digit| f64::from(direction / digit % 3 - 1) * step);
+                let trial = [0, 1, 2].map(|axis| (place[axis] + trial[axis]).clamp(0.0, 1.0));
+                let found = self.value(shape.inside(trial, size));
+                if found < lower.map_or(value, |(value, _)| value) {
+                    lower = Some((found, trial));
+                }
+            }
+            match lower {
+                Some(found) => (value, place) = found,
+                None => step *= 0.5,
+            }
+        }
+        Some(place)
+    }
+
+    fn critical(&self, shape: &Shape, length: f64, point: &Point) -> Critical {
+        let beyond = self.measure(shape.state(point, length + 4.0 * RESOLUTION));
         let state = shape.state(point, length);
-        let stretches = state.map(f64::exp);
-        let witness = self.measure(state)?.witness;
-        Some((stretches, witness))
+        Critical {
+            stretches: state.map(f64::exp),
+            witness: beyond
+                .filter(|measure| measure.value.is_finite())
+                .map(|measure| measure.witness),
+        }
     }
 
-    /// The first place along a ray, as a part of the box up to `limit` (or the whole), at which ellipticity is lost.
+    /// The last place along a ray, as a part of the box up to `limit`, before ellipticity is lost.
     fn loss(&self, shape: &Shape, point: &Point, along: usize, limit: f64) -> Option<f64> {
         let mut value = |t: f64| Some(self.value(shape.state(point, t)));
         let mut before = (0.0, f64::INFINITY);
         for n in 1..=along {
-            let t = limit.min(1.0).min(n as f64 / along as f64);
+            let t = limit.min(BEYOND * n as f64 / along as f64);
             if t <= before.0 {
                 break;
             }
             let here = (t, self.value(shape.state(point, t)));
             if here.1 <= 0.0 {
                 let ends = [before, here].map(|(t, value)| (t, value.clamp(-1e300, 1e300)));
-                let (low, high) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
-                return Some(0.5 * (low + high));
+                let (low, _) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
+                return Some(low);
             }
             before = here;
         }
@@ -290,6 +456,41 @@ impl Shape {
         points
     }
 
+    /// The logarithms of the stretches at a place between the lower ends (0) and the upper ends (1) of a part of the box.
+    fn inside(&self, place: [f64; 3], part: f64) -> [f64; 3] {
+        place.map(|t| part * (t * self.high - (1.0 - t) * self.low))
+    }
+
+    /// The ray through a state, with the length at which it is there.
+    fn ray(&self, state: [f64; 3]) -> (f64, Point) {
+        let parts = state.map(|x| {
+            if x > 0.0 {
+                x / self.high
+            } else {
+                -x / self.low
+            }
+        });
+        let longest = |best: usize, axis: usize| {
+            if parts[axis] > parts[best] {
+                axis
+            } else {
+                best
+            }
+        };
+        let axis = (1..3).fold(0, longest);
+        let length = parts[axis];
+        let within = |axis: usize| {
+            let place = (state[axis] / length + self.low) / (self.high + self.low);
+            place.clamp(0.0, 1.0)
+        };
+        let point = Point {
+            axis,
+            upper: state[axis] > 0.0,
+            within: [within((axis + 1) % 3), within((axis + 2) % 3)],
+        };
+        (length, point)
+    }
+
     /// The logarithms of the stretches on the ray through a point, at a part of its length.
     fn state(&self, point: &Point, part: f64) -> [f64; 3] {
         let inside = |t: f64| part * (t * self.high - (1.0 - t) * self.low);
@@ -298,5 +499,77 @@ impl Shape {
         state[(point.axis + 1) % 3] = inside(point.within[0]);
         state[(point.axis + 2) % 3] = inside(point.within[1]);
         state
+    }
+}
+
+/// Values on a grid over a cube of places from 0 to 1.
+struct Grid {
+    count: usize,
+    isotropic: bool,
+    values: Vec<f64>,
+}
+
+impl Grid {
+    /// Of an isotropic law one of all orders is evaluated.
+    fn new(count: usize, isotropic: bool, value: impl Fn([f64; 3]) -> f64) -> Self {
+        let mut grid = Self {
+            count,
+            isotropic,
+            values: vec![0.0; count.pow(3)],
+        };
+        for n in 0..grid.values.len() {
+            let indices = grid.indices(n);
+            let mut ordered = indices;
+            if isotropic {
+                ordered.sort_unstable();
+                ordered.reverse();
+            }
+            // The ordered one comes first, by its largest index in the lowest digit, or is the same.
+            grid.values[n] = match ordered == indices {
+                true => value(grid.place(indices)),
+                false => grid.values[grid.number(ordered)],
+            };
+        }
+        grid
+    }
+
+    fn indices(&self, n: usize) -> [usize; 3] {
+        let count = self.count;
+        [n % count, n / count % count, n / count / count]
+    }
+
+    fn number(&self, indices: [usize; 3]) -> usize {
+        (indices[2] * self.count + indices[1]) * self.count + indices[0]
+    }
+
+    fn place(&self, indices: [usize; 3]) -> [f64; 3] {
+        indices.map(|index| index as f64 / (self.count - 1) as f64)
+    }
+
+    /// Places that are not above their neighbors, and the lowest of all; lowest first.
+    fn low_points(&self) -> Vec<[f64; 3]> {
+        let mut order: Vec<usize> = (0..self.values.len())
+            .filter(|n| !self.isotropic || self.indices(*n).is_sorted_by(|a, b| a >= b))
+            .collect();
+        order.sort_by(|a, b| self.values[*a].total_cmp(&self.values[*b]));
+        order
+            .iter()
+            .enumerate()
+            .filter(|(rank, n)| *rank < LOWEST || self.is_low(**n))
+            .take(STARTS)
+            .map(|(_, n)| self.place(self.indices(*n)))
+            .collect()
+    }
+
+    fn is_low(&self, n: usize) -> bool {
+        let indices = self.indices(n);
+        (0..3).all(|axis| {
+            let mut neighbors = [indices; 2];
+            neighbors[0][axis] = indices[axis].saturating_sub(1);
+            neighbors[1][axis] = (indices[axis] + 1).min(self.count - 1);
+            neighbors
+                .into_iter()
+                .all(|other| self.values[n] <= self.values[self.number(other)])
+        })
     }
 }

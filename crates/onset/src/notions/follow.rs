@@ -1,7 +1,10 @@
 //! Where along a loading a notion is lost, and regained.
 
 use super::root::{bracket_zero, dip};
-use super::{Jump, JumpSearch, LoadingPath, Measure, Notion, PathState, Witness};
+use super::{
+    Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, Notion, PathState, Witness,
+    ratio_of_stretches,
+};
 
 /// A change of a notion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +67,7 @@ const DIP_STEPS: usize = 48;
 /// A notion along one side of a path, in tension or in compression. `None` where it is not defined.
 ///
 /// The states of the path are looked at, dips of the measure between them are followed, and each change of sign is refined to
-/// rounding. A notion that is lost and regained between two states without a dip that shows is overlooked.
+/// rounding. Where principal stretches differ by a factor above 1e4 nothing is told. A notion that is lost and regained between two states without a dip that shows is overlooked.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -183,7 +186,8 @@ pub fn follow_jumps(
     let inside = states
         .iter()
         .step_by(STRIDE)
-        .filter(|state| state.parameter.abs() < limit);
+        .filter(|state| state.parameter.abs() < limit)
+        .filter(|state| ratio_of_stretches(&state.response) <= LARGEST_RATIO);
     let mut before = 0.0;
     for state in inside {
         let found = search.lowest(&state.response).filter(Jump::gains);

@@ -35,7 +35,7 @@ mod loading;
 mod polyconvexity;
 mod root;
 
-pub use box_of_stretches::{SafeBox, safe_box, widest_safe_box};
+pub use box_of_stretches::{BoxEnd, Critical, SafeBox, safe_box, widest_safe_box};
 pub use follow::{Change, Event, Track, follow, follow_jumps};
 pub use isotropy::{has_energy, is_isotropic};
 pub use jumps::{Jump, JumpSearch};
@@ -304,6 +304,15 @@ const NEUTRAL: f64 = 3e-14;
 /// it grows with their ratio: the small stiffness of the one is found beside the large stiffness of the other.
 const ROUNDING: f64 = 1e-13;
 
+/// Where the ratio of the principal stretches is larger, the sign of a measure counts as rounding along a loading: the tangent in principal
+/// axes has lost too many digits.
+const LARGEST_RATIO: f64 = 1e4;
+
+fn ratio_of_stretches(response: &Response) -> f64 {
+    let [largest, _, smallest] = response.deformation.principal_stretches();
+    largest / smallest
+}
+
 /// A state at which notions are asked: the response of a law, its principal axes, and the loading that led there.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -359,14 +368,12 @@ impl State {
         Measure {
             value,
             neutral: 0.0,
-            rounding: ROUNDING * self.form.magnitude() * self.ratio_of_stretches(),
+            rounding: match ratio_of_stretches(&self.response) {
+                ratio if ratio > LARGEST_RATIO => f64::INFINITY,
+                ratio => ROUNDING * self.form.magnitude() * ratio,
+            },
             witness,
         }
-    }
-
-    fn ratio_of_stretches(&self) -> f64 {
-        let [largest, _, smallest] = self.response.deformation.principal_stretches();
-        largest / smallest
     }
 
     fn strong_ellipticity(&self) -> Measure {

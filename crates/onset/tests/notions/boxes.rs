@@ -1,8 +1,10 @@
 //! The largest boxes of principal stretches.
 
 use super::{NeoHooke, assert_close, zero};
+use onset::kinematics::DeformationGradient;
+use onset::material::Hyperelastic;
 use onset::material::{BlatzKo, Law};
-use onset::notions::{Range, safe_box, widest_safe_box};
+use onset::notions::{BoxEnd, Notion, Range, SafeBox, State, safe_box, widest_safe_box};
 
 #[test]
 fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
@@ -44,6 +46,10 @@ fn a_box_without_a_loss_is_as_large_as_the_range() {
     let safe = safe_box(&law, 1.0, &range).expect("elliptic in the reference");
     assert_close(safe.high, 2.0, 1e-14);
     assert!(safe.critical.is_none());
+    assert_eq!(
+        (safe.low_end, safe.high_end),
+        (BoxEnd::Range, BoxEnd::Range)
+    );
 }
 
 /// Bruhns, Xiao and Meyers (2001): for all Lamé constants that are not negative, elliptic for stretches from 0.21162 to 1.39561. The bounds are
@@ -68,4 +74,96 @@ fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one(
     assert!(between.low < low - 0.02 && between.high > high + 0.02);
     let nearly_incompressible = of(1e6);
     assert_close(nearly_incompressible.high, (1.0_f64 / 3.0).exp(), 1e-6);
+}
+
+/// Random states of a box, and those with stretches at its ends, are elliptic.
+#[track_caller]
+fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
+    let (low, high) = (safe.low.ln(), safe.high.ln());
+    let mut seed = 1_u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    // A third of the stretches is at an end.
+    let mut stretch = || (low + (high - low) * (1.5 * random() - 0.25).clamp(0.0, 1.0)).exp();
+    let states = (0..20_000).map(|_| [stretch(), stretch(), stretch()]);
+    for stretches in states.chain(known.iter().copied()) {
+        let f = DeformationGradient::from_stretches(stretches).expect("a state");
+        let response = law.response(&f).expect("a state of the law");
+        let measure = Notion::StrongEllipticity
+            .measure(&State::of_response(response, true))
+            .expect("defined");
+        assert!(
+            measure.value > -measure.rounding,
+            "{stretches:?}: {measure:?}"
+        );
+    }
+}
+
+/// Elliptic for waves along the third axis while `mu + (mu + lambda (1 - ln J)) / lambda3^2 > 0`; at equal largest stretches `b` the worst third
+/// one is where the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` by `x` vanishes: `x^2 = lambda / (2 mu)`, or `b` where that is larger.
+#[test]
+fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
+    for lambda in [1.0, 3.0_f64] {
+        let law = NeoHooke { mu: 1.0, lambda };
+        let worst = |b: f64| {
+            let x = (0.5 * lambda).sqrt().min(b);
+            x * x + 1.0 + lambda * (1.0 - (b * b * x).ln())
+        };
+        let expected = zero(worst, 1.0, 10.0);
+        let safe = widest_safe_box(&law, &Range::default()).expect("elliptic in the reference");
+        assert_close(safe.high, expected, 1e-7);
+        assert_close(safe.low, 0.1, 1e-7);
+        assert_eq!(
+            (safe.low_end, safe.high_end),
+            (BoxEnd::Range, BoxEnd::Critical)
+        );
+        let third = (0.5 * lambda).sqrt().min(safe.high);
+        assert_safe(&law, &safe, &[[safe.high, safe.high, third]]);
+    }
+}
+
+#[test]
+fn no_state_within_a_box_of_a_law_of_the_library_loses_ellipticity() {
+    for name in [
+        "hencky",
+        "blatz-ko",
+        "saint-venant-kirchhoff",
+        "mooney-rivlin",
+        "neo-hooke",
+    ] {
+        let law = Law::named(name).expect("a law of the library");
+        let law = law.build(&[]).expect("its defaults");
+        let safe = safe_box(&*law, 1.0, &Range::default()).expect("elliptic in the reference");
+        let known = safe.critical.map(|critical| critical.stretches);
+        assert_safe(&*law, &safe, known.as_slice());
+    }
+}
+
+#[test]
+fn the_widest_box_of_saint_venant_and_kirchhoff_reaches_the_end_of_the_range() {
+    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
+    let law = law.build(&[]).expect("its defaults");
+    let safe = widest_safe_box(&*law, &Range::default()).expect("elliptic in the reference");
+    assert_close(safe.high, 10.0, 1e-12);
+    assert_safe(&*law, &safe, &[]);
+    assert_eq!(
+        (safe.low_end, safe.high_end),
+        (BoxEnd::Critical, BoxEnd::Range)
+    );
+}
+
+/// `(h^2 + 2/h^2) h^(2/3) = 3 + jm` where one stretch is `h` and two are `1/h`.
+#[test]
+fn the_box_of_gent_ends_where_its_chains_lock() {
+    let law = Law::named("gent").expect("a law of the library");
+    let law = law.build(&[]).expect("its defaults");
+    let safe = safe_box(&*law, 1.0, &Range::default()).expect("elliptic in the reference");
+    let critical = safe.critical.expect("a state at which chains lock");
+    assert!(critical.witness.is_none());
+    assert_eq!(
+        (safe.low_end, safe.high_end),
+        (BoxEnd::Critical, BoxEnd::Critical)
+    );
 }
