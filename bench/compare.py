@@ -71,7 +71,7 @@ def contestants(frame, quick):
     """This program first, then the peers, each with the number of states below which it does not show what it can."""
     if frame == "lagrangian":
         return [
-            (Onset(frame), 256),
+            (Onset(frame), 262144),
             (Peer("JAX", with_jax.LagrangianMap()), 65536),
             (Peer("JAX, mirror symmetry of the states too", with_jax.LagrangianMap(symmetry="mirror")), 65536),
             (Peer("JAX, all 48 x 48 points", with_jax.LagrangianMap(symmetry="none")), 65536),
@@ -82,7 +82,7 @@ def contestants(frame, quick):
     bins = 3 if quick else 8
     inversion = with_jax.EulerianMap(bins=bins)
     return [
-        (Onset(frame), 256),
+        (Onset(frame), 4096),
         (Peer("JAX", inversion), 65536),
         (Peer("JAX, mirror symmetry of the states too", with_jax.EulerianMap(symmetry="mirror", of=inversion)), 65536),
         (Peer("JAX, all 48 x 48 points", with_jax.EulerianMap(symmetry="none", of=inversion)), 65536),
