@@ -76,7 +76,6 @@ def contestants(frame, quick):
             (Peer("JAX, mirror symmetry of the states too", with_jax.LagrangianMap(symmetry="mirror")), 65536),
             (Peer("JAX, all 48 x 48 points", with_jax.LagrangianMap(symmetry="none")), 65536),
             (Peer("JAX, plain arrays", with_jax.LagrangianMap(plain=True, batch=256)), 16384),
-            (Peer("JAX, as first written", with_jax.FirstLagrangianMap()), 256),
             (Peer("NumPy", with_numpy.LagrangianMap()), 4096),
         ]
     bins = 3 if quick else 8
