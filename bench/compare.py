@@ -177,8 +177,7 @@ stretches along the axes of the lattice, would save, and what all points cost). 
 constants are built in real space once a state, with lists of neighbors for bins of stretches, and multiplied by cosines.
 States come in batches of the size that was fastest, one thread a core; only results come back. Compilation is not timed. The
 batching and the order of loops were chosen by measurement; "plain arrays" leaves the loops to the compiler; "as first written" is
-what one writes at first, compiled and vectorized over states with `vmap`: for the Lagrangian kernel a function of one state
-(tangent by `jax.hessian` of the energy, `einsum`, `eigvalsh`), for the Eulerian one Fourier sums over a fixed list of
+what one writes at first for the Eulerian kernel, compiled and vectorized over states with `vmap`: Fourier sums over a fixed list of
 neighbors with complex exponentials. `peers/check.py`
 compares the peers with the command at random states and wave vectors (differences below 1e-9); it passed before this run.
 

@@ -87,30 +87,6 @@ def lagrangian_extremes_plain(h, scale, index, s):
     )
 
 
-def energy(f):
-    """W(F) of equation (5), F [3, 3]."""
-    c = f.T @ f
-    first = jnp.trace(c)
-    second = 0.5 * (first**2 - jnp.trace(c @ c))
-    third = jnp.linalg.det(c)
-    c1, c2 = material.C1, material.C2
-    return (
-        0.5 * (c1 * first + c2 * second)
-        - 1.5 * (c1 * third ** (1 / 3) + c2 * third ** (2 / 3))
-        + 0.25 * material.LAMBDA * jnp.log(third) ** 2
-    )
-
-
-def lagrangian_extremes_first(h, scale, s):
-    """Of one state: the tangent by differentiation, all matrices, the eigenvalues of a library. h [K, 2, 2]."""
-    a = jax.hessian(energy)(jnp.diag(jnp.array([s[0], s[1], 1.0])))[:2, :2, :2, :2]
-    d = jnp.einsum("ijkl,njl->nik", a, h)
-    omega_squared = jnp.linalg.eigvalsh(d)
-    scaled = omega_squared[:, 0] * scale
-    index = jnp.argmin(scaled)
-    return scaled[index], index, jnp.max(omega_squared), jnp.max(-omega_squared)
-
-
 def force_constants(neighborhood, s):
     """Phi(R) + Phi(-R) [R, 4 B]; and which states keep their neighbors [B]."""
     batch, zero = s.shape[1], np.int32(0)
@@ -214,26 +190,6 @@ class LagrangianMap:
         batches = padded.reshape(-1, self.batch, 2).transpose(0, 2, 1)
         work = lambda s: [np.asarray(x) for x in self.evaluate(*self.tables, s)]
         parts = in_threads(work, batches, cores)
-        columns = [np.concatenate(column)[:count] for column in zip(*parts)]
-        return finished(self.zone, *columns)
-
-
-class FirstLagrangianMap:
-    """The same as one writes it at first: a function of one state, mapped over states and compiled."""
-
-    def __init__(self, resolution=48, batch=64):
-        self.zone = Zone(resolution, "none")
-        self.batch = batch
-        h11, h12, h22 = lagrangian.zone_tensors(self.zone.fractions)
-        h = np.stack([np.stack([h11, h12], -1), np.stack([h12, h22], -1)], -2)
-        self.tables = jax.device_put((h, self.zone.scale))
-        self.evaluate = jax.jit(jax.vmap(lagrangian_extremes_first, in_axes=(None, None, 0)))
-
-    def __call__(self, states, cores=CORES):
-        count = len(states)
-        padded = np.concatenate([states, np.repeat(states[-1:], -count % self.batch, axis=0)])
-        work = lambda s: [np.asarray(x) for x in self.evaluate(*self.tables, s)]
-        parts = in_threads(work, padded.reshape(-1, self.batch, 2), cores)
         columns = [np.concatenate(column)[:count] for column in zip(*parts)]
         return finished(self.zone, *columns)
 

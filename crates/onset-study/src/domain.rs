@@ -152,7 +152,7 @@ fn class(
     match judge(method, &*problem.material, f) {
         Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
         Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
-        Err(error) if error.is_about_support() || error.is_outside_domain() => Ok(Class::Undefined),
+        Err(error) if error.leaves_undefined() => Ok(Class::Undefined),
         Err(error) => Err(error.into()),
     }
 }

@@ -220,6 +220,6 @@ impl Problem {
     /// # Errors
     /// [`ProblemError`] when a setting is out of range.
     pub fn method<const D: usize>(&self) -> Result<Method<D>, ProblemError> {
-        Ok(Method::new(self.settings.discretization)?)
+        Ok(Method::new(self.settings.discretization.clone())?)
     }
 }

@@ -250,7 +250,7 @@ fn discretization_answer<const D: usize>(
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     DiscretizationAnswer {
-        settings: *method.discretization(),
+        settings: method.discretization().clone(),
         stable: spectrum.is_stable(),
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,

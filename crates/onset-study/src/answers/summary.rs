@@ -86,7 +86,7 @@ impl StudySummary {
             parameters: parameters
                 .filter(|(name, _)| !varied(&format!("material.{name}")))
                 .collect(),
-            discretization: study.settings.discretization,
+            discretization: study.settings.discretization.clone(),
             held_fixed: fixed.collect(),
             axes: study.axes.iter().map(AxisSummary::of).collect(),
             map: study.map,

@@ -178,7 +178,7 @@ fn prepared<const D: usize>(
     many: bool,
 ) -> Result<(Option<Box<Prepared<D>>>, f64), ProblemError> {
     let density = settings.discretization.density;
-    match Method::<D>::new(settings.discretization) {
+    match Method::<D>::new(settings.discretization.clone()) {
         Ok(method) => {
             let material = settings.material.build().map_err(MethodError::from)?;
             let mut survey = Survey::new(method, material).map_err(MethodError::from)?;

@@ -155,7 +155,7 @@ fn largest_frequency(
     let mut largest = 0.0_f64;
     for [a, b] in states {
         for k in points {
-            let values = omega_squared(discretization, &law(), &state(*a, *b)?, *k)?;
+            let values = omega_squared(discretization.clone(), &law(), &state(*a, *b)?, *k)?;
             largest = values.into_iter().map(f64::abs).fold(largest, f64::max);
         }
     }
@@ -260,7 +260,7 @@ fn zero_mode(
     points: &[[f64; 2]],
     names: &str,
 ) -> Checked {
-    let largest = largest_frequency(discretization, points, &SOME_STATES)?;
+    let largest = largest_frequency(discretization.clone(), points, &SOME_STATES)?;
     let method = method(discretization)?;
     let verdict = assess(&method, &law(), &state(0.9, 0.95)?)
         .map_err(ProblemError::from)?
@@ -312,7 +312,8 @@ fn c5() -> Checked {
         Linearization::Paper,
     );
     let m = [0.0, TAU / 3.0_f64.sqrt()];
-    let at = |stretch: f64| omega_squared(discretization, &law(), &state(stretch, stretch)?, m);
+    let at =
+        |stretch: f64| omega_squared(discretization.clone(), &law(), &state(stretch, stretch)?, m);
     let (compressed, free, stretched) = (at(0.9)?, at(1.0)?, at(1.05)?);
     let vanishes = compressed
         .iter()
@@ -542,7 +543,7 @@ fn c10() -> Checked {
     let mut number = 0.0;
     for (name, support, lattice, linearization) in cases {
         let discretization = eulerian(Quadrature::StressPoints, support, lattice, linearization);
-        let compression = count(discretization, &law(), &compressive())?;
+        let compression = count(discretization.clone(), &law(), &compressive())?;
         let tension = count(discretization, &law(), &tensile())?;
         if compression[0] == compressive().len() && tension[0] == 0 {
             holding.push(name);
@@ -747,7 +748,10 @@ fn c16() -> Checked {
     };
     let (compression, tension) = (inside(square(0.25, 0.98, 8)), inside(square(1.05, 2.5, 8)));
     let share = |states: &[[f64; 2]]| -> Result<f64, ProblemError> {
-        Ok(count(discretization, &BlatzKo::default(), states)?[0] as f64 / states.len() as f64)
+        Ok(
+            count(discretization.clone(), &BlatzKo::default(), states)?[0] as f64
+                / states.len() as f64,
+        )
     };
     let (compressed, stretched) = (share(&compression)?, share(&tension)?);
     Ok(Claim {

@@ -146,7 +146,7 @@ impl Settings {
                 Some(value)
             }
             ("discretization", name) => {
-                let fields = serde_json::to_value(self.discretization).ok()?;
+                let fields = serde_json::to_value(&self.discretization).ok()?;
                 match fields.get(name)? {
                     serde_json::Value::String(word) => Some(Value::Word(word.clone())),
                     other => other.as_f64().map(Value::Number),
@@ -326,7 +326,7 @@ mod tests {
             "discretization.quadrature=stress-points-only",
         ])
         .expect("valid");
-        let json = serde_json::to_value(settings.discretization).expect("serializable");
+        let json = serde_json::to_value(&settings.discretization).expect("serializable");
         assert_eq!(json["support-size"], "scaled");
         assert_eq!(json["quadrature"], "stress-points-only");
         assert_eq!(word_of(&settings.discretization.linearization), "paper");

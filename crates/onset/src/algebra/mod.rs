@@ -1,11 +1,13 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
 mod eigen;
+mod golden;
 mod pack;
 mod symmetric;
 mod trigonometric;
 
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
+pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;

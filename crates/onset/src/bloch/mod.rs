@@ -23,6 +23,9 @@ pub use spectrum::{Mode, SpectrumSummary, Stability};
 
 use crate::algebra::Complex;
 
+/// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
+pub(crate) const ZERO_ENERGY: f64 = 1e-10;
+
 /// The growth rate of a mode, `-Im omega` of the growing root: `sqrt((|w| - Re w) / 2)` for `w = omega^2`.
 /// It is `sqrt(-omega^2)` for a negative and zero for a positive real `omega^2`. 1/time.
 ///

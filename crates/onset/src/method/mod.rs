@@ -124,7 +124,7 @@ impl Linearization {
 
 /// Every choice that defines a particle method. The default is the paper's Lagrangian method with
 /// stress points on the hexagonal arrangement, `D_mx = 2`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -266,6 +266,11 @@ impl MethodError {
     /// Whether the law of the material is not defined at the state, as beyond the locking stretch of its chains.
     pub fn is_outside_domain(&self) -> bool {
         matches!(self, Self::Material(MaterialError::OutsideDomain { .. }))
+    }
+
+    /// Whether there is no answer at this state, while there is at others: by the support, or by the law.
+    pub fn leaves_undefined(&self) -> bool {
+        self.is_about_support() || self.is_outside_domain()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::root::bracket_zero;
 use super::{Measure, Notion, Range, State, Witness, is_isotropic};
+use crate::algebra::GoldenSection;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
@@ -121,23 +122,13 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         .collect::<Option<_>>()?;
     let best = (0..SKEWS).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
     // Golden section between the neighbors of the best one.
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (
-        angle(best) - 0.99 * step.min(angle(best)),
-        angle(best) + 0.99 * step.min(std::f64::consts::FRAC_PI_2 - angle(best)),
-    );
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (at(a.tan())?, at(b.tan())?);
+    let low = angle(best) - 0.99 * step.min(angle(best));
+    let high = angle(best) + 0.99 * step.min(std::f64::consts::FRAC_PI_2 - angle(best));
+    let mut at_angle = |angle: f64| at(angle.tan()).ok_or(());
+    let mut section = GoldenSection::new(low, high, &mut at_angle).ok()?;
     for _ in 0..REFINEMENTS {
-        if at_a >= at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = at(a.tan())?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = at(b.tan())?;
-        }
+        let [a, b] = section.inner;
+        section.narrow(a.1 >= b.1, &mut at_angle).ok()?;
     }
     // Boxes that reach an end of the range, or both.
     let (_, found) = widest?;

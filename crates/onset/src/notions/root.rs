@@ -1,5 +1,7 @@
 //! Zeros and dips of a function of one variable.
 
+use crate::algebra::GoldenSection;
+
 /// A zero of a function between two places at which its signs differ, by regula falsi with the Illinois rule and bisection where that
 /// is slow; down to neighboring numbers or `resolution`. `None` for values are not possible places and count as the side of `high`.
 pub(super) fn bracket_zero(
@@ -54,28 +56,18 @@ pub(super) fn bracket_zero(
 /// The place at which a function is smallest between two places (golden section), or the first one met at which it is not positive.
 pub(super) fn dip(
     value: &mut impl FnMut(f64) -> Option<f64>,
-    mut low: f64,
-    mut high: f64,
+    low: f64,
+    high: f64,
     steps: usize,
 ) -> Option<(f64, f64)> {
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (value(a)?, value(b)?);
+    let mut at = |s: f64| value(s).ok_or(());
+    let mut section = GoldenSection::new(low, high, &mut at).ok()?;
     for _ in 0..steps {
-        for found in [(a, at_a), (b, at_b)] {
-            if found.1 <= 0.0 {
-                return Some(found);
-            }
+        if let Some(found) = section.inner.into_iter().find(|found| found.1 <= 0.0) {
+            return Some(found);
         }
-        if at_a <= at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = value(a)?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = value(b)?;
-        }
+        let [a, b] = section.inner;
+        section.narrow(a.1 <= b.1, &mut at).ok()?;
     }
     None
 }

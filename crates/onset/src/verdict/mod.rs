@@ -14,14 +14,13 @@ pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_m
 pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
 pub use survey::{Survey, SurveyedState};
 
-use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, gradient_norm};
+use crate::bloch::{
+    Mode, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch, dynamical_matrix, gradient_norm,
+};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::method::{Method, MethodError};
-
-/// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
-const ZERO_ENERGY: f64 = 1e-10;
 
 /// To whom the first instability belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,7 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
 use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
+use crate::algebra::GoldenSection;
 use crate::kinematics::{KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
@@ -226,29 +227,19 @@ fn extremum(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
     own: Phase,
     sign: f64,
-    mut low: f64,
-    mut high: f64,
+    low: f64,
+    high: f64,
 ) -> Result<(f64, Phase), PathError> {
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (probe(a)?, probe(b)?);
+    let mut at = |s: f64| probe(s);
+    let mut section = GoldenSection::new(low, high, &mut at)?;
     for _ in 0..DIP_STEPS {
-        for (s, found) in [(a, at_a), (b, at_b)] {
-            if found.0 != own {
-                return Ok((s, found.0));
-            }
+        let [a, b] = section.inner;
+        if let Some((s, found)) = [a, b].into_iter().find(|(_, found)| found.0 != own) {
+            return Ok((s, found.0));
         }
-        if sign * at_a.1 <= sign * at_b.1 {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = probe(a)?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = probe(b)?;
-        }
+        section.narrow(sign * a.1.1 <= sign * b.1.1, &mut at)?;
     }
-    Ok((0.5 * (low + high), own))
+    Ok((section.middle(), own))
 }
 
 /// Bisection down to neighboring floating-point parameters (or 1e-15 apart). A third phase met on the

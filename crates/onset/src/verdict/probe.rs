@@ -114,9 +114,7 @@ impl<'a, const D: usize> DiscretizationProbe<'a, D> {
             Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
             Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
             Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(error) if error.is_about_support() || error.is_outside_domain() => {
-                Ok((Phase::Undefined, f64::NAN))
-            }
+            Err(error) if error.leaves_undefined() => Ok((Phase::Undefined, f64::NAN)),
             Err(error) => Err(error),
         }
     }

@@ -1,8 +1,8 @@
 //! Many states of one method and material: what depends on neither state nor wave vector is computed once.
 
-use super::{Assessment, Verdict, ZERO_ENERGY, decided, gradient_norm_of, speed_squared};
+use super::{Assessment, Verdict, decided, gradient_norm_of, speed_squared};
 use crate::bloch::{
-    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZoneSearch,
+    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch,
     dynamical_matrix, dynamical_matrix_with,
 };
 use crate::continuum::{AcousticMinimum, plane_minimum};
@@ -70,7 +70,7 @@ impl<const D: usize> Survey<D> {
     }
 
     /// For so many states that a preparation of some hundredths of a second pays. With Lagrangian kernels in the plane a state
-    /// then costs about a microsecond in the company of others, see [`Survey::states`]; with others it changes nothing.
+    /// then costs about two microseconds in the company of others, see [`Survey::states`]; with others it changes nothing.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;

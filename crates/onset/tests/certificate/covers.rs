@@ -55,7 +55,7 @@ fn a_bound_is_below_every_sample_and_within_a_tenth_of_the_least_where_asked() {
             support,
             ..Discretization::default()
         };
-        let method = Method::<2>::new(discretization).expect("a method");
+        let method = Method::<2>::new(discretization.clone()).expect("a method");
         let usual = Certifier::new(&method, &material, 1e-3).expect("a method");
         let sharp = Certifier::new(&method, &material, 1e-3)
             .expect("a method")

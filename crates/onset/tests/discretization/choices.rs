@@ -31,7 +31,7 @@ pub struct Case {
 
 impl Case {
     pub fn method(&self) -> Method<2> {
-        Method::new(self.discretization).expect("an admissible method")
+        Method::new(self.discretization.clone()).expect("an admissible method")
     }
 
     pub fn material(&self) -> Box<dyn Hyperelastic> {

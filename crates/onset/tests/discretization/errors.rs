@@ -173,7 +173,7 @@ fn an_arrangement_has_one_dimension_only() {
         arrangement: Arrangement::Square,
         ..Discretization::default()
     };
-    assert!(Method::<1>::new(square).is_err());
+    assert!(Method::<1>::new(square.clone()).is_err());
     assert!(Method::<3>::new(square).is_err());
 }
 

@@ -94,10 +94,10 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
         ..Discretization::default()
     };
     let methods = [
-        eulerian,
+        eulerian.clone(),
         Discretization {
             arrangement: onset::lattice::Arrangement::Square,
-            ..eulerian
+            ..eulerian.clone()
         },
         Discretization {
             quadrature: Quadrature::Nodal,
@@ -118,7 +118,7 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
         [1.2, 0.8, 0.2],
     ];
     for discretization in methods {
-        let method = Method::<2>::new(discretization).expect("an admissible method");
+        let method = Method::<2>::new(discretization.clone()).expect("an admissible method");
         let material = Box::new(ModifiedMooneyRivlin::default());
         let survey = Survey::new(method.clone(), material).expect("finite");
         for [first, second, shear] in states {

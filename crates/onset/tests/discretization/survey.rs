@@ -65,7 +65,7 @@ fn evaluable() -> impl Strategy<Value = Case> {
     case()
         .prop_map(lagrangian)
         .prop_filter("a support that is large enough", |case| {
-            Method::<2>::new(case.discretization)
+            Method::<2>::new(case.discretization.clone())
                 .is_ok_and(|method| assess(&method, &*case.material(), &case.state).is_ok())
         })
 }
@@ -137,7 +137,7 @@ proptest! {
     fn extreme_points_of_the_gradient_moments_find_what_a_search_of_the_zone_finds(case in case()) {
         let case = lagrangian(case);
         // A support that Eulerian kernels scale may be too small without.
-        if Method::<2>::new(case.discretization)
+        if Method::<2>::new(case.discretization.clone())
             .is_ok_and(|method| assess(&method, &*case.material(), &case.state).is_ok())
         {
             agrees(&case, true)?;

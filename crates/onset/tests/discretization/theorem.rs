@@ -126,7 +126,7 @@ fn without_an_inversion_center_the_matrix_is_complex_but_keeps_its_symmetries() 
 fn assert_zero_mode(discretization: Discretization, k: Vector2<f64>) {
     for [l1, l2] in [[1.1, 0.95], [0.7, 1.4], [1.5, 1.5]] {
         let f = DeformationGradient::from_stretches([l1, l2, 1.0]).expect("a state");
-        let method = Method::<2>::new(discretization).expect("a method");
+        let method = Method::<2>::new(discretization.clone()).expect("a method");
         let d = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &f).expect("finite");
         for omega_squared in d.omega_squared(&k) {
             assert!(

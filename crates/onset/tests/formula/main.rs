@@ -5,6 +5,8 @@ mod conditions;
 mod hostile;
 mod language;
 mod library;
+#[path = "../shared/random.rs"]
+mod random;
 mod refusals;
 mod states;
 mod trees;

@@ -8,6 +8,8 @@ mod intervals;
 mod lanes;
 mod library;
 mod numbers;
+#[path = "../shared/random.rs"]
+mod random;
 mod rates;
 mod stretches;
 mod table;

@@ -1,5 +1,6 @@
 //! The laws under test with what is known of them in closed form. A law passes the battery by being listed.
 
+pub use crate::random::Random;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin, StrainEnergy};
@@ -130,33 +131,9 @@ fn equation_58(c: &Matrix3<f64>) -> Components {
 
 // ---- random states, the same in every run -----------------------------------------------------
 
-/// Numbers spread evenly over `(-1, 1)`: a linear congruential generator (Knuth's constants).
-pub struct Random(u64);
-
 impl Random {
-    pub fn new(seed: u64) -> Self {
-        let mut random = Self(seed);
-        // The first numbers of near seeds are near.
-        (0..8).for_each(|_| _ = random.number());
-        random
-    }
-
-    pub fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
     pub fn matrix(&mut self) -> Matrix3<f64> {
         Matrix3::from_fn(|_, _| self.number())
-    }
-
-    /// A rotation about a random axis.
-    pub fn rotation(&mut self) -> Matrix3<f64> {
-        let axis = nalgebra::Vector3::from_fn(|_, _| self.number());
-        *nalgebra::Rotation3::new(axis * 3.0).matrix()
     }
 
     /// A rotation in the plane of the first two axes.

@@ -133,7 +133,7 @@ impl<const D: usize> Patch<D> {
             .collect();
         let cell_volume = determinant(&reference_vectors);
         let mut patch = Self {
-            choices,
+            choices: choices.clone(),
             law,
             reference_vectors,
             particles: cells.iter().map(|cell| vectors * cell).collect(),
@@ -436,7 +436,7 @@ impl<const D: usize> Patch<D> {
         f: &DeformationGradient,
         k: &SVector<f64, D>,
     ) -> SMatrix<Complex<f64>, D, D> {
-        let mut method = Method::<D>::new(self.choices).expect("an admissible method");
+        let mut method = Method::<D>::new(self.choices.clone()).expect("an admissible method");
         if self.only_up {
             let volume = determinant(&self.reference_vectors);
             let place = SVector::repeat(1.0 / 3.0);
@@ -541,7 +541,7 @@ fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
 /// Asserts that patch and dynamical matrix agree; the tolerance leaves the error of the differences.
 #[track_caller]
 pub fn assert_agrees<const D: usize>(choices: Discretization, law: Law, f: &DeformationGradient) {
-    let deviation = Patch::<D>::new(choices, law, f).deviation(f);
+    let deviation = Patch::<D>::new(choices.clone(), law, f).deviation(f);
     assert!(
         deviation < 2e-9,
         "relative deviation {deviation:e} for {choices:?}, {law:?}, {f:?}"

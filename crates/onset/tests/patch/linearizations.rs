@@ -68,7 +68,7 @@ fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
                 approximation,
                 ..choices(linearization, Quadrature::StressPoints)
             };
-            let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
+            let patch = Patch::<2>::new(choices.clone(), Law::MooneyRivlin, &f);
             let all = patch.commensurate();
             // The second lies beyond the first zone: a sum of reciprocal vectors away from the first.
             let waves = [
@@ -125,7 +125,7 @@ fn quadrature_without_an_inversion_center_agrees_in_both_frames() {
                 frame,
                 ..choices(linearization, Quadrature::StressPointsOnly)
             };
-            let patch = Patch::<2>::with_triangles(choices, Law::MooneyRivlin, &f, true);
+            let patch = Patch::<2>::with_triangles(choices.clone(), Law::MooneyRivlin, &f, true);
             let deviation = patch.deviation(&f);
             assert!(
                 deviation < 2e-9,

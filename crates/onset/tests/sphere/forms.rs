@@ -1,32 +1,12 @@
 //! Stiffnesses for the tests.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+pub use crate::random::Random;
+use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, StrainEnergy};
 use onset::real::Real;
 
-/// A linear congruential generator: the same numbers in every run.
-pub struct Random(u64);
-
 impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// Between -1 and 1.
-    pub fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub fn rotation(&mut self) -> Matrix3<f64> {
-        let axis = Vector3::from_fn(|_, _| self.number());
-        *Rotation3::new(axis * 3.0).matrix()
-    }
-
     /// With major symmetry and components up to one.
     pub fn symmetric(&mut self) -> FourthOrder {
         let mut half = [[0.0; 9]; 9];

@@ -4,4 +4,6 @@ mod crystals;
 mod forms;
 mod laws;
 mod proofs;
+#[path = "../shared/random.rs"]
+mod random;
 mod scans;

@@ -252,7 +252,7 @@ impl Study {
 fn built(settings: &Settings) -> Result<(), MethodError> {
     settings.material.build()?;
     match settings.discretization.arrangement.dimension() {
-        1 => Method::<1>::new(settings.discretization).map(drop),
-        _ => Method::<2>::new(settings.discretization).map(drop),
+        1 => Method::<1>::new(settings.discretization.clone()).map(drop),
+        _ => Method::<2>::new(settings.discretization.clone()).map(drop),
     }
 }

@@ -17,7 +17,7 @@ mod valley;
 use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
 use super::search::Objective;
-use super::{DynamicalMatrix, ZoneSearch, moment_matrix};
+use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
 use crate::algebra::Complex;
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
@@ -40,8 +40,6 @@ const DENSITY: usize = 12;
 const RAYS: usize = 32;
 /// Steps of Newton's method to the minimum over directions.
 const TURNS: usize = 12;
-/// Below this a scaled moment counts as that of a mode without energy.
-const ZERO_ENERGY: f64 = 1e-10;
 /// States that are worked on at a time: their columns stay in the cache.
 const BATCH: usize = 1024;
 

@@ -2,11 +2,12 @@
 
 use super::grid::Grid;
 use super::{Candidate, Objective, ZoneSearch};
-use crate::algebra::{Complex, eigenvalues, eigenvector, left_eigenvector};
+use crate::algebra::{Complex, GoldenSection, eigenvalues, eigenvector, left_eigenvector};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::branches::Taylor;
 use crate::lattice::grid_coordinates;
 use nalgebra::{SMatrix, SVector};
+use std::convert::Infallible;
 
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
 const WELLS: usize = 16;
@@ -460,22 +461,14 @@ pub(super) fn principal<const D: usize>(
 }
 
 /// The minimum of a unimodal function between two arguments.
-fn golden_section(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut fa, mut fb) = (f(a), f(b));
+fn golden_section(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let mut at = |x: f64| Ok::<f64, Infallible>(f(x));
+    let Ok(mut section) = GoldenSection::new(low, high, &mut at);
     for _ in 0..30 {
-        if fa <= fb {
-            (high, b, fb) = (b, a, fa);
-            a = high - ratio * (high - low);
-            fa = f(a);
-        } else {
-            (low, a, fa) = (a, b, fb);
-            b = low + ratio * (high - low);
-            fb = f(b);
-        }
+        let [a, b] = section.inner;
+        let Ok(()) = section.narrow(a.1 <= b.1, &mut at);
     }
-    0.5 * (low + high)
+    section.middle()
 }
 
 /// Minimization without derivatives along axes and diagonals with a shrinking step.

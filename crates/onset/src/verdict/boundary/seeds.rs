@@ -3,6 +3,7 @@
 use super::line::{Field, Found, Knot, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
 use super::{Crossing, Fineness, Window, rank};
+use crate::algebra::GoldenSection;
 use crate::verdict::{Phase, Probe};
 
 /// Evaluations spent on the bottom of a dip along a line, and in the plane.
@@ -116,30 +117,21 @@ fn dip_along<E>(
         return Ok(Vec::new());
     }
     let along = minus(right.0, left.0);
-    let at = |x: f64| plus(left.0, x, along);
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (0.0, 1.0);
-    let (mut a, mut b) = (1.0 - ratio, ratio);
-    let (mut at_a, mut at_b) = (field.at(at(a))?, field.at(at(b))?);
+    let place = |x: f64| plus(left.0, x, along);
+    let mut at = |x: f64| field.at(place(x));
+    let mut section = GoldenSection::new(0.0, 1.0, &mut at)?;
     for _ in 0..DIP_STEPS {
-        for (x, found) in [(a, at_a), (b, at_b)] {
+        let [a, b] = section.inner;
+        for (x, found) in [a, b] {
             if let Some(found) = found.filter(|found| found.0 != own) {
-                let other = (at(x), found);
+                let other = (place(x), found);
                 return Ok(vec![(left, other), (other, right)]);
             }
         }
-        let (Some(value_a), Some(value_b)) = (at_a, at_b) else {
+        let (Some(lower), Some(upper)) = (a.1, b.1) else {
             break;
         };
-        if sign * value_a.1 <= sign * value_b.1 {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = field.at(at(a))?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = field.at(at(b))?;
-        }
+        section.narrow(sign * lower.1 <= sign * upper.1, &mut at)?;
     }
     Ok(Vec::new())
 }
