@@ -10,8 +10,9 @@
 //! 5. [`notions`]: other notions of stability side by side, along loadings.
 //! 6. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
 //! 7. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
-//! 8. [`verdict`]: stable or not, why, and where along a path that changes.
-//! 9. [`certificate`]: the same answer proved, or left open.
+//! 8. [`scheme`]: discretizations of any other kind, by their forces.
+//! 9. [`verdict`]: stable or not, why, and where along a path that changes.
+//! 10. [`certificate`]: the same answer proved, or left open.
 //!
 //! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
 //!
@@ -45,4 +46,5 @@ pub mod notions;
 pub mod plasticity;
 pub mod quadrature;
 pub mod real;
+pub mod scheme;
 pub mod verdict;

@@ -4,7 +4,7 @@ use super::Complex;
 use nalgebra::{SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
-const MAXIMUM_ITERATIONS: usize = 200;
+pub(crate) const MAXIMUM_ITERATIONS: usize = 200;
 
 /// The eigenvalues of a complex matrix, by increasing real part, then imaginary part.
 ///

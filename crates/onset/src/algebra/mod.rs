@@ -6,6 +6,7 @@ mod pack;
 mod symmetric;
 mod trigonometric;
 
+pub(crate) use eigen::MAXIMUM_ITERATIONS;
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};

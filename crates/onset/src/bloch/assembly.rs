@@ -217,6 +217,16 @@ impl<const D: usize> Local<D> {
         })
     }
 
+    /// `P_iJ`.
+    pub(crate) fn first_piola(&self) -> &[[f64; D]; D] {
+        &self.first_piola
+    }
+
+    /// `A_iJkL`.
+    pub(crate) fn tangent(&self) -> &Tangent<D> {
+        &self.tangent
+    }
+
     /// The stiffness of the material.
     pub(crate) fn stiffness(&self) -> Stiffness<D> {
         Stiffness::from_fn(|i, j, k, l| self.tangent[i][j][k][l])

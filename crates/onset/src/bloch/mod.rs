@@ -12,6 +12,7 @@ mod moments;
 mod planar;
 mod search;
 mod spectrum;
+mod system;
 
 use assembly::moment_matrix;
 pub(crate) use assembly::{Local, dynamical_matrix_with};
@@ -20,6 +21,7 @@ pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};
 pub use search::ZoneSearch;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
+pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
 
 use crate::algebra::Complex;
 

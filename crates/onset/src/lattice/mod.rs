@@ -2,11 +2,14 @@
 //!
 //! A lattice knows nothing of stress.
 
+mod crystal;
 mod mirror;
 mod voronoi;
 mod wave_vectors;
 mod zone;
 
+pub(crate) use crystal::cells_between;
+pub use crystal::{Crystal, Particle};
 pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
@@ -49,6 +52,9 @@ pub enum LatticeError {
         /// The dimension asked for.
         dimension: usize,
     },
+    /// A cell without particles.
+    #[error("the cell holds no particle; at least one is needed")]
+    NoSites,
     /// Two points of the set coincide, so that their Voronoi cells are not defined.
     #[error("points {first} and {second} of the cell coincide")]
     CoincidentPoints {

@@ -4,11 +4,13 @@
 //! energy; evaluated with a [`Jet`] over the nine components of the deformation gradient it gives,
 //! in the same pass, the stress and the tangent, exact to rounding; with jets of [`Interval`]s, bounds that hold them.
 
+mod dual;
 mod interval;
 mod jet;
 mod lanes;
 mod mirrored;
 
+pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LANES, Lanes};

@@ -10,8 +10,9 @@ mod mirrored;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, eigenvalues, eigenvector};
+use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrids, grid_coordinates};
+use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates};
 use crate::method::Method;
 use grid::{Grid, complex_growth};
 use mirrored::{Bottom, Mirrored, Request};
@@ -83,6 +84,25 @@ impl<const D: usize> ZoneSearch<D> {
             is_periodic: method.is_periodic(),
             speed_squared,
         })
+    }
+
+    /// The zone of a lattice of cells, for systems whose wave vectors are those of the lattice itself.
+    pub fn of_lattice(lattice: BravaisLattice<D>, speed_squared: f64) -> Self {
+        Self {
+            lattice,
+            zone: OnceLock::new(),
+            to_reference: SMatrix::identity(),
+            from_reference: SMatrix::identity(),
+            home_is_reference: true,
+            grids: Arc::new(WaveGrids::new(lattice)),
+            is_periodic: true,
+            speed_squared,
+        }
+    }
+
+    /// A grid of wave vectors over a cell of the reciprocal lattice.
+    pub(in crate::bloch) fn grid_of(&self, resolution: usize) -> Arc<WaveGrid<D>> {
+        self.grids.grid(resolution)
     }
 
     /// The `c^2` of the scaled measure.
@@ -210,12 +230,14 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The limit `k -> 0` of the scaled measure, minimized over all directions.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
+        self.long_wave_mode(&matrix.long_wave_stiffness())
+    }
+
+    /// The softest long wave of a stiffness per density.
+    pub(in crate::bloch) fn long_wave_mode(&self, stiffness: &Stiffness<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
         let map = self.grids.long_wave_map();
-        let minimum = matrix
-            .long_wave_stiffness()
-            .with_directions_mapped(map)
-            .minimum_by_descent();
+        let minimum = stiffness.with_directions_mapped(map).minimum_by_descent();
         Mode {
             wave_vector: (map * minimum.direction).normalize(),
             is_long_wave: true,

@@ -1,0 +1,123 @@
+//! The limit of long waves: the continuum that a discretization really is.
+
+use super::{Mass, WaveSystem};
+use crate::algebra::Complex;
+use crate::continuum::Stiffness;
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction, with the translations and their duals.
+struct LongWave {
+    orders: [DMatrix<Complex>; 3],
+    /// Rigid translations, as columns.
+    translations: DMatrix<Complex>,
+    /// `L` with `L^T R = 1`: the mean displacement, weighted with the masses.
+    mean: DMatrix<Complex>,
+}
+
+impl<const D: usize> WaveSystem<D> {
+    /// The stiffness per density `T` with `D(k) -> T_iJkL k_J k_L` on the acoustic branches: what long waves feel once the
+    /// particles of a cell have relaxed against each other. Units length^2/time^2.
+    ///
+    /// With `R` the translations and `L` the mass-weighted mean, `T = L (D2 - D1 G D1) R`, `G` the inverse of `D0` on the
+    /// internal displacements: perturbation theory of second order.
+    pub fn long_wave_stiffness(&self) -> Stiffness<D> {
+        let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
+        let along = |direction: &SVector<f64, D>| self.acoustic(direction);
+        let squares: Vec<SMatrix<f64, D, D>> = (0..D).map(|j| along(&unit(j))).collect();
+        // T(n) is a quadratic form in n, so that its mixed terms follow from those along diagonals.
+        let mixed: Vec<Vec<SMatrix<f64, D, D>>> = (0..D)
+            .map(|j| {
+                (0..D)
+                    .map(|l| {
+                        if j == l {
+                            squares[j]
+                        } else {
+                            let sum = along(&(unit(j) + unit(l)));
+                            (sum - squares[j] - squares[l]) * 0.5
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
+        Stiffness::from_fn(|i, j, k, l| mixed[j][l][(i, k)])
+    }
+
+    /// `T_iJkL n_J n_L`.
+    fn acoustic(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+        let LongWave {
+            orders: [d0, d1, d2],
+            translations,
+            mean,
+        } = self.expanded(direction);
+        let projector = &translations * mean.transpose();
+        // On the internal displacements this is D0, on the translations the identity.
+        let regular = (&d0 + &projector).try_inverse();
+        let size = self.size();
+        let internal = regular.map_or_else(
+            || DMatrix::repeat(size, size, Complex::new(f64::NAN, 0.0)),
+            |inverse| inverse - &projector,
+        );
+        let second = d2 - &d1 * internal * &d1;
+        let limit = mean.transpose() * second * translations;
+        SMatrix::from_fn(|i, k| limit[(i, k)].re)
+    }
+
+    /// `D(0)` on the rigid translations: zero, unless a translation strains the body. 1/time^2.
+    pub fn rigid_translation(&self) -> SMatrix<f64, D, D> {
+        let rows = self.stiffness.row_sums();
+        let total = self.cell_mass();
+        let sum: SMatrix<f64, D, D> = rows.into_iter().sum();
+        let sum = sum / total;
+        let zero = 1e-10 * self.stiffness.magnitude() / total;
+        if sum.amax() <= zero {
+            SMatrix::zeros()
+        } else {
+            sum
+        }
+    }
+
+    /// The mass of a cell.
+    pub fn cell_mass(&self) -> f64 {
+        match &self.mass {
+            Mass::Lumped(masses) => masses.iter().sum(),
+            Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).sum(),
+        }
+    }
+
+    fn expanded(&self, direction: &SVector<f64, D>) -> LongWave {
+        let size = self.size();
+        let zero = SVector::zeros();
+        let moved = |order: usize| -> DMatrix<Complex> {
+            let stiffness = |n: usize| self.stiffness.taylor(direction, n);
+            match &self.drift {
+                None => stiffness(order),
+                Some(drift) => (0..=order)
+                    .map(|n| stiffness(n) * drift.taylor(direction, order - n))
+                    .fold(DMatrix::zeros(size, size), |sum, term| sum + term),
+            }
+        };
+        let k = [moved(0), moved(1), moved(2)];
+        // M(t n) D(t n) = K T order by order, where the mass matrix depends on the wave vector too.
+        let orders = match &self.mass {
+            Mass::Lumped(_) => k.map(|matrix| self.divided_by_mass(&zero, matrix)),
+            Mass::Consistent(mass) => {
+                let [k0, k1, k2] = k;
+                let (m1, m2) = (mass.taylor(direction, 1), mass.taylor(direction, 2));
+                let d0 = self.divided_by_mass(&zero, k0);
+                let d1 = self.divided_by_mass(&zero, k1 - &m1 * &d0);
+                let d2 = self.divided_by_mass(&zero, k2 - &m1 * &d1 - &m2 * &d0);
+                [d0, d1, d2]
+            }
+        };
+        let translations = DMatrix::from_fn(size, D, |row, i| {
+            Complex::new(f64::from(u8::from(row % D == i)), 0.0)
+        });
+        let weighted = self.mass_at(&zero).transpose() * &translations;
+        let mean = weighted / Complex::new(self.cell_mass(), 0.0);
+        LongWave {
+            orders,
+            translations,
+            mean,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Plane waves of discretizations with any number of particles in a cell, with consistent masses, damping and smoothed
+//! velocities.
+//!
+//! The linearized discrete equations are `M dv/dt = -K u - C v`, `du/dt = T v`. Usually `T = 1`; velocities that are smoothed
+//! before they move the particles (XSPH) make it a sum over neighbors. A wave `exp(i (k.X - omega t))` then obeys
+//! `(omega^2 M + i omega C - K T) v = 0`, without damping the eigenproblem of `D(k) = M^-1 K T`.
+
+mod long_wave;
+mod spectrum;
+mod sum;
+mod zone;
+
+pub use sum::{BlochBlocks, BlochSum};
+
+use super::{DynamicalMatrix, dynamical_matrix::ForceConstants};
+use crate::algebra::Complex;
+use crate::lattice::Crystal;
+use nalgebra::{DMatrix, SVector};
+
+/// The linearized equations of motion of a discretization at a homogeneous state.
+#[derive(Clone, Debug)]
+pub struct WaveSystem<const D: usize> {
+    crystal: Crystal<D>,
+    /// `K`: minus the derivative of the forces by the displacements; force/length.
+    stiffness: BlochSum<D>,
+    mass: Mass<D>,
+    /// `C`: minus the derivative of the forces by the velocities.
+    damping: Option<BlochSum<D>>,
+    /// `T`, where velocities are smoothed.
+    drift: Option<BlochSum<D>>,
+    is_hermitian: bool,
+}
+
+/// The masses of a discretization.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mass<const D: usize> {
+    /// One number for each particle of a cell.
+    Lumped(Vec<f64>),
+    /// A mass matrix, as consistent finite elements have.
+    Consistent(BlochSum<D>),
+}
+
+impl<const D: usize> WaveSystem<D> {
+    /// The system without damping and with unsmoothed velocities.
+    pub fn new(crystal: Crystal<D>, stiffness: BlochSum<D>, mass: Mass<D>) -> Self {
+        let is_hermitian = stiffness.is_hermitian();
+        Self {
+            crystal,
+            stiffness,
+            mass,
+            damping: None,
+            drift: None,
+            is_hermitian,
+        }
+    }
+
+    /// The same with damping.
+    #[must_use]
+    pub fn with_damping(mut self, damping: BlochSum<D>) -> Self {
+        self.damping = (damping.magnitude() > 0.0).then_some(damping);
+        self
+    }
+
+    /// The same with velocities that are smoothed before they move the particles, `du/dt = T v`.
+    #[must_use]
+    pub fn with_drift(mut self, drift: BlochSum<D>) -> Self {
+        self.drift = Some(drift);
+        self.is_hermitian = false;
+        self
+    }
+
+    /// The arrangement of the particles in the reference state.
+    pub fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    /// `K`; force/length.
+    pub fn stiffness(&self) -> &BlochSum<D> {
+        &self.stiffness
+    }
+
+    /// `M`.
+    pub fn mass(&self) -> &Mass<D> {
+        &self.mass
+    }
+
+    /// `C`, where forces depend on velocities; force/velocity.
+    pub fn damping(&self) -> Option<&BlochSum<D>> {
+        self.damping.as_ref()
+    }
+
+    /// `T`, where velocities are smoothed; dimensionless.
+    pub fn drift(&self) -> Option<&BlochSum<D>> {
+        self.drift.as_ref()
+    }
+
+    /// The number of degrees of freedom of a cell, `D n`.
+    pub fn size(&self) -> usize {
+        self.stiffness.size()
+    }
+
+    /// Whether, damping apart, the forces derive from an energy, so that all `omega^2` are real.
+    pub fn is_hermitian(&self) -> bool {
+        self.is_hermitian
+    }
+
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.stiffness.magnitude().is_finite()
+    }
+
+    /// The mass matrix `M(k)`.
+    pub fn mass_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        match &self.mass {
+            Mass::Consistent(sum) => sum.at(k),
+            Mass::Lumped(masses) => DMatrix::from_fn(self.size(), self.size(), |i, j| {
+                let mass = if i == j { masses[i / D] } else { 0.0 };
+                Complex::new(mass, 0.0)
+            }),
+        }
+    }
+
+    /// `M^-1` times a matrix at a wave vector; not a number where the mass matrix is singular.
+    fn divided_by_mass(&self, k: &SVector<f64, D>, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
+        match &self.mass {
+            Mass::Lumped(masses) => {
+                let mut matrix = matrix;
+                for (i, mut row) in matrix.row_iter_mut().enumerate() {
+                    row /= Complex::new(masses[i / D], 0.0);
+                }
+                matrix
+            }
+            Mass::Consistent(mass) => {
+                let nan = Complex::new(f64::NAN, f64::NAN);
+                let (rows, columns) = matrix.shape();
+                let solved = mass.at(k).lu().solve(&matrix);
+                solved.unwrap_or_else(|| DMatrix::repeat(rows, columns, nan))
+            }
+        }
+    }
+
+    /// `D(k) = M^-1 K T`, whose eigenvalues are `omega^2` without damping. Shape `(D n) x (D n)`, units 1/time^2.
+    pub fn dynamical_matrix_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        let stiffness = self.stiffness.at(k);
+        let moved = match &self.drift {
+            Some(drift) => stiffness * drift.at(k),
+            None => stiffness,
+        };
+        self.divided_by_mass(k, moved)
+    }
+
+    /// The dynamical matrix as a sum with one particle in a cell, where that is all there is: no consistent mass, no smoothed
+    /// velocities; damping left out.
+    pub fn single(&self) -> Option<DynamicalMatrix<D>> {
+        let Mass::Lumped(masses) = &self.mass else {
+            return None;
+        };
+        let [mass] = masses[..] else {
+            return None;
+        };
+        if self.drift.is_some() {
+            return None;
+        }
+        let mut constants = ForceConstants::new(self.stiffness.reach() as i32);
+        for (_, to, block) in self.stiffness.blocks() {
+            constants.add(&[0; D], &to.cell, &(block / mass));
+        }
+        Some(constants.finish(self.crystal.lattice(), false))
+    }
+}

@@ -1,0 +1,223 @@
+//! Frequencies and modes at a wave vector.
+
+use super::{Mass, WaveSystem};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use nalgebra::{DMatrix, DVector, SVector};
+
+impl<const D: usize> WaveSystem<D> {
+    /// The eigenvalues `omega^2` of `D(k)`, by increasing real part; damping left out. 1/time^2.
+    ///
+    /// Not numbers where the eigenvalue iteration does not converge, which needs entries that are not finite.
+    pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        let mut values = match self.symmetrized(k) {
+            Some(matrix) => hermitian_eigenvalues(matrix),
+            None => general_eigenvalues(self.dynamical_matrix_at(k), self.noise()),
+        };
+        values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+        values
+    }
+
+    /// All modes at a wave vector without damping: `omega^2` with the unit displacements of the particles of a cell, by
+    /// increasing real part of `omega^2`. Displacements are those of the wave `u_K = g_K exp(i k.X_K)`.
+    pub fn modes(&self, k: &SVector<f64, D>) -> Vec<(Complex, DVector<Complex>)> {
+        if let Some(modes) = self.hermitian_modes(k) {
+            return modes;
+        }
+        let matrix = self.dynamical_matrix_at(k);
+        let values = self.omega_squared(k);
+        // Equal eigenvalues share a space: the n-th of them takes its n-th vector.
+        let scale = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let nth = |index: usize| {
+            let before = values[..index].iter();
+            before
+                .filter(|value| (**value - values[index]).norm() <= 1e-9 * scale)
+                .count()
+        };
+        values
+            .iter()
+            .enumerate()
+            .map(|(index, value)| (*value, null_vector(&matrix, *value, nth(index))))
+            .map(|(value, vector)| (value, self.displaced(k, vector)))
+            .collect()
+    }
+
+    /// The frequencies with damping: the roots `omega` of `det(omega^2 M + i omega C - K T) = 0`, twice as many as degrees of
+    /// freedom, the fastest growing ones (largest imaginary part) first. 1/time.
+    pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        // d/dt (u, v) = ((0, T), (-M^-1 K, -M^-1 C)) (u, v), and exp(-i omega t) makes omega = i times its eigenvalues. The
+        // velocities are measured in units of displacement times a typical frequency, which balances the matrix.
+        let n = self.size();
+        let stiffness = self.divided_by_mass(k, self.stiffness.at(k));
+        let norm = stiffness.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let unit = if norm > 0.0 { norm.sqrt() } else { 1.0 };
+        let scale = Complex::new(unit, 0.0);
+        let mut companion = DMatrix::zeros(2 * n, 2 * n);
+        let drift = match &self.drift {
+            Some(drift) => drift.at(k),
+            None => DMatrix::identity(n, n),
+        };
+        companion
+            .view_mut((0, n), (n, n))
+            .copy_from(&(drift * scale));
+        companion
+            .view_mut((n, 0), (n, n))
+            .copy_from(&(-stiffness / scale));
+        if let Some(damping) = &self.damping {
+            let damping = self.divided_by_mass(k, damping.at(k));
+            companion.view_mut((n, n), (n, n)).copy_from(&-damping);
+        }
+        let mut values: Vec<Complex> = general_eigenvalues(companion, 0.0)
+            .into_iter()
+            .map(|rate| rate * Complex::i())
+            .collect();
+        values.sort_by(|a, b| b.im.total_cmp(&a.im).then(a.re.total_cmp(&b.re)));
+        values
+    }
+
+    /// Rounding error to expect in an entry of `D(k)`. 1/time^2.
+    pub fn noise(&self) -> f64 {
+        f64::EPSILON * self.stiffness.magnitude() / self.lightest_mass()
+    }
+
+    /// The smallest mass of a particle; of a consistent mass matrix the smallest row sum.
+    fn lightest_mass(&self) -> f64 {
+        match &self.mass {
+            Mass::Lumped(masses) => masses.iter().copied().fold(f64::INFINITY, f64::min),
+            Mass::Consistent(sum) => {
+                let rows = sum.row_sums().into_iter().map(|block| block[(0, 0)]);
+                rows.fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// `L^-1 K L^-*` with `M = L L*`, where the system is Hermitian: a Hermitian matrix with the eigenvalues of `D(k)`.
+    fn symmetrized(&self, k: &SVector<f64, D>) -> Option<DMatrix<Complex>> {
+        if !self.is_hermitian {
+            return None;
+        }
+        let mut stiffness = self.stiffness.at(k);
+        match &self.mass {
+            Mass::Lumped(masses) => {
+                let root = |i: usize| masses[i / D].sqrt();
+                for i in 0..self.size() {
+                    for j in 0..self.size() {
+                        stiffness[(i, j)] /= root(i) * root(j);
+                    }
+                }
+                Some(stiffness)
+            }
+            Mass::Consistent(mass) => {
+                let lower = mass.at(k).cholesky()?.unpack();
+                let half = lower.solve_lower_triangular(&stiffness)?;
+                lower.solve_lower_triangular(&half.adjoint())
+            }
+        }
+    }
+
+    /// The modes of a Hermitian system.
+    fn hermitian_modes(&self, k: &SVector<f64, D>) -> Option<Vec<(Complex, DVector<Complex>)>> {
+        let matrix = hermitian(self.symmetrized(k)?);
+        let eigen = matrix.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS)?;
+        let back = |vector: DVector<Complex>| match &self.mass {
+            Mass::Lumped(masses) => Some(DVector::from_fn(vector.len(), |i, _| {
+                vector[i] / masses[i / D].sqrt()
+            })),
+            Mass::Consistent(mass) => mass
+                .at(k)
+                .cholesky()?
+                .l()
+                .adjoint()
+                .solve_upper_triangular(&vector),
+        };
+        let mut modes = (0..self.size())
+            .map(|n| {
+                let value = Complex::new(eigen.eigenvalues[n], 0.0);
+                let vector = back(eigen.eigenvectors.column(n).into_owned())?;
+                Some((value, oriented(vector)))
+            })
+            .collect::<Option<Vec<_>>>()?;
+        modes.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));
+        Some(modes)
+    }
+
+    /// The displacements that go with the velocities of an eigenvector of `M^-1 K T`: `T v`.
+    fn displaced(&self, k: &SVector<f64, D>, velocities: DVector<Complex>) -> DVector<Complex> {
+        match &self.drift {
+            Some(drift) => oriented(drift.at(k) * velocities),
+            None => oriented(velocities),
+        }
+    }
+}
+
+/// Of unit length, with a largest component that is real and positive.
+fn oriented(vector: DVector<Complex>) -> DVector<Complex> {
+    let largest = vector
+        .iter()
+        .copied()
+        .fold(Complex::new(0.0, 0.0), |best: Complex, z| {
+            // Of components of the same size the first one, whatever rounding says.
+            if z.norm() > best.norm() * (1.0 + 1e-9) {
+                z
+            } else {
+                best
+            }
+        });
+    let norm = vector.norm();
+    if largest.norm() == 0.0 || norm == 0.0 {
+        return vector;
+    }
+    let turn = largest.conj() / largest.norm() / norm;
+    vector.map(|z| z * turn)
+}
+
+/// The Hermitian part, which removes what rounding adds to it.
+fn hermitian(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
+    (&matrix + matrix.adjoint()) * Complex::new(0.5, 0.0)
+}
+
+fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
+    let size = matrix.nrows();
+    let eigen = hermitian(matrix).try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * size);
+    match eigen {
+        Some(eigen) => eigen
+            .eigenvalues
+            .iter()
+            .map(|value| Complex::new(*value, 0.0))
+            .collect(),
+        None => vec![Complex::new(f64::NAN, f64::NAN); size],
+    }
+}
+
+/// Eigenvalues of any complex matrix; imaginary parts below the noise are rounding.
+pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<Complex> {
+    let size = matrix.nrows();
+    let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
+    let Some(values) = schur.and_then(|schur| schur.eigenvalues()) else {
+        return vec![Complex::new(f64::NAN, f64::NAN); size];
+    };
+    let scale = values.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let real = |z: &Complex| {
+        // Two eigenvalues that rounding parts from a double one come as a pair sqrt(noise) apart.
+        let explained = noise + 4.0 * (noise * scale).sqrt();
+        if z.im.abs() <= explained && noise > 0.0 {
+            Complex::new(z.re, 0.0)
+        } else {
+            *z
+        }
+    };
+    values.iter().map(real).collect()
+}
+
+/// A unit vector of the space that belongs to an eigenvalue: the `nth` right singular vector of `D - lambda`, counted from
+/// the smallest singular value.
+fn null_vector(matrix: &DMatrix<Complex>, eigenvalue: Complex, nth: usize) -> DVector<Complex> {
+    let size = matrix.nrows();
+    let shifted = matrix - DMatrix::identity(size, size) * eigenvalue;
+    let svd = shifted.try_svd(false, true, f64::EPSILON, MAXIMUM_ITERATIONS * size);
+    let Some((values, adjoint)) = svd.and_then(|svd| Some((svd.singular_values, svd.v_t?))) else {
+        return DVector::repeat(size, Complex::new(f64::NAN, f64::NAN));
+    };
+    let mut order: Vec<usize> = (0..size).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    adjoint.row(order[nth.min(size - 1)]).adjoint()
+}

@@ -1,0 +1,162 @@
+//! Sums over the lattice with plane-wave phases, for several particles in a cell.
+
+use crate::algebra::Complex;
+use crate::lattice::{Crystal, Particle};
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::collections::BTreeMap;
+
+/// `S(k) = sum_R S(R) exp(i k.(X_to - X_from))`: a matrix between the displacements of the particles of a cell, made of blocks
+/// between pairs of particles. The row belongs to a particle `from` of the cell at the origin.
+///
+/// Shape `(D n) x (D n)` with `n` particles in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlochSum<const D: usize> {
+    sites: usize,
+    terms: Vec<Term<D>>,
+}
+
+/// The block of one pair.
+#[derive(Clone, Debug, PartialEq)]
+struct Term<const D: usize> {
+    from: usize,
+    to: Particle<D>,
+    /// `X_to - X_from` in the reference state.
+    vector: SVector<f64, D>,
+    block: SMatrix<f64, D, D>,
+}
+
+/// Collects the blocks of a [`BlochSum`].
+#[derive(Clone, Debug, Default)]
+pub struct BlochBlocks<const D: usize> {
+    blocks: BTreeMap<(usize, Particle<D>), SMatrix<f64, D, D>>,
+}
+
+impl<const D: usize> BlochBlocks<D> {
+    /// No blocks.
+    pub fn new() -> Self {
+        Self {
+            blocks: BTreeMap::new(),
+        }
+    }
+
+    /// Adds to the block between two particles; only their difference counts.
+    pub fn add(&mut self, from: &Particle<D>, to: &Particle<D>, block: &SMatrix<f64, D, D>) {
+        let back = from.cell.map(|n| -n);
+        let entry = self.blocks.entry((from.site, to.moved(&back)));
+        *entry.or_insert_with(SMatrix::zeros) += block;
+    }
+
+    /// The sum. Blocks that are zero to rounding are left out.
+    pub fn sum(self, crystal: &Crystal<D>) -> BlochSum<D> {
+        let largest = self.blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
+        let origin = |site: usize| crystal.position(&Particle::home(site));
+        let terms = self.blocks.into_iter();
+        let terms = terms
+            .filter(|(_, block)| !(block.amax() <= 1e-15 * largest))
+            .map(|((from, to), block)| Term {
+                from,
+                to,
+                vector: crystal.position(&to) - origin(from),
+                block,
+            });
+        BlochSum {
+            sites: crystal.sites().len(),
+            terms: terms.collect(),
+        }
+    }
+}
+
+impl<const D: usize> BlochSum<D> {
+    /// Number of rows, `D n`.
+    pub fn size(&self) -> usize {
+        D * self.sites
+    }
+
+    /// The blocks: the site of the row, the particle of the column, and the block itself.
+    pub fn blocks(&self) -> impl Iterator<Item = (usize, &Particle<D>, &SMatrix<f64, D, D>)> {
+        self.terms
+            .iter()
+            .map(|term| (term.from, &term.to, &term.block))
+    }
+
+    /// `S(k)`.
+    pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        self.summed(|term| {
+            let (sine, cosine) = k.dot(&term.vector).sin_cos();
+            Complex::new(cosine, sine)
+        })
+    }
+
+    /// The derivative of `S(k)` with respect to a component of the wave vector.
+    pub fn derivative_at(&self, k: &SVector<f64, D>, component: usize) -> DMatrix<Complex> {
+        self.summed(|term| {
+            let (sine, cosine) = k.dot(&term.vector).sin_cos();
+            Complex::new(-sine, cosine) * term.vector[component]
+        })
+    }
+
+    /// The Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
+    pub(super) fn taylor(&self, direction: &SVector<f64, D>, order: usize) -> DMatrix<Complex> {
+        self.summed(|term| {
+            let phase = Complex::new(0.0, direction.dot(&term.vector));
+            match order {
+                0 => Complex::new(1.0, 0.0),
+                1 => phase,
+                _ => phase * phase * 0.5,
+            }
+        })
+    }
+
+    fn summed(&self, factor: impl Fn(&Term<D>) -> Complex) -> DMatrix<Complex> {
+        let mut sum = DMatrix::zeros(self.size(), self.size());
+        for term in &self.terms {
+            let factor = factor(term);
+            let (row, column) = (D * term.from, D * term.to.site);
+            for i in 0..D {
+                for j in 0..D {
+                    sum[(row + i, column + j)] += factor * term.block[(i, j)];
+                }
+            }
+        }
+        sum
+    }
+
+    /// Whether `S(k)` is Hermitian for every wave vector, to rounding.
+    pub fn is_hermitian(&self) -> bool {
+        let tolerance = 1e-10 * self.magnitude();
+        let blocks: BTreeMap<(usize, Particle<D>), &SMatrix<f64, D, D>> = self
+            .terms
+            .iter()
+            .map(|term| ((term.from, term.to), &term.block))
+            .collect();
+        self.terms.iter().all(|term| {
+            let opposite = Particle {
+                site: term.from,
+                cell: term.to.cell.map(|n| -n),
+            };
+            let zero = SMatrix::zeros();
+            let other = blocks.get(&(term.to.site, opposite)).copied();
+            (term.block - other.unwrap_or(&zero).transpose()).amax() <= tolerance
+        })
+    }
+
+    /// The largest lattice coordinate of a vector.
+    pub fn reach(&self) -> usize {
+        let coordinates = self.terms.iter().flat_map(|term| term.to.cell);
+        coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize
+    }
+
+    /// The sum of the largest entries of the blocks: rounding errors are a few [`f64::EPSILON`] of it.
+    pub fn magnitude(&self) -> f64 {
+        self.terms.iter().map(|term| term.block.amax()).sum()
+    }
+
+    /// The sum over the columns' particles, `S(0)` applied to a rigid translation; for each site of the rows.
+    pub fn row_sums(&self) -> Vec<SMatrix<f64, D, D>> {
+        let mut sums = vec![SMatrix::zeros(); self.sites];
+        for term in &self.terms {
+            sums[term.from] += term.block;
+        }
+        sums
+    }
+}

@@ -1,0 +1,320 @@
+//! Arrangements with several particles in a cell.
+
+use super::{BravaisLattice, Fractional, LatticeError, voronoi_volumes};
+use nalgebra::{SMatrix, SVector};
+
+/// A particle of a crystal: which of its cell, and which cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Particle<const D: usize> {
+    /// The number of its site, in the order of [`Crystal::sites`].
+    pub site: usize,
+    /// Lattice coordinates of its cell.
+    pub cell: [i32; D],
+}
+
+impl<const D: usize> Particle<D> {
+    /// The particle of a site in the cell at the origin.
+    pub fn home(site: usize) -> Self {
+        Self { site, cell: [0; D] }
+    }
+
+    /// The same particle some cells further on.
+    #[must_use]
+    pub fn moved(&self, cells: &[i32; D]) -> Self {
+        Self {
+            site: self.site,
+            cell: std::array::from_fn(|i| self.cell[i] + cells[i]),
+        }
+    }
+}
+
+/// A Bravais lattice with a basis: particles at `X = sum_i (n_i + place_i) a_i`, each with its volume.
+///
+/// ```
+/// use onset::lattice::Crystal;
+/// let honeycomb = Crystal::honeycomb(1.0)?;
+/// assert_eq!(honeycomb.sites().len(), 2);
+/// assert!((honeycomb.volumes()[0] - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), onset::lattice::LatticeError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crystal<const D: usize> {
+    lattice: BravaisLattice<D>,
+    sites: Vec<Fractional<D>>,
+    volumes: Vec<f64>,
+}
+
+impl<const D: usize> Crystal<D> {
+    /// A lattice with particles at places given in lattice coordinates. Their volumes are those of their Voronoi cells.
+    ///
+    /// # Errors
+    /// [`LatticeError::CoincidentPoints`] when two particles are at the same place, [`LatticeError::NoSites`] when there is none.
+    pub fn new(
+        lattice: BravaisLattice<D>,
+        sites: Vec<Fractional<D>>,
+    ) -> Result<Self, LatticeError> {
+        if sites.is_empty() {
+            return Err(LatticeError::NoSites);
+        }
+        // The Voronoi cell of the only particle is a cell of the lattice.
+        let volumes = match sites.len() {
+            1 => vec![lattice.cell_volume()],
+            _ => voronoi_volumes(&lattice, &sites)?,
+        };
+        Ok(Self {
+            lattice,
+            sites,
+            volumes,
+        })
+    }
+
+    /// One particle in each cell of a lattice.
+    pub fn of_lattice(lattice: BravaisLattice<D>) -> Self {
+        Self {
+            sites: vec![SVector::zeros()],
+            volumes: vec![lattice.cell_volume()],
+            lattice,
+        }
+    }
+
+    /// The lattice of the cells.
+    pub fn lattice(&self) -> &BravaisLattice<D> {
+        &self.lattice
+    }
+
+    /// The places of the particles of a cell, in lattice coordinates.
+    pub fn sites(&self) -> &[Fractional<D>] {
+        &self.sites
+    }
+
+    /// The volumes of the particles of a cell; length^D.
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// The place of a particle in lattice coordinates.
+    pub fn place(&self, particle: &Particle<D>) -> Fractional<D> {
+        self.sites[particle.site] + SVector::from(particle.cell.map(f64::from))
+    }
+
+    /// The position of a particle; length.
+    pub fn position(&self, particle: &Particle<D>) -> SVector<f64, D> {
+        self.lattice.vectors() * self.place(particle)
+    }
+
+    /// The particles within a distance of a point (given in lattice coordinates), the distance being measured as
+    /// `|metric x|` of the vector `x` from the point to the particle in the reference state; nearest first.
+    ///
+    /// The rim does not count: a particle at the distance itself is left out.
+    pub fn within(
+        &self,
+        point: &Fractional<D>,
+        distance: f64,
+        metric: &SMatrix<f64, D, D>,
+    ) -> Vec<Particle<D>> {
+        let map = metric * self.lattice.vectors();
+        let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(i, j)]);
+        let Some(inverse) = dynamic.try_inverse() else {
+            return Vec::new();
+        };
+        // |map u| < distance implies |u_i| < distance |row i of map^-1|.
+        let reach: [f64; D] = std::array::from_fn(|i| distance * inverse.row(i).norm());
+        let mut found = Vec::new();
+        for (site, place) in self.sites.iter().enumerate() {
+            let low: [i32; D] =
+                std::array::from_fn(|i| (point[i] - place[i] - reach[i]).floor() as i32);
+            let high: [i32; D] =
+                std::array::from_fn(|i| (point[i] - place[i] + reach[i]).ceil() as i32);
+            for cell in cells_between(&low, &high) {
+                let particle = Particle { site, cell };
+                let apart = (map * (self.place(&particle) - point)).norm();
+                if apart < distance * (1.0 - 1e-12) {
+                    found.push((apart, particle));
+                }
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.into_iter().map(|(_, particle)| particle).collect()
+    }
+
+    /// The distance of the nearest pair of particles; length.
+    pub fn nearest_distance(&self) -> f64 {
+        let longest = self.lattice.vectors().column_iter().map(|a| a.norm());
+        let distance = 1.001 * longest.fold(0.0, f64::max);
+        let of_site = |place: &Fractional<D>| {
+            let near = self.within(place, distance, &SMatrix::identity());
+            let second = near.get(1).map(|particle| self.place(particle) - place);
+            second.map_or(distance, |apart| (self.lattice.vectors() * apart).norm())
+        };
+        self.sites.iter().map(of_site).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same arrangement with a cell that holds `counts` cells along each primitive vector.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoSites`] when a count is zero.
+    pub fn supercell(&self, counts: [usize; D]) -> Result<Self, LatticeError> {
+        if counts.contains(&0) {
+            return Err(LatticeError::NoSites);
+        }
+        let vectors = SMatrix::from_fn(|i, j| self.lattice.vectors()[(i, j)] * counts[j] as f64);
+        let lattice = BravaisLattice::new(vectors).ok_or(LatticeError::NoSites)?;
+        let high = counts.map(|count| count as i32 - 1);
+        let (mut sites, mut volumes) = (Vec::new(), Vec::new());
+        for cell in cells_between(&[0; D], &high) {
+            for (place, volume) in self.sites.iter().zip(&self.volumes) {
+                let moved = place + SVector::from(cell.map(f64::from));
+                sites.push(SVector::from_fn(|i, _| moved[i] / counts[i] as f64));
+                volumes.push(*volume);
+            }
+        }
+        Ok(Self {
+            lattice,
+            sites,
+            volumes,
+        })
+    }
+
+    /// The same arrangement with every particle of a cell moved at random: each Cartesian component by a number between
+    /// `-amplitude` and `amplitude` (a length), the same numbers for the same seed on every machine. Volumes are those of the
+    /// new Voronoi cells.
+    ///
+    /// # Errors
+    /// [`LatticeError::CoincidentPoints`] when two particles meet.
+    pub fn perturbed(&self, amplitude: f64, seed: u64) -> Result<Self, LatticeError> {
+        let mut state = seed;
+        let to_fractional = self.lattice.reciprocal().transpose() / std::f64::consts::TAU;
+        let sites = self.sites.iter().map(|place| {
+            let offset = SVector::from_fn(|_, _| amplitude * (2.0 * uniform(&mut state) - 1.0));
+            place + to_fractional * offset
+        });
+        Self::new(self.lattice, sites.collect())
+    }
+}
+
+impl Crystal<2> {
+    /// The honeycomb: hexagons with a particle at each corner, `spacing` the length of their sides.
+    ///
+    /// # Errors
+    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
+    pub fn honeycomb(spacing: f64) -> Result<Self, LatticeError> {
+        let half = 0.5 * 3.0_f64.sqrt();
+        let vectors = SMatrix::<f64, 2, 2>::new(2.0 * half, half, 0.0, 1.5);
+        let sites = [0.0, 1.0 / 3.0].map(SVector::repeat);
+        Self::with_spacing(vectors, spacing, &sites)
+    }
+}
+
+impl Crystal<3> {
+    /// Hexagonal close packing with the ideal ratio `c/a = sqrt(8/3)`, `spacing` the distance of neighbors.
+    ///
+    /// # Errors
+    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
+    pub fn hexagonal_close_packed(spacing: f64) -> Result<Self, LatticeError> {
+        let (half, height) = (0.5 * 3.0_f64.sqrt(), (8.0_f64 / 3.0).sqrt());
+        let vectors = SMatrix::<f64, 3, 3>::new(1.0, 0.5, 0.0, 0.0, half, 0.0, 0.0, 0.0, height);
+        let third = 1.0 / 3.0;
+        let sites = [[0.0; 3], [third, third, 0.5]].map(SVector::from);
+        Self::with_spacing(vectors, spacing, &sites)
+    }
+
+    /// The diamond structure, `spacing` the distance of neighbors: two face-centered cubic lattices a quarter of the cube's
+    /// diagonal apart.
+    ///
+    /// # Errors
+    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
+    pub fn diamond(spacing: f64) -> Result<Self, LatticeError> {
+        // Half of the cube's edge: the neighbors are at a quarter of its diagonal.
+        let half = 2.0 / 3.0_f64.sqrt();
+        let vectors = SMatrix::<f64, 3, 3>::new(0.0, half, half, half, 0.0, half, half, half, 0.0);
+        let sites = [0.0, 0.25].map(SVector::repeat);
+        Self::with_spacing(vectors, spacing, &sites)
+    }
+}
+
+impl<const D: usize> Crystal<D> {
+    fn with_spacing(
+        unit: SMatrix<f64, D, D>,
+        spacing: f64,
+        sites: &[Fractional<D>],
+    ) -> Result<Self, LatticeError> {
+        let lattice = (spacing > 0.0 && spacing.is_finite())
+            .then(|| BravaisLattice::new(unit * spacing))
+            .flatten()
+            .ok_or(LatticeError::Spacing { value: spacing })?;
+        Self::new(lattice, sites.to_vec())
+    }
+}
+
+/// All cells between two corners, both included.
+pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> Vec<[i32; D]> {
+    let mut cells = Vec::new();
+    let mut cell = *low;
+    loop {
+        cells.push(cell);
+        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else {
+            return cells;
+        };
+        cell[..axis].copy_from_slice(&low[..axis]);
+        cell[axis] += 1;
+    }
+}
+
+/// A number in [0, 1) from a state that is moved on: SplitMix64 (Steele, Lea, Flood, 2014), which needs no more than its
+/// state and is the same everywhere.
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Crystal, Particle};
+    use crate::lattice::Arrangement;
+    use nalgebra::SMatrix;
+
+    #[test]
+    fn every_particle_of_the_honeycomb_has_three_nearest_neighbors_and_six_next_ones() {
+        let honeycomb = Crystal::honeycomb(1.3).expect("a crystal");
+        assert!((honeycomb.nearest_distance() - 1.3).abs() < 1e-12);
+        for place in honeycomb.sites() {
+            let within = |d: f64| honeycomb.within(place, d, &SMatrix::identity()).len();
+            assert_eq!((within(1.31), within(1.3 * 1.74)), (4, 10));
+        }
+    }
+
+    #[test]
+    fn a_supercell_is_the_same_arrangement() {
+        let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+        let crystal = Crystal::of_lattice(square);
+        let large = crystal.supercell([3, 2]).expect("a crystal");
+        assert_eq!(large.sites().len(), 6);
+        assert!((large.volumes().iter().sum::<f64>() - 6.0).abs() < 1e-14);
+        for place in large.sites() {
+            let near = large.within(place, 2.1, &SMatrix::identity());
+            assert_eq!(near.len(), 13);
+            assert!((large.place(&near[0]) - place).amax() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_seed_always_gives_the_same_offsets_within_the_amplitude() {
+        let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+        let crystal = Crystal::of_lattice(square)
+            .supercell([4, 4])
+            .expect("a crystal");
+        let moved = |seed: u64| crystal.perturbed(0.2, seed).expect("a crystal");
+        assert_eq!(moved(7), moved(7));
+        assert_ne!(moved(7), moved(8));
+        let moved = moved(7);
+        assert!((moved.volumes().iter().sum::<f64>() - 16.0).abs() < 1e-10);
+        for site in 0..16 {
+            let particle = Particle::home(site);
+            let offset = moved.position(&particle) - crystal.position(&particle);
+            assert!(offset.amax() <= 0.2 && offset.amax() > 0.0);
+        }
+    }
+}

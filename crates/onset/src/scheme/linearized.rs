@@ -1,0 +1,136 @@
+//! From discrete forces to the equations of plane waves.
+
+use super::{Interaction, Motion};
+use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
+use crate::lattice::{Crystal, Particle};
+use crate::method::MethodError;
+use crate::real::{Dual, Real};
+use nalgebra::SMatrix;
+
+/// Derivatives that are taken in one pass.
+const LANES: usize = 8;
+
+/// What a displacement of the particles does to the forces: minus the derivatives of the forces.
+#[derive(Clone, Debug)]
+pub struct Forced<const D: usize> {
+    /// By the displacements: the stiffness.
+    pub stiffness: BlochBlocks<D>,
+    /// By the velocities: the damping.
+    pub damping: BlochBlocks<D>,
+    /// Whether some force depends on velocities.
+    pub is_viscous: bool,
+}
+
+impl<const D: usize> Default for Forced<D> {
+    fn default() -> Self {
+        Self {
+            stiffness: BlochBlocks::new(),
+            damping: BlochBlocks::new(),
+            is_viscous: false,
+        }
+    }
+}
+
+impl<const D: usize> Forced<D> {
+    /// Adds an interaction.
+    pub fn add<I: Interaction<D>>(&mut self, interaction: &I) {
+        differentiated(interaction, false, &mut self.stiffness);
+        if interaction.is_viscous() {
+            self.is_viscous = true;
+            differentiated(interaction, true, &mut self.damping);
+        }
+    }
+
+    /// The equations of motion.
+    ///
+    /// # Errors
+    /// [`MethodError::NotFinite`] when a derivative is not a finite number.
+    pub fn waves(self, crystal: &Crystal<D>, mass: Mass<D>) -> Result<WaveSystem<D>, MethodError> {
+        let sum = |blocks: BlochBlocks<D>| -> BlochSum<D> { blocks.sum(crystal) };
+        let damping = self.is_viscous.then(|| sum(self.damping));
+        let system = WaveSystem::new(crystal.clone(), sum(self.stiffness), mass);
+        let is_damping_finite = damping
+            .as_ref()
+            .is_none_or(|damping| damping.magnitude().is_finite());
+        if !(system.is_finite() && is_damping_finite) {
+            return Err(MethodError::NotFinite);
+        }
+        Ok(match damping {
+            Some(damping) => system.with_damping(damping),
+            None => system,
+        })
+    }
+}
+
+/// The equations of plane waves of a sum of interactions, one of each kind that the lattice repeats.
+///
+/// # Errors
+/// [`MethodError::NotFinite`] when a derivative is not a finite number.
+pub fn linearized<'i, I: Interaction<D> + 'i, const D: usize>(
+    crystal: &Crystal<D>,
+    mass: Mass<D>,
+    interactions: impl IntoIterator<Item = &'i I>,
+) -> Result<WaveSystem<D>, MethodError> {
+    let mut forced = Forced::default();
+    for interaction in interactions {
+        forced.add(interaction);
+    }
+    forced.waves(crystal, mass)
+}
+
+/// Adds minus the derivatives of the forces of an interaction, by displacements or by velocities.
+fn differentiated<I: Interaction<D>, const D: usize>(
+    interaction: &I,
+    by_velocity: bool,
+    blocks: &mut BlochBlocks<D>,
+) {
+    type Number = Dual<LANES>;
+    let particles = interaction.particles();
+    let fixed = vec![[Number::constant(0.0); D]; particles.len()];
+    let unknowns = D * particles.len();
+    // Columns of one particle, collected until it is complete.
+    let mut columns = vec![SMatrix::<f64, D, D>::zeros(); particles.len()];
+    for start in (0..unknowns).step_by(LANES) {
+        let mut varied = fixed.clone();
+        let lanes = start..(start + LANES).min(unknowns);
+        for (lane, unknown) in lanes.clone().enumerate() {
+            varied[unknown / D][unknown % D] = Number::variable(0.0, lane);
+        }
+        let motion = if by_velocity {
+            Motion {
+                displacements: &fixed,
+                velocities: &varied,
+            }
+        } else {
+            Motion {
+                displacements: &varied,
+                velocities: &fixed,
+            }
+        };
+        let forces = interaction.forces(motion);
+        for (lane, unknown) in lanes.enumerate() {
+            let (to, column) = (unknown / D, unknown % D);
+            for (block, force) in columns.iter_mut().zip(&forces) {
+                for i in 0..D {
+                    block[(i, column)] = -force[i].gradient[lane];
+                }
+            }
+            if column == D - 1 {
+                add_columns(particles, &particles[to], &columns, blocks);
+            }
+        }
+    }
+}
+
+fn add_columns<const D: usize>(
+    particles: &[Particle<D>],
+    to: &Particle<D>,
+    columns: &[SMatrix<f64, D, D>],
+    blocks: &mut BlochBlocks<D>,
+) {
+    for (from, block) in particles.iter().zip(columns) {
+        if block.iter().any(|entry| *entry != 0.0) {
+            blocks.add(from, to, block);
+        }
+    }
+}

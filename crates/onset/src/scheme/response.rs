@@ -1,0 +1,138 @@
+//! Stress of a material near a homogeneous state, in numbers of any kind.
+
+use crate::bloch::Local;
+use crate::kinematics::DeformationGradient;
+use crate::material::{Hyperelastic, MaterialError};
+use crate::real::Real;
+
+/// The response of a material at a point of a discretization: its stress at deformations near that of a homogeneous state.
+///
+/// With plain numbers the stress is that of the law, anywhere. With dual numbers the value and the tangent are those of the law
+/// at the value of the deformation, so that first derivatives are exact. Of a lattice of fewer than three dimensions it
+/// sees the leading block, the stretches beyond it stay as they are.
+#[derive(Clone, Copy)]
+pub struct PointResponse<'a, const D: usize> {
+    material: &'a dyn Hyperelastic,
+    base: DeformationGradient,
+    local: Local<D>,
+}
+
+impl<'a, const D: usize> PointResponse<'a, D> {
+    /// The response at a homogeneous state.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the material cannot be evaluated there.
+    pub fn new(
+        material: &'a dyn Hyperelastic,
+        base: &DeformationGradient,
+    ) -> Result<Self, MaterialError> {
+        Ok(Self {
+            material,
+            base: *base,
+            local: Local::new(material, base)?,
+        })
+    }
+
+    /// The deformation gradient of the homogeneous state.
+    pub fn base(&self) -> &DeformationGradient {
+        &self.base
+    }
+
+    /// The leading block of the deformation gradient of the homogeneous state.
+    pub fn leading<R: Real>(&self) -> [[R; D]; D] {
+        let f = self.base.components();
+        std::array::from_fn(|i| std::array::from_fn(|j| R::constant(f[i][j])))
+    }
+
+    /// The product of the stretches that the lattice does not see.
+    pub fn transverse(&self) -> f64 {
+        let f = self.base.components();
+        (D..3).map(|i| f[i][i]).product()
+    }
+
+    /// `P_iJ` at a deformation gradient; not a number where the law is not defined.
+    pub fn first_piola<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
+        let base = self.base.components();
+        let is_base = (0..D).all(|i| (0..D).all(|j| f[i][j].value() == base[i][j]));
+        let local = if is_base {
+            Some(self.local)
+        } else {
+            let values = nalgebra::SMatrix::from_fn(|i, j| f[i][j].value());
+            Local::new(self.material, &self.base.with_leading::<D>(&values)).ok()
+        };
+        let Some(local) = local else {
+            return [[R::constant(f64::NAN); D]; D];
+        };
+        let (stress, tangent) = (local.first_piola(), local.tangent());
+        // The change has the value zero, and derivatives.
+        let change: [[R; D]; D] =
+            std::array::from_fn(|k| std::array::from_fn(|l| f[k][l] - f[k][l].value()));
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let mut sum = R::constant(stress[i][j]);
+                for k in 0..D {
+                    for l in 0..D {
+                        sum = sum + change[k][l] * tangent[i][j][k][l];
+                    }
+                }
+                sum
+            })
+        })
+    }
+
+    /// The Cauchy stress `sigma_ij = P_iJ F_jJ / J`.
+    pub fn cauchy<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
+        let stress = self.first_piola(f);
+        let jacobian = determinant(f) * self.transverse();
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let mut sum = R::constant(0.0);
+                for m in 0..D {
+                    sum = sum + stress[i][m] * f[j][m];
+                }
+                sum / jacobian
+            })
+        })
+    }
+
+    /// `P_iJ` of the homogeneous state.
+    pub fn base_stress(&self) -> &[[f64; D]; D] {
+        self.local.first_piola()
+    }
+
+    /// `A_iJkL` of the homogeneous state, at `[i][J][k][L]`.
+    pub fn base_tangent(&self) -> &[[[[f64; D]; D]; D]; D] {
+        self.local.tangent()
+    }
+}
+
+/// The determinant of a square matrix of up to three rows.
+pub(crate) fn determinant<R: Real, const D: usize>(m: &[[R; D]; D]) -> R {
+    match D {
+        1 => m[0][0],
+        2 => m[0][0] * m[1][1] - m[0][1] * m[1][0],
+        _ => {
+            m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+                - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+                + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+        }
+    }
+}
+
+/// The inverse of a square matrix of up to three rows.
+pub(crate) fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
+    let scale = determinant(m).recip();
+    let cofactor = |i: usize, j: usize| match D {
+        1 => R::constant(1.0),
+        2 => {
+            let sign = if i == j { 1.0 } else { -1.0 };
+            m[1 - i][1 - j] * sign
+        }
+        _ => {
+            let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
+            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+            m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1]
+        }
+    };
+    std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) * scale))
+}

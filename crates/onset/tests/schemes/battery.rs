@@ -1,0 +1,156 @@
+//! What every scheme promises, whatever it is.
+
+use crate::random::Random;
+use nalgebra::{DVector, SVector};
+use onset::algebra::Complex;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Particle;
+use onset::material::Hyperelastic;
+use onset::scheme::{PeriodicPatch, Scheme};
+
+/// Checks a scheme at a state: derivatives of the forces of a patch against the stiffness, and what a translation does.
+#[track_caller]
+pub fn assert_scheme<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) {
+    assert_waves_are_those_of_a_patch(scheme, material, f);
+    assert_translations_are_free(scheme, material, f);
+    assert_equilibrium(scheme, material, f);
+}
+
+/// A patch of particles is displaced by plane waves that fit into it; central differences of its forces are compared with `K(k)`.
+#[track_caller]
+pub fn assert_waves_are_those_of_a_patch<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) {
+    let system = scheme.waves(material, f).expect("an evaluable state");
+    let crystal = scheme.crystal();
+    // Large enough that no particle sees an image of itself.
+    let side = 2 * system.stiffness().reach() + 3;
+    let patch = PeriodicPatch::new(crystal, [side; D]);
+    let mut random = Random::new(3);
+    for wave in 0..3 {
+        let fractional = SVector::<f64, D>::from_fn(|i, _| ((wave + 2 * i + 1) % side) as f64);
+        let k = crystal.lattice().reciprocal() * fractional / side as f64;
+        let amplitudes = DVector::from_fn(system.size(), |_, _| {
+            Complex::new(random.number(), random.number())
+        });
+        let displaced = |factor: Complex| -> Vec<SVector<f64, D>> {
+            let of = |particle: &Particle<D>| {
+                let phase = k.dot(&crystal.position(particle));
+                let turn = Complex::new(phase.cos(), phase.sin()) * factor;
+                SVector::from_fn(|i, _| (amplitudes[D * particle.site + i] * turn).re)
+            };
+            patch.particles().iter().map(of).collect()
+        };
+        let h = 1e-5 * crystal.nearest_distance();
+        let forces = |factor: Complex| {
+            let at = |sign: f64| {
+                let moved = displaced(factor * (sign * h));
+                scheme.forces(material, f, &patch, &moved).expect("forces")
+            };
+            let (plus, minus) = (at(1.0), at(-1.0));
+            let slope = |(a, b): (&SVector<f64, D>, &SVector<f64, D>)| (a - b) / (2.0 * h);
+            plus.iter().zip(&minus).map(slope).collect::<Vec<_>>()
+        };
+        // The force on the particles of the cell at the origin, by Re and Im of the wave.
+        let (real, imaginary) = (
+            forces(Complex::new(1.0, 0.0)),
+            forces(Complex::new(0.0, -1.0)),
+        );
+        let expected = -(system.stiffness().at(&k) * &amplitudes);
+        let scale = system.stiffness().magnitude();
+        for site in 0..crystal.sites().len() {
+            let particle = Particle::home(site);
+            let phase = k.dot(&crystal.position(&particle));
+            let turn = Complex::new(phase.cos(), -phase.sin());
+            let number = patch.number(&particle);
+            for i in 0..D {
+                let measured = Complex::new(real[number][i], imaginary[number][i]) * turn;
+                let difference = (measured - expected[D * site + i]).norm();
+                assert!(
+                    difference < 1e-7 * scale,
+                    "site {site}, component {i}: {measured} by differences, {} by the wave system; scale {scale}, k = {k}",
+                    expected[D * site + i]
+                );
+            }
+        }
+    }
+}
+
+/// A rigid translation costs no force, and the sum of all forces is zero.
+#[track_caller]
+pub fn assert_translations_are_free<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) {
+    let system = scheme.waves(material, f).expect("an evaluable state");
+    let scale = system.stiffness().magnitude();
+    let k = system.stiffness().at(&SVector::zeros());
+    for i in 0..D {
+        let translation = DVector::from_fn(system.size(), |row, _| {
+            Complex::new(f64::from(u8::from(row % D == i)), 0.0)
+        });
+        assert!(
+            (&k * &translation).norm() < 1e-10 * scale,
+            "a translation strains the body: {}",
+            (&k * &translation)
+        );
+        assert!(
+            (k.transpose() * &translation).norm() < 1e-10 * scale,
+            "the forces do not add up to zero"
+        );
+    }
+}
+
+/// No particle of the homogeneous state feels a force.
+#[track_caller]
+pub fn assert_equilibrium<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) {
+    let system = scheme.waves(material, f).expect("an evaluable state");
+    let side = 2 * system.stiffness().reach() + 3;
+    let patch = PeriodicPatch::new(scheme.crystal(), [side; D]);
+    let at_rest = vec![SVector::zeros(); patch.len()];
+    let forces = scheme
+        .forces(material, f, &patch, &at_rest)
+        .expect("forces");
+    let scale = system.stiffness().magnitude() * scheme.crystal().nearest_distance();
+    for force in forces {
+        assert!(force.amax() < 1e-10 * scale, "a force of {force} at rest");
+    }
+}
+
+/// The acoustic tensor of long waves is that of the material, per density, to a relative tolerance.
+#[track_caller]
+pub fn assert_long_waves_are_those_of_the_material<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    tolerance: f64,
+) {
+    let discrete = scheme
+        .waves(material, f)
+        .expect("an evaluable state")
+        .long_wave_stiffness();
+    let exact = onset::continuum::Stiffness::<D>::at(material, f).expect("a tangent");
+    let scale = exact.maximum_eigenvalue() / scheme.density();
+    let mut random = Random::new(5);
+    for _ in 0..8 {
+        let rotation = random.rotation();
+        let direction = SVector::<f64, D>::from_fn(|i, _| rotation[(i, 0)]).normalize();
+        let found = discrete.acoustic_tensor(&direction);
+        let expected = exact.acoustic_tensor(&direction) / scheme.density();
+        assert!(
+            (found - expected).amax() < tolerance * scale,
+            "long waves along {direction}: {found}, the material {expected}"
+        );
+    }
+}

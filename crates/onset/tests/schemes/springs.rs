@@ -1,0 +1,210 @@
+//! Chains of springs, whose frequencies are in every textbook: the engine itself.
+
+use crate::battery::assert_scheme;
+use nalgebra::{SMatrix, SVector};
+use onset::algebra::Complex;
+use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::method::MethodError;
+use onset::real::Real;
+use onset::scheme::{
+    Interaction, Motion, PeriodicPatch, Scheme, linearized, lumped_masses, patch_forces,
+};
+use std::f64::consts::PI;
+
+/// Linear springs between neighbors, and dashpots beside them.
+#[derive(Clone, Debug)]
+struct Spring {
+    particles: [Particle<1>; 2],
+    stiffness: f64,
+    viscosity: f64,
+}
+
+impl Interaction<1> for Spring {
+    fn particles(&self) -> &[Particle<1>] {
+        &self.particles
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, 1>) -> Vec<[R; 1]> {
+        let [a, b] = [motion.displacements[0][0], motion.displacements[1][0]];
+        let [v, w] = [motion.velocities[0][0], motion.velocities[1][0]];
+        let force = (b - a) * self.stiffness + (w - v) * self.viscosity;
+        vec![[force], [-force]]
+    }
+
+    fn is_viscous(&self) -> bool {
+        self.viscosity != 0.0
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Chain {
+    crystal: Crystal<1>,
+    springs: Vec<Spring>,
+    masses: Vec<f64>,
+}
+
+impl Chain {
+    /// Two masses, two springs in turn.
+    fn of_two(masses: [f64; 2], stiffness: [f64; 2], viscosity: f64) -> Self {
+        let lattice = BravaisLattice::new(SMatrix::<f64, 1, 1>::new(2.0)).expect("a lattice");
+        let sites = [0.0, 0.5].map(SVector::from_element).to_vec();
+        let (first, second) = (Particle::home(0), Particle::home(1));
+        let spring = |particles, stiffness| Spring {
+            particles,
+            stiffness,
+            viscosity,
+        };
+        Self {
+            crystal: Crystal::new(lattice, sites).expect("a crystal"),
+            springs: vec![
+                spring([first, second], stiffness[0]),
+                spring([second, first.moved(&[1])], stiffness[1]),
+            ],
+            masses: masses.to_vec(),
+        }
+    }
+}
+
+impl Scheme<1> for Chain {
+    fn crystal(&self) -> &Crystal<1> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.masses.iter().sum::<f64>() / 2.0
+    }
+
+    fn waves(
+        &self,
+        _: &dyn Hyperelastic,
+        _: &DeformationGradient,
+    ) -> Result<WaveSystem<1>, MethodError> {
+        linearized(
+            &self.crystal,
+            Mass::Lumped(self.masses.clone()),
+            &self.springs,
+        )
+    }
+
+    fn forces(
+        &self,
+        _: &dyn Hyperelastic,
+        _: &DeformationGradient,
+        patch: &PeriodicPatch<1>,
+        displacements: &[SVector<f64, 1>],
+    ) -> Result<Vec<SVector<f64, 1>>, MethodError> {
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        Ok(patch_forces(patch, &self.springs, displacements, &at_rest))
+    }
+
+    fn neighbors(&self) -> f64 {
+        3.0
+    }
+}
+
+fn waves(chain: &Chain) -> WaveSystem<1> {
+    chain
+        .waves(
+            &ModifiedMooneyRivlin::default(),
+            &DeformationGradient::identity(),
+        )
+        .expect("finite")
+}
+
+#[test]
+fn a_chain_of_two_masses_has_the_two_branches_of_the_textbook() {
+    let (m, c) = ([1.0, 3.0], [2.0, 0.7]);
+    let system = waves(&Chain::of_two(m, c, 0.0));
+    for k in [0.1, 0.7, PI / 2.0] {
+        // omega^2 = S +- sqrt(S^2 - 4 c1 c2 sin^2(k a / 2) / (m1 m2)), S = (c1 + c2) (1/m1 + 1/m2) / 2, a = 2.
+        let s = 0.5 * (c[0] + c[1]) * (1.0 / m[0] + 1.0 / m[1]);
+        let product = 4.0 * c[0] * c[1] * k.sin().powi(2) / (m[0] * m[1]);
+        let root = (s * s - product).sqrt();
+        let found = system.omega_squared(&SVector::from_element(k));
+        assert!((found[0].re - (s - root)).abs() < 1e-13);
+        assert!((found[1].re - (s + root)).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn long_waves_feel_the_two_springs_in_series() {
+    let system = waves(&Chain::of_two([1.0, 3.0], [2.0, 0.7], 0.0));
+    let modulus = 2.0 / (1.0 / 2.0 + 1.0 / 0.7);
+    let found = system
+        .long_wave_stiffness()
+        .acoustic_tensor(&SVector::from_element(1.0))[(0, 0)];
+    assert!((found - modulus / 2.0).abs() < 1e-13, "{found}");
+}
+
+#[test]
+fn the_battery_accepts_springs() {
+    let chain = Chain::of_two([1.0, 3.0], [2.0, 0.7], 0.0);
+    assert_scheme(
+        &chain,
+        &ModifiedMooneyRivlin::default(),
+        &DeformationGradient::identity(),
+    );
+}
+
+#[test]
+fn the_extremes_of_two_equal_masses_are_those_of_the_chain_of_one() {
+    let system = waves(&Chain::of_two([1.0; 2], [1.0; 2], 0.0));
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+    let summary = search.summary_of(&system);
+    assert!((summary.maximum_omega - 2.0).abs() < 1e-10);
+    assert!(summary.is_stable());
+    assert!((summary.long_wave.scaled - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn dashpots_beside_springs_damp_every_wave_like_an_oscillator() {
+    let (stiffness, viscosity) = (1.3, 0.4);
+    let system = waves(&Chain::of_two([1.0; 2], [stiffness; 2], viscosity));
+    let k = SVector::from_element(0.9);
+    // Each branch: omega^2 + i omega c s - k s = 0 with s the eigenvalue of the unit chain.
+    let mut expected: Vec<Complex> = system
+        .omega_squared(&k)
+        .iter()
+        .flat_map(|omega_squared| {
+            let s = omega_squared.re / stiffness;
+            let half = 0.5 * viscosity * s;
+            let root = Complex::new(stiffness * s - half * half, 0.0).sqrt();
+            [root, -root].map(|root| root - Complex::new(0.0, half))
+        })
+        .collect();
+    expected.sort_by(|a, b| b.im.total_cmp(&a.im).then(a.re.total_cmp(&b.re)));
+    for found in system.frequencies(&k) {
+        let nearest = expected.iter().map(|z| (z - found).norm());
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-12, "{found}");
+    }
+}
+
+#[test]
+fn a_consistent_mass_matrix_makes_bars_vibrate_at_most_with_the_root_of_twelve() {
+    let lattice = Arrangement::Chain.lattice::<1>(1.0).expect("a lattice");
+    let crystal = Crystal::of_lattice(lattice);
+    let number = SMatrix::<f64, 1, 1>::from_element;
+    let (home, next) = (Particle::home(0), Particle::home(0).moved(&[1]));
+    let (mut stiffness, mut mass) = (BlochBlocks::new(), BlochBlocks::new());
+    for (from, to, k, m) in [
+        (home, home, 2.0, 2.0 / 3.0),
+        (home, next, -1.0, 1.0 / 6.0),
+        (next, home, -1.0, 1.0 / 6.0),
+    ] {
+        stiffness.add(&from, &to, &number(k));
+        mass.add(&from, &to, &number(m));
+    }
+    let (stiffness, mass) = (stiffness.sum(&crystal), mass.sum(&crystal));
+    assert_eq!(lumped_masses(&crystal, 1.0), [1.0]);
+    let consistent = WaveSystem::new(crystal.clone(), stiffness.clone(), Mass::Consistent(mass));
+    let lumped = WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0]));
+    let search = ZoneSearch::of_lattice(lattice, 1.0);
+    for (system, largest) in [(consistent, 12.0_f64.sqrt()), (lumped, 2.0)] {
+        let summary = search.summary_of(&system);
+        assert!((summary.maximum_omega - largest).abs() < 1e-10);
+        assert!((summary.long_wave.scaled - 1.0).abs() < 1e-12);
+    }
+}
