@@ -12,6 +12,7 @@ mod model;
 mod schema;
 mod state;
 mod study;
+mod toml;
 
 pub use axis::{Axis, Quantity};
 pub use error::{Origin, SettingError};

@@ -108,6 +108,17 @@ pub enum Linearization {
 }
 
 impl Linearization {
+    /// The word used in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Paper => "paper",
+            Self::ExactPlaneWave => "exact-plane-wave",
+            Self::PaperInterpolated => "paper-interpolated",
+            Self::FrozenNormalization => "frozen-normalization",
+        }
+    }
+
     /// Whether a stress point moves with the plane wave instead of the interpolated displacement.
     pub fn moves_points_with_plane_wave(self) -> bool {
         matches!(
@@ -240,6 +251,18 @@ pub enum MethodError {
     /// The homogeneous state that the discretization sees is not a deformation.
     #[error("the interpolated deformation gradient is not admissible: {0}")]
     Background(#[source] KinematicsError),
+    /// The deformation itself.
+    #[error(transparent)]
+    Deformation(#[from] KinematicsError),
+    /// Waves of a stress point that moves with the plane wave have no periodic equations.
+    #[error(
+        "with the linearization `{linearization}` a stress point moves with the plane wave itself, so that the equations of motion \
+         are not those of particles; choose `exact` or `paper-interpolated`, or nodal quadrature"
+    )]
+    NotPeriodic {
+        /// The linearization.
+        linearization: &'static str,
+    },
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
