@@ -4,6 +4,7 @@
 //! documentation follow from them.
 
 mod axis;
+mod comparison;
 mod error;
 mod key;
 mod map;
@@ -15,6 +16,7 @@ mod study;
 mod toml;
 
 pub use axis::{Axis, Quantity};
+pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
@@ -57,6 +59,11 @@ impl Settings {
         }
         settings.material.check()?;
         Ok(settings)
+    }
+
+    /// The number of space dimensions of the discretization.
+    pub fn dimension(&self) -> usize {
+        self.discretization.arrangement.dimension()
     }
 
     /// Applies one assignment `key=value`.

@@ -5,13 +5,14 @@
 //! material.
 
 mod configuration;
+mod forces;
 
 pub use configuration::{Configuration, ConfiguredPoint};
 
 use crate::approximation::{Approximation, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
-use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
+use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{Quadrature, QuadraturePoint};
 use nalgebra::SVector;
@@ -254,12 +255,12 @@ pub enum MethodError {
     /// The deformation itself.
     #[error(transparent)]
     Deformation(#[from] KinematicsError),
-    /// Waves of a stress point that moves with the plane wave have no periodic equations.
+    /// The equations of a linearization that are no derivative of forces.
     #[error(
-        "with the linearization `{linearization}` a stress point moves with the plane wave itself, so that the equations of motion \
-         are not those of particles; choose `exact` or `paper-interpolated`, or nodal quadrature"
+        "the linearization `{linearization}` is not that of the forces of particles: it leaves some of their motion out, or moves \
+         stress points with the plane wave itself; choose discretization.linearization = \"exact\""
     )]
-    NotPeriodic {
+    NotOfForces {
         /// The linearization.
         linearization: &'static str,
     },
@@ -301,7 +302,7 @@ impl MethodError {
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
     discretization: Discretization,
-    lattice: BravaisLattice<D>,
+    crystal: Crystal<D>,
     points: Vec<QuadraturePoint<D>>,
     /// One of each pair of points that inversion exchanges, with the volume of both; none unless all points have opposites.
     halves: Option<Vec<QuadraturePoint<D>>>,
@@ -335,7 +336,7 @@ impl<const D: usize> Method<D> {
         let points = quadrature.points(arrangement, &lattice)?;
         Ok(Self {
             discretization,
-            lattice,
+            crystal: Crystal::of_lattice(lattice),
             halves: halves_of(&points),
             points,
             wave_grids: Arc::new(WaveGrids::new(lattice)),
@@ -355,9 +356,14 @@ impl<const D: usize> Method<D> {
         &self.discretization
     }
 
+    /// The particles in the reference state.
+    pub fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
     /// The reference lattice of the particles.
     pub fn lattice(&self) -> &BravaisLattice<D> {
-        &self.lattice
+        self.crystal.lattice()
     }
 
     /// The quadrature points of one cell.
@@ -377,7 +383,7 @@ impl<const D: usize> Method<D> {
 
     /// The mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
     pub fn particle_mass(&self) -> f64 {
-        self.discretization.density * self.lattice.cell_volume()
+        self.discretization.density * self.lattice().cell_volume()
     }
 
     /// Whether the dynamical matrix is periodic in the wave vector: everywhere but with stress points that move with the
