@@ -160,6 +160,26 @@ const ROWS: &[Row] = &[
                 "phi_K = alpha . p_K W_K, (sum_L W_L p_L (x) p_L) alpha = e0, p = (1, x_K - x)",
                 "moving least squares, linear basis",
             ),
+            (
+                "mls-2",
+                "as mls, p = all monomials of x_K - x up to degree 2",
+                "moving least squares; Liu, Jun and Zhang, Int. J. Numer. Meth. Fluids 20 (1995) 1081",
+            ),
+            (
+                "mls-3",
+                "as mls, p = all monomials of x_K - x up to degree 3",
+                "moving least squares; Liu, Jun and Zhang, Int. J. Numer. Meth. Fluids 20 (1995) 1081",
+            ),
+            (
+                "randles-libersky",
+                "grad f = C^T sum_K (f_K - f_I) grad W_K, C = (sum_K (x_K - x_I) (x) grad W_K)^-1; values: shepard",
+                "Randles and Libersky, Comput. Methods Appl. Mech. Engrg. 139 (1996) 375",
+            ),
+            (
+                "krongauz-belytschko",
+                "grad f = C^T sum_K f_K grad phi_K, C = (sum_K x_K (x) grad phi_K)^-1; values phi: shepard",
+                "Krongauz and Belytschko, Comput. Methods Appl. Mech. Engrg. 146 (1997) 371",
+            ),
         ],
     ),
     (
@@ -180,6 +200,21 @@ const ROWS: &[Row] = &[
                 "stress-points-only",
                 "points: centers of the Delaunay cells; volumes: Voronoi",
                 "Randles et al.",
+            ),
+            (
+                "nodal-stabilized",
+                "nodal, V w(F) + 1/2 M_jl F_,j : A : F_,l with the second moments M of the Voronoi cell; lagrangian only",
+                "Hillman and Chen, Int. J. Numer. Meth. Engng 107 (2016) 603",
+            ),
+            (
+                "gauss",
+                "points: Gauss-Legendre in the parallelepiped of the primitive vectors, gauss-points per direction",
+                "background cells; Belytschko, Lu and Gu, Int. J. Numer. Meth. Engng 37 (1994) 229",
+            ),
+            (
+                "points",
+                "points and weights: discretization.points = [u1, u2, weight, ...]",
+                "one's own",
             ),
         ],
     ),

@@ -181,14 +181,48 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     ),
     key(
         "discretization.approximation",
-        Kind::Words(&["raw", "shepard", "mls"]),
+        Kind::Words(&[
+            "raw",
+            "shepard",
+            "mls",
+            "mls-2",
+            "mls-3",
+            "randles-libersky",
+            "krongauz-belytschko",
+        ]),
         "correction of the weights",
     ),
     key(
         "discretization.quadrature",
-        Kind::Words(&["nodal", "stress-points", "stress-points-only"]),
+        Kind::Words(&[
+            "nodal",
+            "stress-points",
+            "stress-points-only",
+            "nodal-stabilized",
+            "gauss",
+            "points",
+        ]),
         "quadrature points",
     ),
+    key(
+        "discretization.stress-point-weight",
+        Kind::Positive("1"),
+        "fraction of the cell's volume at the stress points, below 1; Voronoi volumes unless it is set",
+    )
+    .only_with(("discretization.quadrature", "stress-points")),
+    key(
+        "discretization.gauss-points",
+        Kind::Whole(1, 4),
+        "Gauss points per direction",
+    )
+    .only_with(("discretization.quadrature", "gauss")),
+    key(
+        "discretization.points",
+        Kind::Numbers,
+        "for each point its lattice coordinates and its fraction of the cell's volume, one after the other; \
+         the fractions add up to 1",
+    )
+    .only_with(("discretization.quadrature", "points")),
     key(
         "discretization.frame",
         Kind::Words(&["lagrangian", "eulerian"]),

@@ -115,6 +115,21 @@ impl Settings {
             "discretization.quadrature" => {
                 assign(&mut discretization.quadrature, value.word::<Quadrature>())
             }
+            "discretization.stress-point-weight" => assign(
+                &mut discretization.stress_point_weight,
+                number.map(Some),
+            ),
+            "discretization.gauss-points" => assign(
+                &mut discretization.gauss_points,
+                // A whole number from 1 to 4.
+                number
+                    .filter(|_| key.kind.accepts(value))
+                    .map(|number| number as u32),
+            ),
+            "discretization.points" => assign(
+                &mut discretization.points,
+                value.numbers().map(<[f64]>::to_vec),
+            ),
             "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
             "discretization.background" => {
                 assign(&mut discretization.background, value.word::<Background>())
@@ -157,6 +172,10 @@ impl Settings {
                 let fields = serde_json::to_value(&self.discretization).ok()?;
                 match fields.get(name)? {
                     serde_json::Value::String(word) => Some(Value::Word(word.clone())),
+                    serde_json::Value::Array(numbers) => {
+                        let numbers = numbers.iter().map(serde_json::Value::as_f64);
+                        numbers.collect::<Option<_>>().map(Value::Numbers)
+                    }
                     other => other.as_f64().map(Value::Number),
                 }
             }
@@ -208,6 +227,13 @@ impl Value {
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> Option<&[f64]> {
+        match self {
+            Self::Numbers(numbers) => Some(numbers),
             _ => None,
         }
     }

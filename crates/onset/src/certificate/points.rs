@@ -73,12 +73,19 @@ struct Layout<const D: usize> {
 /// The quadrature points of one cell, one of each pair that inversion maps to each other.
 ///
 /// # Errors
-/// [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
+/// [`Reason::Method`] for approximations and quadratures that are not written down here; [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
 /// lattice is so thin that intervals do not tell it from a degenerate one.
 pub(super) fn points<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<Vec<Point<D>>, Reason> {
+    let is_covered = matches!(
+        method.discretization().approximation,
+        Approximation::Raw | Approximation::Shepard | Approximation::Mls
+    );
+    if !is_covered || method.is_naturally_stabilized() {
+        return Err(Reason::Method);
+    }
     let layout = layout(method, f);
     let all = method.quadrature_points();
     let mut points = Vec::new();

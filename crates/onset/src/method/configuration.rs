@@ -14,6 +14,8 @@ pub struct ConfiguredPoint<const D: usize> {
     pub volume: f64,
     /// Whether it is a particle.
     pub is_node: bool,
+    /// Second moments of its cell, where strain is expanded over it.
+    pub second_moments: Option<SMatrix<f64, D, D>>,
     /// Lattice coordinates of the neighbors, relative to the cell of the point.
     pub cells: Vec<[i32; D]>,
     /// Lattice coordinates of the point in its cell.
@@ -146,7 +148,7 @@ impl<const D: usize> Method<D> {
                 weights.push(weight);
             }
         }
-        let needed = D + 1;
+        let needed = self.discretization.approximation.neighbors_needed(D);
         if seen.len() < needed {
             return Err(MethodError::SupportTooSmall {
                 point: kind,
@@ -177,6 +179,7 @@ impl<const D: usize> Method<D> {
         Ok(ConfiguredPoint {
             volume: point.volume,
             is_node: point.is_node,
+            second_moments: point.second_moments,
             cells: seen,
             place: point.place,
             shape,

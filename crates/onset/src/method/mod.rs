@@ -14,7 +14,7 @@ use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
 use crate::material::MaterialError;
-use crate::quadrature::{Quadrature, QuadraturePoint};
+use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -157,6 +157,12 @@ pub struct Discretization {
     pub approximation: Approximation,
     /// Quadrature points.
     pub quadrature: Quadrature,
+    /// Particles and stress points: the fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    pub stress_point_weight: Option<f64>,
+    /// Gauss quadrature: points per direction.
+    pub gauss_points: u32,
+    /// Points of one's own: for each its lattice coordinates and its fraction of the cell's volume, one after the other.
+    pub points: Vec<f64>,
     /// Coordinates of the kernel.
     pub frame: Frame,
     /// Deformation gradient of the quadrature points.
@@ -179,6 +185,9 @@ impl Default for Discretization {
             support: 2.0,
             approximation: Approximation::Shepard,
             quadrature: Quadrature::StressPoints,
+            stress_point_weight: None,
+            gauss_points: 2,
+            points: Vec::new(),
             frame: Frame::Lagrangian,
             background: Background::Imposed,
             lattice: CurrentLattice::Convected,
@@ -267,6 +276,15 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// Natural stabilization expands the strain of material coordinates.
+    #[error(
+        "discretization.quadrature \"nodal-stabilized\" expands the strain over the reference cells of the particles and \
+         needs discretization.frame = \"lagrangian\""
+    )]
+    StabilizedEulerian,
+    /// The quadrature points.
+    #[error(transparent)]
+    Quadrature(#[from] QuadratureError),
     /// The lattice.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
@@ -321,6 +339,7 @@ impl<const D: usize> Method<D> {
             density,
             support,
             quadrature,
+            frame,
             ..
         } = discretization;
         for (name, value) in [
@@ -332,8 +351,16 @@ impl<const D: usize> Method<D> {
                 return Err(MethodError::NotPositive { name, value });
             }
         }
+        if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
+            return Err(MethodError::StabilizedEulerian);
+        }
         let lattice = arrangement.lattice(spacing)?;
-        let points = quadrature.points(arrangement, &lattice)?;
+        let rule = CellRule {
+            stress_point_weight: discretization.stress_point_weight,
+            gauss_points: discretization.gauss_points,
+            points: discretization.points.clone(),
+        };
+        let points = quadrature.points(arrangement, &lattice, &rule)?;
         Ok(Self {
             discretization,
             crystal: Crystal::of_lattice(lattice),
@@ -369,6 +396,13 @@ impl<const D: usize> Method<D> {
     /// The quadrature points of one cell.
     pub fn quadrature_points(&self) -> &[QuadraturePoint<D>] {
         &self.points
+    }
+
+    /// Whether strain is expanded over the cell of some quadrature point, which takes second derivatives.
+    pub fn is_naturally_stabilized(&self) -> bool {
+        self.points
+            .iter()
+            .any(|point| point.second_moments.is_some())
     }
 
     /// Wave vectors of the reference lattice, shared by all states.
@@ -414,8 +448,9 @@ impl<const D: usize> Method<D> {
 fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<QuadraturePoint<D>>> {
     let is_lattice_vector = |x: SVector<f64, D>| (x - x.map(f64::round)).amax() < 1e-12;
     let are_opposite = |a: &QuadraturePoint<D>, b: &QuadraturePoint<D>| {
-        let is_alike =
-            a.is_node == b.is_node && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs();
+        let is_alike = a.is_node == b.is_node
+            && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs()
+            && a.second_moments == b.second_moments;
         is_alike && is_lattice_vector(a.place + b.place)
     };
     let mut halves: Vec<QuadraturePoint<D>> = Vec::new();
@@ -431,6 +466,7 @@ fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<Quadra
         let multiplicity = if opposite == n { 1.0 } else { 2.0 };
         halves.push(QuadraturePoint {
             volume: multiplicity * points[n].volume,
+            second_moments: points[n].second_moments.map(|moments| moments * multiplicity),
             ..points[n]
         });
     }
