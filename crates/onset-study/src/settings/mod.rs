@@ -24,7 +24,7 @@ pub use state::StateSettings;
 pub use study::Study;
 
 use onset::approximation::Approximation;
-use onset::kernel::Kernel;
+use onset::kernel::{Kernel, KernelError};
 use onset::lattice::Arrangement;
 use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
@@ -99,7 +99,13 @@ impl Settings {
             "discretization.arrangement" => {
                 assign(&mut discretization.arrangement, value.word::<Arrangement>())
             }
-            "discretization.kernel" => assign(&mut discretization.kernel, value.word::<Kernel>()),
+            "discretization.kernel" => match kernel(value) {
+                // What is wrong with a formula, and where, is told by the formula.
+                Some(Err(error)) if !matches!(error, KernelError::UnknownName { .. }) => {
+                    return Err(SettingError::new(origin, format!("`{name}`: {error}")));
+                }
+                read => assign(&mut discretization.kernel, read.and_then(Result::ok)),
+            },
             "discretization.approximation" => assign(
                 &mut discretization.approximation,
                 value.word::<Approximation>(),
@@ -154,6 +160,14 @@ impl Settings {
             }
             _ => None,
         }
+    }
+}
+
+/// The kernel that a text names or describes.
+fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
+    match value {
+        Value::Word(text) => Some(text.parse()),
+        _ => None,
     }
 }
 
