@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Distance in support radii below which `W'/q` is taken from higher derivatives: there a quotient loses more digits than they do.
-const NEAR: f64 = 1e-5;
+const NEAR: f64 = 1e-6;
 /// What counts as zero at the rim and at the origin, relative to the value at the origin.
 const NOTHING: f64 = 1e-10;
 /// Cells of the midpoint rule that encloses an integral.
