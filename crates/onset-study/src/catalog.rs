@@ -139,7 +139,7 @@ impl From<Model> for Entry {
                 formula: own.formula,
                 source: own.source,
                 law: None,
-        kernel: None,
+                kernel: None,
             },
         }
     }

@@ -59,8 +59,9 @@ impl Kind {
         };
         match (self, value) {
             (Self::Words(words), Value::Word(word)) => words.contains(&word.as_str()),
-            (Self::Switch, Value::Switch(_))
-            | (Self::Text | Self::WordsOr(..), Value::Word(_)) => true,
+            (Self::Switch, Value::Switch(_)) | (Self::Text | Self::WordsOr(..), Value::Word(_)) => {
+                true
+            }
             (Self::Subset(words), Value::Words(chosen)) => {
                 chosen.iter().all(|word| words.contains(&word.as_str()))
             }

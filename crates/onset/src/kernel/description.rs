@@ -88,7 +88,9 @@ impl FromStr for Kernel {
         }
         let is_word = text != "q"
             && text.starts_with(|c: char| c.is_ascii_alphabetic())
-            && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'));
+            && text
+                .chars()
+                .all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'));
         if is_word || text.parse::<f64>().is_ok() {
             return Err(KernelError::UnknownName {
                 name: text.to_owned(),

@@ -16,7 +16,9 @@ pub enum KernelError {
     #[error("{}", read(.0))]
     Formula(FormulaError),
     /// The profile is not a number somewhere.
-    #[error("the kernel is not finite at q = {q}\n  hint: it must be defined for 0 <= q <= 1, q = |x| / R0")]
+    #[error(
+        "the kernel is not finite at q = {q}\n  hint: it must be defined for 0 <= q <= 1, q = |x| / R0"
+    )]
     NotFinite {
         /// Where; distance over support radius.
         q: f64,
@@ -37,7 +39,9 @@ pub enum KernelError {
         value: f64,
     },
     /// The profile or its slope jumps within the support.
-    #[error("the kernel or its slope jumps at q = {q}\n  hint: join the parts with equal value and slope")]
+    #[error(
+        "the kernel or its slope jumps at q = {q}\n  hint: join the parts with equal value and slope"
+    )]
     Jump {
         /// Where; distance over support radius.
         q: f64,

@@ -71,7 +71,9 @@ impl Exponential {
             whole[n + 2] = 0.5 * ((n + 1) as f64 * whole[n] - power * RIM);
         }
         let d = D as f64;
-        let cut: f64 = (0..3).map(|i| self.polynomial[i] * whole[D - 1 + 2 * i]).sum();
+        let cut: f64 = (0..3)
+            .map(|i| self.polynomial[i] * whole[D - 1 + 2 * i])
+            .sum();
         let [value, first, second] = self.at_rim;
         // int q^(D-1) (q^2 - 1)^n dq for n = 0, 1, 2.
         let linear = 1.0 / (d + 2.0) - 1.0 / d;

@@ -1,7 +1,7 @@
 //! Integrals of kernels over space: normalization, moments, Fourier transform, smoothing length.
 
-use super::exponential::{GAUSSIAN, LAGUERRE_GAUSS};
 use super::Kernel;
+use super::exponential::{GAUSSIAN, LAGUERRE_GAUSS};
 use crate::real::Interval;
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
@@ -209,9 +209,8 @@ impl Kernel {
     pub fn fourier_transform<const D: usize>(self, radius: f64, wave_number: f64) -> f64 {
         let turns = (wave_number * radius).abs();
         let panels = 8.0 + (turns / RADIANS).ceil();
-        let integrand = |q: f64| {
-            self.profile::<D, f64>(q).value * q.powi(D as i32 - 1) * wave::<D>(turns * q)
-        };
+        let integrand =
+            |q: f64| self.profile::<D, f64>(q).value * q.powi(D as i32 - 1) * wave::<D>(turns * q);
         let unit = Pieces::new(self.breaks(), panels as usize).integral(integrand);
         sphere::<D>() * unit * radius.powi(D as i32)
     }

@@ -56,7 +56,11 @@ pub(super) const SELF: f64 = 1e-12;
 
 /// A profile with `W'(0) != 0`: `S = W'/q` grows without bound towards the origin. At the origin itself the gradient is zero by
 /// symmetry and there is no Hessian; both are taken as zero there, for a particle does not move relative to itself.
-pub(super) fn cusped<R: Real>(q: R, at_origin: R, derivatives: impl FnOnce() -> [R; 3]) -> Profile<R> {
+pub(super) fn cusped<R: Real>(
+    q: R,
+    at_origin: R,
+    derivatives: impl FnOnce() -> [R; 3],
+) -> Profile<R> {
     Profile::switch(
         q,
         SELF,

@@ -28,7 +28,10 @@ const CELLS: u32 = 1024;
 impl Smoothness {
     /// The least of all places.
     pub fn least(self) -> Option<u32> {
-        [self.origin, self.inside, self.rim].into_iter().flatten().min()
+        [self.origin, self.inside, self.rim]
+            .into_iter()
+            .flatten()
+            .min()
     }
 
     /// From the derivatives at origin and rim, and breaks with the order of the derivative that jumps.
@@ -39,7 +42,10 @@ impl Smoothness {
         let ends_at = |n: &usize| !(rim[*n].abs() <= end);
         Self {
             origin: [1, 3].into_iter().find(breaks_at).map(|n| n as u32 - 1),
-            inside: breaks.iter().map(|(_, order)| order.saturating_sub(1)).min(),
+            inside: breaks
+                .iter()
+                .map(|(_, order)| order.saturating_sub(1))
+                .min(),
             rim: (0..5).find(ends_at).map(|n| (n as u32).saturating_sub(1)),
         }
     }
@@ -80,7 +86,8 @@ pub(super) fn jumps(
     let sizes: [f64; 5] = std::array::from_fn(size);
     for cell in 0..CELLS {
         let [low, high] = [cell, cell + 1].map(|n| f64::from(n) / f64::from(CELLS));
-        let order = (0..5).find_map(|order| Some((order, jump(|q| at(q)[order], low, high, sizes[order])?)));
+        let order = (0..5)
+            .find_map(|order| Some((order, jump(|q| at(q)[order], low, high, sizes[order])?)));
         match order {
             Some((0 | 1, q)) => return Err(q),
             Some((order, q)) => found.push((q, order as u32)),
@@ -117,7 +124,11 @@ impl Kernel {
     /// assert_eq!(Kernel::Hyperbolic.smoothness::<3>().least(), Some(0));
     /// ```
     pub fn smoothness<const D: usize>(self) -> Smoothness {
-        let of = |origin, inside, rim| Smoothness { origin, inside, rim };
+        let of = |origin, inside, rim| Smoothness {
+            origin,
+            inside,
+            rim,
+        };
         // A power (1 - q)^n at the rim; Wendland's of three dimensions have one more than those of one.
         let extra = u32::from(D > 1);
         match self {

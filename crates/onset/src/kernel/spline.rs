@@ -61,9 +61,7 @@ pub(super) fn quintic<R: Real>(q: R) -> Profile<R> {
     };
     let middle = || powers(q, 5, SCALE, [(1.0, 1.0), (-6.0, 2.0 / 3.0)]);
     Profile::switch(q, 1.0 / 3.0, inner, || {
-        Profile::switch(q, 2.0 / 3.0, middle, || {
-            powers(q, 5, SCALE, [(1.0, 1.0)])
-        })
+        Profile::switch(q, 2.0 / 3.0, middle, || powers(q, 5, SCALE, [(1.0, 1.0)]))
     })
 }
 

@@ -24,7 +24,12 @@ fn a_typed_formula_is_the_kernel_that_it_describes() {
         for n in 0..=300 {
             let q = f64::from(n) / 300.0;
             let (own, built_in) = (typed.profile::<3, f64>(q), kernel.profile::<3, f64>(q));
-            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-8 * (1.0 + b.abs()), "{text} {q}: {a} {b}");
+            let close = |a: f64, b: f64| {
+                assert!(
+                    (a - b).abs() < 1e-8 * (1.0 + b.abs()),
+                    "{text} {q}: {a} {b}"
+                )
+            };
             close(own.value, built_in.value);
             close(own.slope_over_q, built_in.slope_over_q);
             // At a break the two may take different sides.
@@ -34,7 +39,11 @@ fn a_typed_formula_is_the_kernel_that_it_describes() {
         }
         assert!((typed.integral::<3>(1.0) / kernel.integral::<3>(1.0) - 1.0).abs() < 1e-9);
         let (told, known) = (typed.smoothness::<3>(), kernel.smoothness::<3>());
-        assert_eq!(told.origin, known.origin.filter(|order| *order < 4), "{text}");
+        assert_eq!(
+            told.origin,
+            known.origin.filter(|order| *order < 4),
+            "{text}"
+        );
         assert_eq!(told.inside, known.inside, "{text}");
         assert_eq!(told.rim, known.rim.filter(|order| *order < 4), "{text}");
     }
@@ -49,13 +58,17 @@ fn near_the_origin_no_digits_are_lost() {
             Kernel::QuarticSpline.profile::<2, f64>(q),
         );
         assert!((own.slope_over_q - known.slope_over_q).abs() < 1e-9, "{q}");
-        assert!((own.curvature_over_q - known.curvature_over_q).abs() < 1e-3, "{q}");
+        assert!(
+            (own.curvature_over_q - known.curvature_over_q).abs() < 1e-3,
+            "{q}"
+        );
     }
 }
 
 #[test]
 fn the_same_text_is_the_same_kernel() {
-    let [a, b, c] = ["1 - q", " 1 - q ", "1-q"].map(|text| FormulaKernel::parse(text).expect("a kernel"));
+    let [a, b, c] =
+        ["1 - q", " 1 - q ", "1-q"].map(|text| FormulaKernel::parse(text).expect("a kernel"));
     assert_eq!(a, b);
     assert_ne!(a, c);
     assert_eq!(a.text(), "1 - q");
@@ -73,17 +86,29 @@ fn names_are_read_and_written() {
 fn what_is_no_kernel_is_refused_with_the_reason() {
     assert!(matches!(refused("cubic"), KernelError::UnknownName { .. }));
     assert!(matches!(refused("3"), KernelError::UnknownName { .. }));
-    assert!(matches!(refused("exp(-9*q^2)"), KernelError::NotZeroAtRim { .. }));
-    assert!(matches!(refused("q*(1 - q)"), KernelError::NotPositive { .. }));
+    assert!(matches!(
+        refused("exp(-9*q^2)"),
+        KernelError::NotZeroAtRim { .. }
+    ));
+    assert!(matches!(
+        refused("q*(1 - q)"),
+        KernelError::NotPositive { .. }
+    ));
     assert!(matches!(refused("1/q - 1"), KernelError::NotFinite { q } if q == 0.0));
     assert!(matches!(
         refused("(1 - q)^2*(1 - 8*q)"),
         KernelError::IntegralNotPositive { .. }
     ));
     let jump = refused("if(q < 0.3, 1, 1 - q)");
-    assert!(matches!(jump, KernelError::Jump { q } if (q - 0.3).abs() < 1e-6), "{jump}");
+    assert!(
+        matches!(jump, KernelError::Jump { q } if (q - 0.3).abs() < 1e-6),
+        "{jump}"
+    );
     let kink = refused("if(q < 0.3, 1 - q, 2/2*(1 - q)^2*0.7/0.49)");
-    assert!(matches!(kink, KernelError::Jump { q } if (q - 0.3).abs() < 1e-6), "{kink}");
+    assert!(
+        matches!(kink, KernelError::Jump { q } if (q - 0.3).abs() < 1e-6),
+        "{kink}"
+    );
     for (text, facts) in [
         ("(1 - r)^3", ["column 6", "the variable is `q`"]),
         ("(1 - q)^3*J", ["column 11", "`J` has no meaning here"]),

@@ -30,7 +30,12 @@ fn slopes_are_derivatives<const D: usize>() {
         for q in PLACES {
             let [value, slope, curvature, ..] = orders::<D>(kernel, q);
             let profile = kernel.profile::<D, f64>(q);
-            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()) / q, "{kernel} {D}D q = {q}: {a} {b}");
+            let close = |a: f64, b: f64| {
+                assert!(
+                    (a - b).abs() < 1e-9 * (1.0 + b.abs()) / q,
+                    "{kernel} {D}D q = {q}: {a} {b}"
+                )
+            };
             close(profile.value, value);
             close(profile.slope_over_q, slope / q);
             close(profile.curvature_over_q, (curvature - slope / q) / q);
@@ -51,7 +56,10 @@ fn every_kernel_is_one_at_the_origin_zero_at_the_rim_and_falls_between() {
         let origin = kernel.profile::<2, f64>(0.0);
         assert!((origin.value - 1.0).abs() < 1e-14, "{kernel}");
         assert!(origin.slope_over_q.is_finite() && origin.curvature_over_q.is_finite());
-        assert!(kernel.profile::<2, f64>(1.0).value.abs() < 1e-14, "{kernel}");
+        assert!(
+            kernel.profile::<2, f64>(1.0).value.abs() < 1e-14,
+            "{kernel}"
+        );
         let values: Vec<f64> = (0..=1000)
             .map(|n| kernel.profile::<3, f64>(f64::from(n) / 1000.0).value)
             .collect();
@@ -69,7 +77,10 @@ fn rim_is_as_smooth_as_told<const D: usize>() {
         for (order, derivative) in orders::<D>(kernel, 1.0).into_iter().enumerate() {
             let vanishes = derivative.abs() < 1e-7;
             if order as u32 <= rim {
-                assert!(vanishes, "{kernel} {D}D: derivative {order} is {derivative}");
+                assert!(
+                    vanishes,
+                    "{kernel} {D}D: derivative {order} is {derivative}"
+                );
             } else if order as u32 == rim + 1 {
                 assert!(!vanishes, "{kernel} {D}D: derivative {order} vanishes");
             }
@@ -86,7 +97,9 @@ fn origin_is_as_smooth_as_told<const D: usize>() {
         for order in [1, 3] {
             let vanishes = orders[order].abs() < 1e-5;
             match told {
-                Some(told) if order as u32 == told + 1 => assert!(!vanishes, "{kernel} {D}D {orders:?}"),
+                Some(told) if order as u32 == told + 1 => {
+                    assert!(!vanishes, "{kernel} {D}D {orders:?}")
+                }
                 Some(told) if order as u32 > told => {}
                 _ => assert!(vanishes, "{kernel} {D}D {orders:?}"),
             }
@@ -122,7 +135,10 @@ fn pieces_meet_as_smoothly_as_told() {
         let inside = kernel.smoothness::<2>().inside.expect("pieces");
         let [below, above] = [-1e-12, 1e-12].map(|step| orders::<2>(kernel, place + step));
         for order in 0..=inside as usize {
-            assert!((below[order] - above[order]).abs() < 1e-7, "{kernel} {order}");
+            assert!(
+                (below[order] - above[order]).abs() < 1e-7,
+                "{kernel} {order}"
+            );
         }
         if inside < 4 {
             let next = inside as usize + 1;

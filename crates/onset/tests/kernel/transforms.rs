@@ -8,14 +8,20 @@ fn expansion_is_that_of_moments<const D: usize>() {
         let radius = 1.3;
         let transform = |k: f64| kernel.fourier_transform::<D>(radius, k);
         let integral = kernel.integral::<D>(radius);
-        assert!((transform(0.0) / integral - 1.0).abs() < 1e-13, "{kernel} {D}D");
+        assert!(
+            (transform(0.0) / integral - 1.0).abs() < 1e-13,
+            "{kernel} {D}D"
+        );
         // 1 - k^2 sigma^2/2 + k^4 <x_1^4>/24, and <x_1^4> = 3 <r^4> / (D (D + 2)).
         let k = 0.05;
         let variance = kernel.standard_deviation::<D>(radius).powi(2);
         let d = D as f64;
         let fourth = 3.0 * kernel.moment::<D>(radius, 4) / integral / (d * (d + 2.0));
         let expansion = 1.0 - k * k * variance / 2.0 + k.powi(4) * fourth / 24.0;
-        assert!((transform(k) / integral - expansion).abs() < 1e-10, "{kernel} {D}D");
+        assert!(
+            (transform(k) / integral - expansion).abs() < 1e-10,
+            "{kernel} {D}D"
+        );
         assert_eq!(transform(k), transform(-k));
     }
 }
@@ -32,15 +38,22 @@ fn the_transforms_of_one_and_three_dimensions_are_related_by_a_derivative() {
     // F3(k) = -2 pi F1'(k) / k.
     for kernel in kernels() {
         // The functions of one and three dimensions differ.
-        if matches!(kernel, Kernel::WendlandC2 | Kernel::WendlandC4 | Kernel::WendlandC6) {
+        if matches!(
+            kernel,
+            Kernel::WendlandC2 | Kernel::WendlandC4 | Kernel::WendlandC6
+        ) {
             continue;
         }
         let one = |k: f64| kernel.fourier_transform::<1>(1.0, k);
         for k in [0.7, 3.0, 9.0, 25.0] {
             let h = 1e-3;
-            let slope = (8.0 * (one(k + h) - one(k - h)) - (one(k + 2.0 * h) - one(k - 2.0 * h))) / (12.0 * h);
+            let slope = (8.0 * (one(k + h) - one(k - h)) - (one(k + 2.0 * h) - one(k - 2.0 * h)))
+                / (12.0 * h);
             let three = kernel.fourier_transform::<3>(1.0, k);
-            assert!((three + std::f64::consts::TAU * slope / k).abs() < 1e-9, "{kernel} {k}");
+            assert!(
+                (three + std::f64::consts::TAU * slope / k).abs() < 1e-9,
+                "{kernel} {k}"
+            );
         }
     }
 }
@@ -63,7 +76,10 @@ fn the_transform_of_the_plane_is_the_projection_along_one_direction() {
         }
         let brute = 4.0 * sum / f64::from(n * n);
         let transform = kernel.fourier_transform::<2>(1.0, k);
-        assert!((brute - transform).abs() < 1e-6, "{kernel}: {brute} {transform}");
+        assert!(
+            (brute - transform).abs() < 1e-6,
+            "{kernel}: {brute} {transform}"
+        );
     }
 }
 
