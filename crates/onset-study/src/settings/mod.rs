@@ -370,6 +370,33 @@ mod tests {
     }
 
     #[test]
+    fn a_kernel_is_a_name_or_a_formula() {
+        let formula = "(1 - q)^5*(1 + 5*q)";
+        let set = |text: &str| {
+            Settings::from_assignments(&[format!("discretization.kernel={text}")])
+                .expect("a kernel")
+        };
+        let settings = set(formula);
+        let value = settings.value("discretization.kernel");
+        assert_eq!(value, Some(Value::Word(formula.to_owned())));
+        let json = serde_json::to_string(&settings.discretization).expect("serializable");
+        let read: Discretization = serde_json::from_str(&json).expect("the same");
+        assert_eq!(read, settings.discretization);
+        for kernel in Kernel::ALL {
+            assert_eq!(set(kernel.name()).discretization.kernel, kernel);
+        }
+        let refused = error_of("discretization.kernel=(1 - q)^2*(1 + r)");
+        assert!(
+            refused.contains("column 16: `r` has no meaning here"),
+            "{refused}"
+        );
+        assert!(
+            error_of("discretization.kernel=cubc-spline").contains("did you mean `cubic-spline`")
+        );
+        assert!(error_of("discretization.kernel=1 - q/2").contains("0.5 at q = 1"));
+    }
+
+    #[test]
     fn parameters_of_another_model_are_refused() {
         assert!(error_of("material.mu=3").contains("modified-mooney-rivlin has no parameter `mu`"));
         assert!(Settings::from_assignments(&["material.mu=3", "material.model=blatz-ko"]).is_ok());
