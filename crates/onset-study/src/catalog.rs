@@ -2,6 +2,7 @@
 
 use crate::settings::{KEYS, Model};
 use onset::formula::{FUNCTIONS, VARIABLES};
+use onset::kernel::Kernel;
 use onset::material::{Law, Parameter};
 use serde::Serialize;
 
@@ -17,6 +18,55 @@ pub struct Entry {
     /// What there is to know about a law, where it is one.
     #[serde(flatten)]
     pub law: Option<LawEntry>,
+    /// What there is to know about a kernel, where it is one.
+    #[serde(flatten)]
+    pub kernel: Option<KernelEntry>,
+}
+
+/// What there is to know about a kernel; numbers in one, two and three dimensions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct KernelEntry {
+    /// The integral of `W` over space for a support radius of one.
+    pub integral: [f64; 3],
+    /// The support radius over the smoothing length `h = 2 sigma`.
+    pub support_over_smoothing_length: [f64; 3],
+    /// How many derivatives over space are continuous everywhere.
+    pub smoothness: [Option<u32>; 3],
+}
+
+impl From<Kernel> for KernelEntry {
+    fn from(kernel: Kernel) -> Self {
+        Self {
+            integral: [
+                kernel.integral::<1>(1.0),
+                kernel.integral::<2>(1.0),
+                kernel.integral::<3>(1.0),
+            ],
+            support_over_smoothing_length: [
+                kernel.support_over_smoothing_length::<1>(),
+                kernel.support_over_smoothing_length::<2>(),
+                kernel.support_over_smoothing_length::<3>(),
+            ],
+            smoothness: [
+                kernel.smoothness::<1>().least(),
+                kernel.smoothness::<2>().least(),
+                kernel.smoothness::<3>().least(),
+            ],
+        }
+    }
+}
+
+impl From<Kernel> for Entry {
+    fn from(kernel: Kernel) -> Self {
+        Self {
+            name: kernel.name(),
+            formula: kernel.formula(),
+            source: kernel.source(),
+            law: None,
+            kernel: Some(kernel.into()),
+        }
+    }
 }
 
 /// What there is to know about a law.
@@ -82,12 +132,14 @@ impl From<Model> for Entry {
                 formula: law.formula,
                 source: law.source,
                 law: Some(law.into()),
+                kernel: None,
             },
             Model::Own(own) => Self {
                 name: own.name,
                 formula: own.formula,
                 source: own.source,
                 law: None,
+                kernel: None,
             },
         }
     }
@@ -131,15 +183,6 @@ const ROWS: &[Row] = &[
                 "Belytschko and Xiao, Comput. Math. Appl. 43 (2002) 329",
             ),
         ],
-    ),
-    (
-        "kernels",
-        "discretization.kernel",
-        &[(
-            "quartic-spline",
-            "W = 1 - 6 q^2 + 8 q^3 - 3 q^4, q = r / R0 < 1",
-            "equation (35) of the paper",
-        )],
     ),
     (
         "approximations",
@@ -319,6 +362,7 @@ pub fn topics() -> Vec<Topic> {
         formula,
         source,
         law: None,
+        kernel: None,
     };
     let topic = |(name, key, rows): &Row| Topic {
         name,
@@ -330,7 +374,13 @@ pub fn topics() -> Vec<Topic> {
         key: "material.model",
         entries: Model::all().map(Entry::from).collect(),
     };
-    std::iter::once(materials)
+    let kernels = Topic {
+        name: "kernels",
+        key: "discretization.kernel",
+        entries: Kernel::ALL.into_iter().map(Entry::from).collect(),
+    };
+    [materials, kernels]
+        .into_iter()
         .chain(ROWS.iter().map(topic))
         .chain(std::iter::once(language()))
         .collect()
@@ -343,6 +393,7 @@ fn language() -> Topic {
         formula,
         source: "",
         law: None,
+        kernel: None,
     };
     let grammar = [
         (
@@ -398,11 +449,33 @@ impl std::fmt::Display for Topic {
             if let Some(law) = &entry.law {
                 law.write(formatter)?;
             }
+            if let Some(kernel) = &entry.kernel {
+                kernel.write(formatter)?;
+            }
             if !entry.source.is_empty() {
                 writeln!(formatter, "  {:<24} source: {}", "", entry.source)?;
             }
         }
         Ok(())
+    }
+}
+
+impl KernelEntry {
+    fn write(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let numbers = |all: [f64; 3]| all.map(|x| format!("{x:.6}")).join(", ");
+        let smoothness = self.smoothness.map(|order| match order {
+            Some(order) => format!("C{order}"),
+            None => "smooth".to_owned(),
+        });
+        let mut line = |what: &str, text: String| {
+            writeln!(formatter, "  {:<24} {what} in 1D, 2D, 3D: {text}", "")
+        };
+        line("smoothness over space", smoothness.join(", "))?;
+        line(
+            "support radius over smoothing length 2 sigma",
+            numbers(self.support_over_smoothing_length),
+        )?;
+        line("integral over R0^D", numbers(self.integral))
     }
 }
 

@@ -27,7 +27,7 @@ pub use state::StateSettings;
 pub use study::Study;
 
 use onset::approximation::Approximation;
-use onset::kernel::Kernel;
+use onset::kernel::{Kernel, KernelError};
 use onset::lattice::Arrangement;
 use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
@@ -107,7 +107,13 @@ impl Settings {
             "discretization.arrangement" => {
                 assign(&mut discretization.arrangement, value.word::<Arrangement>())
             }
-            "discretization.kernel" => assign(&mut discretization.kernel, value.word::<Kernel>()),
+            "discretization.kernel" => match kernel(value) {
+                // What is wrong with a formula, and where, is told by the formula.
+                Some(Err(error)) if !matches!(error, KernelError::UnknownName { .. }) => {
+                    return Err(SettingError::new(origin, format!("`{name}`: {error}")));
+                }
+                read => assign(&mut discretization.kernel, read.and_then(Result::ok)),
+            },
             "discretization.approximation" => assign(
                 &mut discretization.approximation,
                 value.word::<Approximation>(),
@@ -181,6 +187,14 @@ impl Settings {
             }
             _ => None,
         }
+    }
+}
+
+/// The kernel that a text names or describes.
+fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
+    match value {
+        Value::Word(text) => Some(text.parse()),
+        _ => None,
     }
 }
 
@@ -387,6 +401,33 @@ mod tests {
         assert!(error_of("discretization.support=wide").contains("expected a positive number"));
         assert!(error_of("discretization.support").contains("not an assignment"));
         assert!(error_of("zzz=1").contains("known keys"));
+    }
+
+    #[test]
+    fn a_kernel_is_a_name_or_a_formula() {
+        let formula = "(1 - q)^5*(1 + 5*q)";
+        let set = |text: &str| {
+            Settings::from_assignments(&[format!("discretization.kernel={text}")])
+                .expect("a kernel")
+        };
+        let settings = set(formula);
+        let value = settings.value("discretization.kernel");
+        assert_eq!(value, Some(Value::Word(formula.to_owned())));
+        let json = serde_json::to_string(&settings.discretization).expect("serializable");
+        let read: Discretization = serde_json::from_str(&json).expect("the same");
+        assert_eq!(read, settings.discretization);
+        for kernel in Kernel::ALL {
+            assert_eq!(set(kernel.name()).discretization.kernel, kernel);
+        }
+        let refused = error_of("discretization.kernel=(1 - q)^2*(1 + r)");
+        assert!(
+            refused.contains("column 16: `r` has no meaning here"),
+            "{refused}"
+        );
+        assert!(
+            error_of("discretization.kernel=cubc-spline").contains("did you mean `cubic-spline`")
+        );
+        assert!(error_of("discretization.kernel=1 - q/2").contains("0.5 at q = 1"));
     }
 
     #[test]

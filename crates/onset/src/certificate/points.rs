@@ -16,6 +16,9 @@ const VOLUME_ULPS: u32 = 64;
 /// Distance of lattice coordinates below which two places are the same.
 const SAME_PLACE: f64 = 2e-16;
 
+/// Distance of the rim, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) counts no neighbor.
+const ON_THE_RIM: f64 = 1e-12;
+
 /// Up to three coefficients or basis functions; with fewer, the rest are zero.
 type Basis = [Interval; 3];
 type BasisMatrix = [Basis; 3];
@@ -194,8 +197,8 @@ fn enclosed<const D: usize>(
     })
 }
 
-/// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in:
-/// the weight and its two derivatives vanish on the rim, so that the intervals of such a particle hold zero.
+/// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in, with
+/// intervals that hold zero as well: whether the kernel ends smoothly at the rim or not, they hold what the weight is on both sides.
 fn term<const D: usize>(
     method: &Method<D>,
     layout: &Layout<D>,
@@ -209,7 +212,12 @@ fn term<const D: usize>(
     if q.low > 1.0 {
         return None;
     }
-    let profile = method.discretization().kernel.profile(q);
+    let mut profile = method.discretization().kernel.profile::<D, _>(q);
+    if q.high >= 1.0 - ON_THE_RIM {
+        profile.value = profile.value.hull(Interval::ZERO);
+        profile.slope_over_q = profile.slope_over_q.hull(Interval::ZERO);
+        profile.curvature_over_q = profile.curvature_over_q.hull(Interval::ZERO);
+    }
     let in_unit: Square<D> = std::array::from_fn(|j| {
         std::array::from_fn(|t| {
             // |y_j y_t / q| <= q also at the center.
@@ -268,10 +276,7 @@ fn term<const D: usize>(
 
 /// Particle volume over the integral of the weight.
 fn raw_factor<const D: usize>(method: &Method<D>, layout: &Layout<D>) -> Interval {
-    let unit = Interval::around(
-        method.discretization().kernel.integral::<D>(1.0),
-        PLACE_ULPS,
-    );
+    let unit = method.discretization().kernel.enclosed_integral::<D>();
     let integral = unit * layout.radius.powi(D as i32) / determinant(&layout.metric).abs();
     determinant(&layout.vectors).abs() / integral
 }
