@@ -54,7 +54,9 @@ impl Table {
         let ends = [self.options.compression, self.options.tension];
         let axis = Axis::linear("stretch at onset (−)", (ends[0], ends[1])).covering(ends);
         let mut panel = Panel::new("First instability", axis, self.methods());
-        let loads = Load::ALL.into_iter().filter(|load| load.is_possible(self.dimension));
+        let loads = Load::ALL
+            .into_iter()
+            .filter(|load| load.is_possible(self.dimension));
         for (load, color) in loads.zip(palette::SERIES) {
             let of = |m: &Measured| m.onsets.iter().find(|pair| pair.load == load).copied();
             let material = self.measured().find_map(|(_, m)| of(m));
@@ -85,9 +87,12 @@ impl Table {
     }
 
     fn verdicts(&self) -> Panel {
-        let axis = Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
+        let axis =
+            Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
         let of = |share: fn(&Measured) -> f64| {
-            let points = self.measured().map(|(height, m)| (100.0 * share(m), height));
+            let points = self
+                .measured()
+                .map(|(height, m)| (100.0 * share(m), height));
             Points::new(points.filter(|(share, _)| *share > 0.0).collect())
         };
         Panel::new("Wrong verdicts", axis, self.methods())

@@ -76,7 +76,10 @@ impl Table {
             |m| m.long_wave_error,
             percent,
         ));
-        for load in Load::ALL.into_iter().filter(|load| load.is_possible(self.dimension)) {
+        for load in Load::ALL
+            .into_iter()
+            .filter(|load| load.is_possible(self.dimension))
+        {
             let onset = move |m: &Measured| {
                 let mut known = m.onsets.iter();
                 known.find(|pair| pair.load == load).map(|pair| pair.method)
@@ -90,9 +93,7 @@ impl Table {
                 ),
                 cell: Box::new(move |m| onset(m).map_or_else(String::new, told)),
                 number: Box::new(move |m| {
-                    onset(m)
-                        .and_then(StretchOnset::stretch)
-                        .unwrap_or(f64::NAN)
+                    onset(m).and_then(StretchOnset::stretch).unwrap_or(f64::NAN)
                 }),
             });
         }
@@ -163,7 +164,9 @@ impl Table {
     /// The columns and their meaning, a line each.
     pub(super) fn legend(&self) -> Vec<(String, String)> {
         let columns = self.columns().into_iter();
-        columns.map(|column| (column.head, column.meaning)).collect()
+        columns
+            .map(|column| (column.head, column.meaning))
+            .collect()
     }
 }
 
@@ -175,7 +178,10 @@ impl std::fmt::Display for Table {
         let widths: Vec<usize> = columns
             .iter()
             .map(|column| {
-                let measured = self.rows.iter().filter_map(|row| row.measured.as_ref().ok());
+                let measured = self
+                    .rows
+                    .iter()
+                    .filter_map(|row| row.measured.as_ref().ok());
                 let cells = measured.map(|m| (column.cell)(m).chars().count());
                 cells.max().unwrap_or(0).max(column.head.chars().count())
             })

@@ -50,9 +50,7 @@ pub fn dispersion_errors<const D: usize>(
 ///
 /// # Errors
 /// [`MethodError`] when the material cannot be evaluated.
-pub fn long_wave_error<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
-) -> Result<f64, MethodError> {
+pub fn long_wave_error<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<f64, MethodError> {
     let exact = at_rest(survey)?;
     let discrete = survey.reference().long_wave_stiffness();
     let density = survey.scheme().density();
@@ -102,9 +100,8 @@ fn frequency_error<const D: usize>(
     let system: &WaveSystem<D> = survey.reference();
     let found = system.omega_squared(k);
     let exact = continuum(stiffness, survey.scheme().density(), k);
-    let error = |(found, exact): (&crate::algebra::Complex, &f64)| {
-        (found.re.max(0.0) / exact).sqrt() - 1.0
-    };
+    let error =
+        |(found, exact): (&crate::algebra::Complex, &f64)| (found.re.max(0.0) / exact).sqrt() - 1.0;
     found
         .iter()
         .zip(&exact)

@@ -54,8 +54,7 @@ pub fn fidelity<const D: usize>(
     for row in 0..rows {
         for column in 0..n {
             let second = if D == 1 { 1.0 } else { stretch(row) };
-            let f = DeformationGradient::from_stretches([stretch(column), second, 1.0])
-                ?;
+            let f = DeformationGradient::from_stretches([stretch(column), second, 1.0])?;
             match survey.state(&f) {
                 Ok(state) => {
                     found.elliptic += if state.is_elliptic { share } else { 0.0 };

@@ -73,7 +73,11 @@ impl<const D: usize> Spurious<'_, '_, D> {
         let k = self.survey.search().folded(k);
         let exact = continuum(&self.stiffness, self.survey.scheme().density(), &k)[0];
         let found = self.survey.reference().omega_squared(&k)[0].re;
-        if exact > 0.0 { found / exact } else { f64::INFINITY }
+        if exact > 0.0 {
+            found / exact
+        } else {
+            f64::INFINITY
+        }
     }
 
     fn modes(&self, threshold: f64) -> SpuriousModes<D> {
@@ -91,7 +95,9 @@ impl<const D: usize> Spurious<'_, '_, D> {
             }
             lattice.reciprocal() * fractional
         };
-        let values: Vec<f64> = (0..half).map(|index| self.ratio(&wave_vector(index))).collect();
+        let values: Vec<f64> = (0..half)
+            .map(|index| self.ratio(&wave_vector(index)))
+            .collect();
         let known = values.iter().filter(|value| value.is_finite());
         let zeros = known.clone().filter(|value| **value <= ZERO).count();
         let zero_share = zeros as f64 / known.clone().count().max(1) as f64;
@@ -138,7 +144,11 @@ impl<const D: usize> Spurious<'_, '_, D> {
             .count();
         SpuriousMode {
             wave_vector: *k,
-            relative_frequency: if nullity > 0 { 0.0 } else { ratio.max(0.0).sqrt() },
+            relative_frequency: if nullity > 0 {
+                0.0
+            } else {
+                ratio.max(0.0).sqrt()
+            },
             nullity,
             displacements: modes
                 .first()
@@ -161,7 +171,8 @@ impl<const D: usize> Spurious<'_, '_, D> {
         // The part of a free mode that is no translation.
         let internal = modes[..free].iter().map(|(_, displacements)| {
             let particles = per_particle::<D>(displacements);
-            let mean = particles.iter().sum::<SVector<Complex, D>>() / Complex::new(particles.len() as f64, 0.0);
+            let mean = particles.iter().sum::<SVector<Complex, D>>()
+                / Complex::new(particles.len() as f64, 0.0);
             particles.iter().map(|own| own - mean).collect::<Vec<_>>()
         });
         let size = |particles: &Vec<SVector<Complex, D>>| {

@@ -47,7 +47,13 @@ impl<const D: usize> Method<D> {
             let response = PointResponse::new(material, &point.deformation)?;
             for origin in patch.origins() {
                 let number = |cell: &[i32; D]| {
-                    patch.number(&Particle { site: 0, cell: *cell }.moved(&origin))
+                    patch.number(
+                        &Particle {
+                            site: 0,
+                            cell: *cell,
+                        }
+                        .moved(&origin),
+                    )
                 };
                 let moved = |cell: &[i32; D]| displacements[number(cell)];
                 let share = if eulerian {
@@ -101,14 +107,17 @@ impl<const D: usize> Method<D> {
                 Order::First,
             )
             .map_err(|source| MethodError::SingularMoment {
-                point: if point.is_node { "particle" } else { "stress point" },
+                point: if point.is_node {
+                    "particle"
+                } else {
+                    "stress point"
+                },
                 neighbors: positions.len(),
                 source,
             })?;
         let rate = gradient(point, moved) + SMatrix::identity();
         let own = rate * point.deformation.leading::<D>();
-        let deformed: [[f64; D]; D] =
-            std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)]));
+        let deformed: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)]));
         let stress = matrix(&response.cauchy(&deformed));
         let volume = point.volume * determinant(&own) * response.transverse();
         let shares = cells.into_iter().zip(&shape.gradients);

@@ -466,7 +466,9 @@ fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<Quadra
         let multiplicity = if opposite == n { 1.0 } else { 2.0 };
         halves.push(QuadraturePoint {
             volume: multiplicity * points[n].volume,
-            second_moments: points[n].second_moments.map(|moments| moments * multiplicity),
+            second_moments: points[n]
+                .second_moments
+                .map(|moments| moments * multiplicity),
             ..points[n]
         });
     }

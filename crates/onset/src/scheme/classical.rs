@@ -24,11 +24,9 @@ impl<const D: usize> Scheme<D> for Method<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let matrix = dynamical_matrix(self, material, f)?;
-        let constants = matrix
-            .force_constants()
-            .ok_or(MethodError::NotOfForces {
-                linearization: self.discretization().linearization.name(),
-            })?;
+        let constants = matrix.force_constants().ok_or(MethodError::NotOfForces {
+            linearization: self.discretization().linearization.name(),
+        })?;
         let mass = self.particle_mass();
         let home = Particle::home(0);
         let mut stiffness = BlochBlocks::new();

@@ -27,8 +27,7 @@ impl Amplification {
     pub fn new<const D: usize>(system: &WaveSystem<D>, k: &SVector<f64, D>) -> Self {
         let n = system.size();
         let inverse = system.mass_at(k).try_inverse();
-        let inverse =
-            inverse.unwrap_or_else(|| DMatrix::repeat(n, n, Complex::new(f64::NAN, 0.0)));
+        let inverse = inverse.unwrap_or_else(|| DMatrix::repeat(n, n, Complex::new(f64::NAN, 0.0)));
         Self {
             stiffness: &inverse * system.stiffness().at(k),
             damping: system
@@ -49,9 +48,8 @@ impl Amplification {
         let (k, c, t) = (&self.stiffness, &self.damping, &self.drift);
         // Each quantity as a pair of matrices: its dependence on the old u and the old v.
         type Pair = [DMatrix<Complex>; 2];
-        let acceleration = |u: &Pair, v: &Pair| -> Pair {
-            [0, 1].map(|i| -(k * &u[i]) - c * &v[i])
-        };
+        let acceleration =
+            |u: &Pair, v: &Pair| -> Pair { [0, 1].map(|i| -(k * &u[i]) - c * &v[i]) };
         let sum = |a: &Pair, factor: Complex, b: &Pair| -> Pair {
             [0, 1].map(|i| &a[i] + &b[i] * factor)
         };
@@ -122,7 +120,11 @@ pub fn critical_time_step_at<const D: usize>(
     integrator: Integrator,
     k: &SVector<f64, D>,
 ) -> f64 {
-    let largest = system.omega_squared(k).iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let largest = system
+        .omega_squared(k)
+        .iter()
+        .map(|z| z.norm())
+        .fold(0.0, f64::max);
     let bound = 2.0 / largest.sqrt();
     if !bound.is_finite() {
         return f64::INFINITY;
