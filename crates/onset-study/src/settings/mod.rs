@@ -107,10 +107,9 @@ impl Settings {
             "discretization.quadrature" => {
                 assign(&mut discretization.quadrature, value.word::<Quadrature>())
             }
-            "discretization.stress-point-weight" => assign(
-                &mut discretization.stress_point_weight,
-                number.map(Some),
-            ),
+            "discretization.stress-point-weight" => {
+                assign(&mut discretization.stress_point_weight, number.map(Some))
+            }
             "discretization.gauss-points" => assign(
                 &mut discretization.gauss_points,
                 // A whole number from 1 to 4.

@@ -56,7 +56,8 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
             SVector::from_fn(|b, _| scale * derivative(&self.exponents[b], &by, &unit))
         };
         let axis = |j: usize| std::array::from_fn(|i| u8::from(i == j));
-        let both = |j: usize, t: usize| std::array::from_fn(|i| u8::from(i == j) + u8::from(i == t));
+        let both =
+            |j: usize, t: usize| std::array::from_fn(|i| u8::from(i == j) + u8::from(i == t));
         BasisValue {
             value: derived([0; D], 1.0),
             gradient: std::array::from_fn(|j| derived(axis(j), 1.0 / length)),

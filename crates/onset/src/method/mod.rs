@@ -199,7 +199,7 @@ pub enum MethodError {
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \
-         a gradient in {dimension}D needs at least {needed}"
+         its shape functions in {dimension}D need at least {needed}"
     )]
     SupportTooSmall {
         /// `particle` or `stress point`.
@@ -437,7 +437,9 @@ fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<Quadra
         let multiplicity = if opposite == n { 1.0 } else { 2.0 };
         halves.push(QuadraturePoint {
             volume: multiplicity * points[n].volume,
-            second_moments: points[n].second_moments.map(|moments| moments * multiplicity),
+            second_moments: points[n]
+                .second_moments
+                .map(|moments| moments * multiplicity),
             ..points[n]
         });
     }

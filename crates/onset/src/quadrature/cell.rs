@@ -39,7 +39,10 @@ fn rule(points: u32) -> Option<Vec<(f64, f64)>> {
         2 => vec![(root(1.0 / 3.0), 0.5)],
         3 => vec![(0.0, 4.0 / 9.0), (root(0.6), 5.0 / 18.0)],
         4 => {
-            let (inner, outer) = (3.0 / 7.0 - 1.2_f64.sqrt() * 2.0 / 7.0, 3.0 / 7.0 + 1.2_f64.sqrt() * 2.0 / 7.0);
+            let (inner, outer) = (
+                3.0 / 7.0 - 1.2_f64.sqrt() * 2.0 / 7.0,
+                3.0 / 7.0 + 1.2_f64.sqrt() * 2.0 / 7.0,
+            );
             let share = 30.0_f64.sqrt() / 72.0;
             vec![(root(inner), 0.25 + share), (root(outer), 0.25 - share)]
         }

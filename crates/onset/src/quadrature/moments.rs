@@ -205,10 +205,13 @@ mod tests {
         for n in 0..side * side {
             let place = SVector::<f64, 2>::new((n % side) as f64, (n / side) as f64);
             let x = cell.vectors() * ((place.add_scalar(0.5)) / f64::from(side));
-            let nearest = near
-                .iter()
-                .map(|r| x - r)
-                .fold(x, |best, left| if left.norm() < best.norm() { left } else { best });
+            let nearest = near.iter().map(|r| x - r).fold(x, |best, left| {
+                if left.norm() < best.norm() {
+                    left
+                } else {
+                    best
+                }
+            });
             sum += nearest * nearest.transpose();
         }
         let mean = sum * (cell.cell_volume() / f64::from(side * side));

@@ -104,7 +104,9 @@ fn nodes_and_stress_points_share_the_cell_equally() {
     ] {
         let lattice = arrangement.lattice::<2>(1.7).expect("a lattice");
         let expected = lattice.cell_volume() / f64::from(parts);
-        let points = quadrature.points(arrangement, &lattice, &rule).expect("volumes");
+        let points = quadrature
+            .points(arrangement, &lattice, &rule)
+            .expect("volumes");
         assert_eq!(points.len() as i32, parts);
         for point in points {
             assert!(
@@ -116,7 +118,10 @@ fn nodes_and_stress_points_share_the_cell_equally() {
         let sheared = lattice
             .mapped(&Matrix2::new(1.2, 0.4, -0.1, 0.8))
             .expect("a lattice");
-        for point in quadrature.points(arrangement, &sheared, &rule).expect("volumes") {
+        for point in quadrature
+            .points(arrangement, &sheared, &rule)
+            .expect("volumes")
+        {
             assert!((point.volume * f64::from(parts) - sheared.cell_volume()).abs() < 1e-13);
         }
     }
