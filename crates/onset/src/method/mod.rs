@@ -14,6 +14,7 @@ use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{Quadrature, QuadraturePoint};
+use crate::scheme::MeshError;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -243,6 +244,17 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// A coefficient is negative or not finite.
+    #[error("{name} is {value:?}; it must be a finite number, zero or positive")]
+    Negative {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Elements that do not make a mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// The lattice.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
@@ -252,6 +264,20 @@ pub enum MethodError {
 }
 
 impl MethodError {
+    /// A number that must be positive and finite.
+    pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
+        let is_positive = value > 0.0 && value.is_finite();
+        is_positive
+            .then_some(())
+            .ok_or(Self::NotPositive { name, value })
+    }
+
+    /// A number that must be finite and not negative.
+    pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Self> {
+        let is_sound = value >= 0.0 && value.is_finite();
+        is_sound.then_some(()).ok_or(Self::Negative { name, value })
+    }
+
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
     /// one.
     pub fn is_about_support(&self) -> bool {

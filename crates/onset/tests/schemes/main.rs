@@ -1,7 +1,9 @@
 //! Discretizations by their forces: one battery that each passes, and closed forms.
 
 mod battery;
+mod elements;
 mod springs;
+mod states;
 
 #[path = "../shared/random.rs"]
 mod random;
