@@ -14,7 +14,7 @@ use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{Quadrature, QuadraturePoint};
-use crate::scheme::MeshError;
+use crate::scheme::element::MeshError;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -244,13 +244,17 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
-    /// A coefficient is negative or not finite.
-    #[error("{name} is {value:?}; it must be a finite number, zero or positive")]
-    Negative {
+    /// A number is out of its range.
+    #[error("{name} is {value:?}; expected a number {}", range(*.least, *.most))]
+    OutOfRange {
         /// The setting's name.
         name: &'static str,
         /// Its value.
         value: f64,
+        /// The least that it may be.
+        least: f64,
+        /// The most that it may be.
+        most: f64,
     },
     /// Elements that do not make a mesh.
     #[error(transparent)]
@@ -263,6 +267,15 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
+/// A range in words.
+fn range(least: f64, most: f64) -> String {
+    if most == f64::MAX {
+        format!("of {least} or more")
+    } else {
+        format!("from {least} to {most}")
+    }
+}
+
 impl MethodError {
     /// A number that must be positive and finite.
     pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
@@ -272,10 +285,20 @@ impl MethodError {
             .ok_or(Self::NotPositive { name, value })
     }
 
-    /// A number that must be finite and not negative.
-    pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Self> {
-        let is_sound = value >= 0.0 && value.is_finite();
-        is_sound.then_some(()).ok_or(Self::Negative { name, value })
+    /// A number that must be in a range.
+    pub(crate) fn within(
+        name: &'static str,
+        value: f64,
+        least: f64,
+        most: f64,
+    ) -> Result<(), Self> {
+        let is_within = (least..=most).contains(&value);
+        is_within.then_some(()).ok_or(Self::OutOfRange {
+            name,
+            value,
+            least,
+            most,
+        })
     }
 
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong

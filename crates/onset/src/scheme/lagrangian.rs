@@ -2,11 +2,12 @@
 
 use super::{Interaction, Motion, PeriodicPatch, PointResponse, patch_forces};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::Particle;
+use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
 use nalgebra::SVector;
+use std::collections::BTreeSet;
 
 /// A quadrature point of a total-Lagrangian discretization: its energy is `V W(F + sum_K u_K (x) b_K)` with fixed vectors `b_K`,
 /// the gradients of the shape functions or averages of them.
@@ -107,4 +108,20 @@ pub(super) fn forces_at_rest<'i, I: Interaction<D> + 'i, const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let at_rest = vec![SVector::zeros(); patch.len()];
     patch_forces(patch, interactions, displacements, &at_rest)
+}
+
+/// The mean number of particles that share a point with a particle, itself included.
+pub(super) fn mean_neighbors<const D: usize>(
+    points: &[LagrangianPoint<D>],
+    crystal: &Crystal<D>,
+) -> f64 {
+    let mut pairs: BTreeSet<(usize, Particle<D>)> = BTreeSet::new();
+    for point in points {
+        for from in &point.particles {
+            let back = from.cell.map(|n| -n);
+            let to = point.particles.iter().map(|to| to.moved(&back));
+            pairs.extend(to.map(|to| (from.site, to)));
+        }
+    }
+    pairs.len() as f64 / crystal.sites().len() as f64
 }

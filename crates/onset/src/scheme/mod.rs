@@ -6,16 +6,13 @@
 //! numbers of [`crate::real`]. Evaluated with plain numbers these are the forces of a simulation; with first-order dual
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
-mod element;
+pub mod conforming;
+pub mod element;
 mod lagrangian;
 mod linearized;
 mod patch;
 mod response;
 
-pub use element::{
-    ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
-    Integration, Mesh, MeshError,
-};
 pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
 pub use patch::{PeriodicPatch, patch_forces};

@@ -10,9 +10,10 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
-use onset::scheme::{
+use onset::scheme::Scheme;
+use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
-    Integration, Mesh, MeshError, Scheme,
+    Integration, Mesh, MeshError,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -552,7 +553,7 @@ fn what_is_no_mesh_is_refused() {
         Err(MethodError::Mesh(MeshError::NeedlessControl))
     ));
     let refused = FiniteElements::on(mesh.clone(), 1.0, controlled(-1.0));
-    assert!(matches!(refused, Err(MethodError::Negative { .. })));
+    assert!(matches!(refused, Err(MethodError::OutOfRange { .. })));
     assert!(FiniteElements::on(mesh, 0.0, full()).is_err());
     assert!(ElementMesh::Bricks.mesh::<2>(1.0).is_err());
     assert!(ElementMesh::Bricks.mesh::<3>(-1.0).is_err());

@@ -85,7 +85,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// ```
     /// use onset::lattice::Arrangement;
-    /// use onset::scheme::Mesh;
+    /// use onset::scheme::element::Mesh;
     /// let squares = Mesh::parallelepipeds(Arrangement::Square.lattice::<2>(1.0)?);
     /// assert_eq!(squares.elements().len(), 1);
     /// # Ok::<(), onset::lattice::LatticeError>(())

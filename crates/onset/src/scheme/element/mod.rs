@@ -13,18 +13,17 @@ pub use mesh::{Mesh, MeshError};
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
-use super::lagrangian::{LagrangianPoint, forces_at_rest, stressed};
+use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, stressed};
 use super::{Forced, PeriodicPatch, Scheme};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use hourglass::{HourglassMode, Resisted, hourglass_modes};
 use nalgebra::{SMatrix, SVector};
 use shape::Sample;
-use std::collections::BTreeSet;
 
 /// How elements are integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,7 +122,8 @@ impl Default for ElementChoices {
 /// use nalgebra::Vector1;
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::Law;
-/// use onset::scheme::{ElementChoices, ElementMesh, FiniteElements, Scheme};
+/// use onset::scheme::Scheme;
+/// use onset::scheme::element::{ElementChoices, ElementMesh, FiniteElements};
 /// // Bars with lumped masses: at most omega = 2 c / h, here with lambda + 2 mu = 3.
 /// let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
 /// let material = law.build(&[("lambda", 1.0), ("mu", 1.0)])?;
@@ -165,7 +165,7 @@ impl<const D: usize> FiniteElements<D> {
             ("hourglass-viscosity", formulation.hourglass_viscosity),
         ];
         for (name, value) in control {
-            MethodError::not_negative(name, value)?;
+            MethodError::within(name, value, 0.0, f64::MAX)?;
             if value > 0.0 && formulation.integration == Integration::Full {
                 return Err(MeshError::NeedlessControl.into());
             }
@@ -280,14 +280,7 @@ impl<const D: usize> Scheme<D> for FiniteElements<D> {
 
     /// The nodes that share an element with a node.
     fn neighbors(&self) -> f64 {
-        let mut pairs: BTreeSet<(usize, Particle<D>)> = BTreeSet::new();
-        for nodes in self.mesh.elements() {
-            for from in nodes {
-                let back = from.cell.map(|n| -n);
-                pairs.extend(nodes.iter().map(|to| (from.site, to.moved(&back))));
-            }
-        }
-        pairs.len() as f64 / self.crystal().sites().len() as f64
+        mean_neighbors(&self.points, self.crystal())
     }
 }
 
