@@ -166,8 +166,10 @@ fn linear_fields_are_integrated_exactly_on_irregular_particles() {
                 // All images of a particle together: the integral of its gradient over the plane.
                 *sums.entry(particle.site).or_default() += b * point.volume();
             }
-            assert!(sum.amax() < 1e-12);
-            assert!((moment(&scheme, point) - SMatrix::identity()).amax() < 1e-12);
+            // Small pyramids divide rounding errors by their volumes.
+            let tolerance = 1e-13 / point.volume();
+            assert!(sum.amax() < tolerance);
+            assert!((moment(&scheme, point) - SMatrix::identity()).amax() < tolerance);
         }
         assert_eq!(sums.len(), 6);
         assert!(sums.values().all(|sum| sum.amax() < 1e-12));
@@ -359,7 +361,7 @@ fn choices_out_of_range_are_refused() {
         radius,
         ..choices()
     };
-    assert!(refused(radius(0.8)).is_about_support());
+    assert!(refused(radius(0.4)).is_about_support());
     assert!(refused(radius(1e6)).is_about_support());
     assert!(matches!(
         refused(radius(-1.0)),
