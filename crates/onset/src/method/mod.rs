@@ -256,7 +256,7 @@ pub enum MethodError {
         /// The most that it may be.
         most: f64,
     },
-    /// Elements that do not make a mesh.
+    /// Elements that cannot be set up.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// The lattice.

@@ -21,6 +21,7 @@ use crate::method::{MAXIMUM_NEIGHBORS, MethodError};
 use nalgebra::{SMatrix, SVector};
 use region::Region;
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 
 /// Points along an edge beyond which nothing is gained.
 const MOST_BOUNDARY_POINTS: usize = 16;
@@ -196,9 +197,9 @@ impl<'a, const D: usize> Functions<'a, D> {
     fn new(crystal: &'a Crystal<D>, choices: &'a ConformingChoices) -> Result<Self, MethodError> {
         let radius = choices.radius;
         let volume = crystal.lattice().cell_volume() / crystal.sites().len() as f64;
-        // Of the cube around the support: an upper bound, which a ball reaches half of in space.
-        let neighbors = (2.0 * radius).powi(D as i32) / volume;
-        if !(neighbors <= 4.0 * MAXIMUM_NEIGHBORS as f64) {
+        let ball = [2.0, PI, 4.0 / 3.0 * PI][D - 1] * radius.powi(D as i32);
+        let neighbors = ball / volume;
+        if neighbors > MAXIMUM_NEIGHBORS as f64 {
             return Err(MethodError::SupportTooLarge {
                 radius,
                 neighbors,
@@ -208,7 +209,7 @@ impl<'a, const D: usize> Functions<'a, D> {
         Ok(Self {
             crystal,
             choices,
-            to_fractional: crystal.lattice().reciprocal().transpose() / std::f64::consts::TAU,
+            to_fractional: crystal.lattice().reciprocal().transpose() / TAU,
             normalization: choices.kernel.integral::<D>(radius).recip(),
         })
     }

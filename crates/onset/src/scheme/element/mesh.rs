@@ -6,7 +6,7 @@ use crate::method::MethodError;
 use nalgebra::SVector;
 use thiserror::Error;
 
-/// Why elements do not make a mesh.
+/// Why elements cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MeshError {
     /// An element with too few or too many nodes.
