@@ -88,6 +88,13 @@ fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material()
         assert_conforming(&hexagonal(), &choices);
         assert_conforming(&irregular(), &choices);
     }
+    let quadratic = ConformingChoices {
+        approximation: Approximation::Mls2,
+        radius: 2.6,
+        ..modified(0.4)
+    };
+    assert_conforming(&hexagonal(), &quadratic);
+    assert_conforming(&irregular(), &quadratic);
     let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
     assert_conforming(&honeycomb, &modified(0.4));
     let boxes = ConformingChoices {

@@ -56,7 +56,8 @@ pub struct ConformingChoices {
     pub kernel: Kernel,
     /// Support radius; length.
     pub radius: f64,
-    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not.
+    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not. Of the
+    /// approximations that correct gradients alone only the functions enter, which are Shepard's.
     pub approximation: Approximation,
     /// Regions of averaging.
     pub domain: SmoothingDomain,
@@ -187,6 +188,8 @@ impl<const D: usize> Scheme<D> for ConformingIntegration<D> {
 struct Functions<'a, const D: usize> {
     crystal: &'a Crystal<D>,
     choices: &'a ConformingChoices,
+    /// The approximation, corrections of its gradients apart.
+    functions: Approximation,
     /// Lattice coordinates of a vector.
     to_fractional: SMatrix<f64, D, D>,
     /// One over the integral of the kernel; 1/length^D.
@@ -209,6 +212,12 @@ impl<'a, const D: usize> Functions<'a, D> {
         Ok(Self {
             crystal,
             choices,
+            functions: match choices.approximation {
+                Approximation::RandlesLibersky | Approximation::KrongauzBelytschko => {
+                    Approximation::Shepard
+                }
+                other => other,
+            },
             to_fractional: crystal.lattice().reciprocal().transpose() / TAU,
             normalization: choices.kernel.integral::<D>(radius).recip(),
         })
@@ -238,6 +247,7 @@ impl<'a, const D: usize> Functions<'a, D> {
     fn at(&self, place: &SVector<f64, D>) -> Result<Vec<(Particle<D>, f64)>, MethodError> {
         const POINT: &str = "point of a cell's boundary";
         let (one, radius) = (SMatrix::identity(), self.choices.radius);
+        let approximation = self.functions;
         let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for particle in self.crystal.within(place, radius, &one) {
             let apart = self.crystal.place(&particle) - place;
@@ -248,10 +258,10 @@ impl<'a, const D: usize> Functions<'a, D> {
                 weights.push(weight);
             }
         }
-        // A constant needs one neighbor, a linear function as many as it has coefficients.
-        let needed = match self.choices.approximation {
-            Approximation::Mls => D + 1,
-            _ => 1,
+        // A constant needs one neighbor, a polynomial as many as it has coefficients.
+        let needed = match approximation.degree() {
+            None | Some(0) => 1,
+            _ => approximation.neighbors_needed(D),
         };
         if seen.len() < needed {
             return Err(MethodError::SupportTooSmall {
@@ -262,7 +272,7 @@ impl<'a, const D: usize> Functions<'a, D> {
                 dimension: D,
             });
         }
-        let functions = self.choices.approximation.shape_functions(
+        let functions = approximation.shape_functions(
             &positions,
             &weights,
             self.normalization,
@@ -274,7 +284,7 @@ impl<'a, const D: usize> Functions<'a, D> {
             neighbors: seen.len(),
             source,
         })?;
-        let volume = |particle: &Particle<D>| match self.choices.approximation {
+        let volume = |particle: &Particle<D>| match approximation {
             Approximation::Raw => self.crystal.volumes()[particle.site],
             _ => 1.0,
         };
