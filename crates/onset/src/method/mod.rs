@@ -15,6 +15,7 @@ use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
+use crate::scheme::element::MeshError;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -276,6 +277,21 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// A number is out of its range.
+    #[error("{name} is {value:?}; expected a number {}", range(*.least, *.most))]
+    OutOfRange {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least that it may be.
+        least: f64,
+        /// The most that it may be.
+        most: f64,
+    },
+    /// Elements that cannot be set up.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// Natural stabilization expands the strain of material coordinates.
     #[error(
         "discretization.quadrature \"nodal-stabilized\" expands the strain over the reference cells of the particles and \
@@ -293,7 +309,40 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
+/// A range in words.
+fn range(least: f64, most: f64) -> String {
+    if most == f64::MAX {
+        format!("of {least} or more")
+    } else {
+        format!("from {least} to {most}")
+    }
+}
+
 impl MethodError {
+    /// A number that must be positive and finite.
+    pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
+        let is_positive = value > 0.0 && value.is_finite();
+        is_positive
+            .then_some(())
+            .ok_or(Self::NotPositive { name, value })
+    }
+
+    /// A number that must be in a range.
+    pub(crate) fn within(
+        name: &'static str,
+        value: f64,
+        least: f64,
+        most: f64,
+    ) -> Result<(), Self> {
+        let is_within = (least..=most).contains(&value);
+        is_within.then_some(()).ok_or(Self::OutOfRange {
+            name,
+            value,
+            least,
+            most,
+        })
+    }
+
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
     /// one.
     pub fn is_about_support(&self) -> bool {

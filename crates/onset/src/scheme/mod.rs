@@ -7,10 +7,14 @@
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
 mod classical;
+pub mod conforming;
+pub mod element;
+mod lagrangian;
 mod linearized;
 mod patch;
 mod response;
 
+pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
 pub use patch::{PeriodicPatch, patch_forces};
 pub use response::PointResponse;

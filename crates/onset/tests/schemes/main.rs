@@ -2,7 +2,10 @@
 
 mod battery;
 mod classical;
+mod conforming;
+mod elements;
 mod springs;
+mod states;
 
 #[path = "../shared/random.rs"]
 mod random;
