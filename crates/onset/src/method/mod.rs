@@ -133,7 +133,12 @@ impl Linearization {
 pub struct Discretization {
     /// Arrangement of the particles.
     pub arrangement: Arrangement,
-    /// Distance of nearest particles in the reference state; length.
+    /// Rectangular arrangement: the second side over the first.
+    pub aspect: f64,
+    /// Oblique and triclinic arrangement: the components of the primitive vectors in units of the spacing, one vector after
+    /// the other.
+    pub vectors: Vec<f64>,
+    /// Distance of nearest particles in the reference state, or what takes its place as the unit of `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
@@ -161,6 +166,8 @@ impl Default for Discretization {
     fn default() -> Self {
         Self {
             arrangement: Arrangement::Hexagonal,
+            aspect: 1.0,
+            vectors: Vec::new(),
             spacing: 1.0,
             density: 1.0,
             kernel: Kernel::QuarticSpline,
@@ -293,6 +300,8 @@ impl<const D: usize> Method<D> {
     pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
         let Discretization {
             arrangement,
+            aspect,
+            ref vectors,
             spacing,
             density,
             support,
@@ -308,8 +317,8 @@ impl<const D: usize> Method<D> {
                 return Err(MethodError::NotPositive { name, value });
             }
         }
-        let lattice = arrangement.lattice(spacing)?;
-        let points = quadrature.points(arrangement, &lattice)?;
+        let lattice = arrangement.lattice_with(spacing, aspect, vectors)?;
+        let points = quadrature.points(&lattice)?;
         Ok(Self {
             discretization,
             lattice,

@@ -1,6 +1,6 @@
 //! Where the internal forces are integrated, and with which volumes.
 
-use crate::lattice::{Arrangement, BravaisLattice, Fractional, LatticeError, voronoi_volumes};
+use crate::lattice::{BravaisLattice, Fractional, LatticeError, delaunay_centers, voronoi_volumes};
 use nalgebra::SVector;
 
 /// The set of quadrature points.
@@ -37,7 +37,6 @@ impl Quadrature {
     /// [`LatticeError`] where Voronoi volumes are not available.
     pub fn points<const D: usize>(
         self,
-        arrangement: Arrangement,
         lattice: &BravaisLattice<D>,
     ) -> Result<Vec<QuadraturePoint<D>>, LatticeError> {
         let nodes = (self != Self::StressPointsOnly)
@@ -45,7 +44,9 @@ impl Quadrature {
             .into_iter();
         let centers = match self {
             Self::Nodal => Vec::new(),
-            Self::StressPoints | Self::StressPointsOnly => arrangement.cell_centers(),
+            Self::StressPoints | Self::StressPointsOnly => {
+                delaunay_centers(lattice, &[SVector::zeros()])?
+            }
         };
         let places: Vec<Fractional<D>> = nodes.chain(centers).collect();
         let volumes = voronoi_volumes(lattice, &places)?;
