@@ -93,6 +93,14 @@ impl Settings {
         let number = value.number();
         let discretization = &mut self.discretization;
         let done = match name {
+            "discretization.aspect" => assign(&mut discretization.aspect, number),
+            "discretization.vectors" => assign(
+                &mut discretization.vectors,
+                match value {
+                    Value::Numbers(numbers) => Some(numbers.clone()),
+                    _ => None,
+                },
+            ),
             "discretization.spacing" => assign(&mut discretization.spacing, number),
             "discretization.density" => assign(&mut discretization.density, number),
             "discretization.support" => assign(&mut discretization.support, number),
@@ -149,6 +157,10 @@ impl Settings {
                 let fields = serde_json::to_value(&self.discretization).ok()?;
                 match fields.get(name)? {
                     serde_json::Value::String(word) => Some(Value::Word(word.clone())),
+                    serde_json::Value::Array(numbers) => {
+                        let numbers = numbers.iter().map(|number| number.as_f64());
+                        numbers.collect::<Option<_>>().map(Value::Numbers)
+                    }
                     other => other.as_f64().map(Value::Number),
                 }
             }
