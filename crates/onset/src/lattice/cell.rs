@@ -11,6 +11,8 @@ pub(super) struct VoronoiCell<const D: usize> {
     pub(super) corners: Vec<SVector<f64, D>>,
 }
 
+/// Lengths over that of a polygon, and sines of angles, below this are rounding.
+const NEGLIGIBLE: f64 = 1e-9;
 /// Neighbors with which a cell is begun.
 const NEAREST: usize = 32;
 
@@ -67,11 +69,9 @@ fn polygon<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     for r in neighbors {
         polygon = clipped(&polygon, [r[0], r[1]], 0.5 * r.norm_squared());
     }
-    let size = polygon.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-    polygon.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9 * size);
     VoronoiCell {
         volume: area(&polygon),
-        corners: polygon
+        corners: turning(&polygon)
             .into_iter()
             .map(|p| SVector::from_fn(|i, _| p[i]))
             .collect(),
@@ -91,7 +91,7 @@ fn polyhedron<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
         let face = face_in_plane(r, &axes, neighbors, farthest);
         // The pyramid from the origin.
         cell.volume += area(&face) * 0.5 * r.norm() / 3.0;
-        cell.corners.extend(in_space(r, &axes, &face));
+        cell.corners.extend(in_space(r, &axes, &turning(&face)));
     }
     cell
 }
@@ -103,7 +103,7 @@ pub(super) fn face<const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let axes = across(r);
     let polygon = face_in_plane(r, &axes, neighbors, farthest_of(neighbors));
-    in_space(r, &axes, &polygon).collect()
+    in_space(r, &axes, &turning(&polygon)).collect()
 }
 
 fn face_in_plane<const D: usize>(
@@ -146,6 +146,36 @@ fn across<const D: usize>(r: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     let first = cross(&axis, r).normalize();
     let second = cross(r, &first).normalize();
     [first, second]
+}
+
+/// The corners at which a polygon turns: lines that coincide but for rounding meet anywhere on an edge. None where it has no
+/// area.
+fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let apart = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
+    let length = |a: [f64; 2]| a[0].hypot(a[1]);
+    let size = polygon
+        .iter()
+        .map(|p| length(apart(polygon[0], *p)))
+        .fold(0.0, f64::max);
+    let mut corners = polygon.to_vec();
+    corners.dedup_by(|a, b| length(apart(*a, *b)) < NEGLIGIBLE * size);
+    if let (Some(first), Some(last)) = (corners.first(), corners.last()) {
+        if corners.len() > 1 && length(apart(*first, *last)) < NEGLIGIBLE * size {
+            corners.pop();
+        }
+    }
+    let count = corners.len();
+    let turns = |n: &usize| {
+        let before = apart(corners[(n + count - 1) % count], corners[*n]);
+        let after = apart(corners[*n], corners[(n + 1) % count]);
+        before[0] * after[1] - before[1] * after[0] > NEGLIGIBLE * length(before) * length(after)
+    };
+    let turning: Vec<[f64; 2]> = (0..count).filter(turns).map(|n| corners[n]).collect();
+    if area(&turning) > NEGLIGIBLE * size * size {
+        turning
+    } else {
+        Vec::new()
+    }
 }
 
 fn square(half: f64) -> Vec<[f64; 2]> {

@@ -114,6 +114,7 @@ impl<const D: usize> BrillouinZone<D> {
             .iter()
             .filter(is_first)
             .map(|g| face(g, &self.reciprocal))
+            .filter(|face| !face.is_empty())
             .collect()
     }
 }

@@ -216,16 +216,16 @@ impl<const D: usize> ZoneSearch<D> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Where a descent from a wave vector ends.
+    /// Where a descent from a wave vector ends; one that is not going to reach below `floor` is left early.
     pub(super) fn settled(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         start: SVector<f64, D>,
+        floor: f64,
     ) -> SVector<f64, D> {
         let value = self.value_at(matrix, objective, &start);
-        self.descend(matrix, objective, (value, start), f64::INFINITY)
-            .1
+        self.descend(matrix, objective, (value, start), floor).1
     }
 
     /// Whether the objective is sought at a wave vector: the limit of long waves is taken exactly elsewhere, and a zone

@@ -392,12 +392,17 @@ impl<const D: usize> ZoneSearch<D> {
         lowest: Mode<D>,
         fluttering: Mode<D>,
     ) -> Mode<D> {
+        // In space a descent is not worth its while where it cannot beat the growth without oscillation.
+        let floor = match D {
+            3 => -growth_rate(lowest.omega_squared),
+            _ => f64::INFINITY,
+        };
         let ends: Vec<SVector<f64, D>> = match wells {
             Wells::Grid(grid) => grid
                 .fastest_flutter()
                 .take(4)
                 .chain([fluttering.wave_vector])
-                .map(|k| self.settled(matrix, Objective::Growth, k))
+                .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
             Wells::Mirrored { bottoms, .. } => bottoms
                 .iter()
