@@ -159,10 +159,10 @@ fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
         .fold(0.0, f64::max);
     let mut corners = polygon.to_vec();
     corners.dedup_by(|a, b| length(apart(*a, *b)) < NEGLIGIBLE * size);
-    if let (Some(first), Some(last)) = (corners.first(), corners.last()) {
-        if corners.len() > 1 && length(apart(*first, *last)) < NEGLIGIBLE * size {
-            corners.pop();
-        }
+    if let [first, .., last] = corners[..]
+        && length(apart(first, last)) < NEGLIGIBLE * size
+    {
+        corners.pop();
     }
     let count = corners.len();
     let turns = |n: &usize| {
