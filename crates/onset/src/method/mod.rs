@@ -146,7 +146,12 @@ impl Linearization {
 pub struct Discretization {
     /// Arrangement of the particles.
     pub arrangement: Arrangement,
-    /// Distance of nearest particles in the reference state; length.
+    /// Rectangular arrangement: the second side over the first.
+    pub aspect: f64,
+    /// Oblique and triclinic arrangement: the components of the primitive vectors in units of the spacing, one vector after
+    /// the other.
+    pub vectors: Vec<f64>,
+    /// Distance of nearest particles in the reference state, or what takes its place as the unit of `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
@@ -180,6 +185,8 @@ impl Default for Discretization {
     fn default() -> Self {
         Self {
             arrangement: Arrangement::Hexagonal,
+            aspect: 1.0,
+            vectors: Vec::new(),
             spacing: 1.0,
             density: 1.0,
             kernel: Kernel::QuarticSpline,
@@ -384,6 +391,8 @@ impl<const D: usize> Method<D> {
     pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
         let Discretization {
             arrangement,
+            aspect,
+            ref vectors,
             spacing,
             density,
             support,
@@ -403,13 +412,13 @@ impl<const D: usize> Method<D> {
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);
         }
-        let lattice = arrangement.lattice(spacing)?;
+        let lattice = arrangement.lattice_with(spacing, aspect, vectors)?;
         let rule = CellRule {
             stress_point_weight: discretization.stress_point_weight,
             gauss_points: discretization.gauss_points,
             points: discretization.points.clone(),
         };
-        let points = quadrature.points(arrangement, &lattice, &rule)?;
+        let points = quadrature.points(&lattice, &rule)?;
         Ok(Self {
             discretization,
             crystal: Crystal::of_lattice(lattice),
