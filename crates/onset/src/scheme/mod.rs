@@ -8,10 +8,15 @@
 
 mod linearized;
 mod patch;
+mod peridynamics;
 mod response;
 
 pub use linearized::{Forced, linearized};
 pub use patch::{PeriodicPatch, patch_forces};
+pub use peridynamics::{
+    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
+    ZeroEnergyControl,
+};
 pub use response::PointResponse;
 
 use crate::bloch::WaveSystem;
