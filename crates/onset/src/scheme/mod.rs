@@ -7,11 +7,15 @@
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
 mod linearized;
+mod material_point;
 mod patch;
 mod peridynamics;
 mod response;
 
 pub use linearized::{Forced, linearized};
+pub use material_point::{
+    Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
+};
 pub use patch::{PeriodicPatch, patch_forces};
 pub use peridynamics::{
     BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
