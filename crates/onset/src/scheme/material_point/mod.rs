@@ -417,7 +417,7 @@ impl<const D: usize> Scheme<D> for MaterialPoints<D> {
     fn neighbors(&self) -> f64 {
         let seen = |(place, _): &(Fractional<D>, f64)| {
             let nodes = self.transfer(place).into_iter();
-            nodes.filter(|(_, value)| *value > 0.0).count()
+            nodes.filter(|(_, value)| *value > FACE).count()
         };
         let pairs: usize = self.points.iter().map(seen).sum();
         pairs as f64 / self.crystal.sites().len() as f64
