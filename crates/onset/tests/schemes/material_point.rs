@@ -4,7 +4,7 @@ use crate::battery::{
     assert_long_waves_are_those_of_the_material, assert_scheme, assert_translations_are_free,
 };
 use nalgebra::{Complex, DMatrix, SMatrix, SVector};
-use onset::bloch::WaveSystem;
+use onset::bloch::{WaveSystem, ZoneSearch};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, MethodError};
@@ -363,6 +363,173 @@ fn quadratic_splines_with_two_points_are_unstable_in_tension_while_the_bar_is_no
         }
     }
     assert_eq!(unstable, [2.0, 2.2, 2.4, 2.6]);
+}
+
+/// A bar of particles on a periodic grid in one dimension, written for itself: quadratic splines, velocities updated by the
+/// accelerations of the grid.
+struct Bar {
+    cells: i32,
+    /// Current distance of the nodes.
+    spacing: f64,
+    /// Place in units of the spacing, velocity and stretch.
+    particles: Vec<[f64; 3]>,
+    volume: f64,
+}
+
+impl Bar {
+    fn spline(x: f64) -> (f64, f64) {
+        match x.abs() {
+            r if r < 0.5 => (0.75 - r * r, -2.0 * x),
+            r if r < 1.5 => (0.5 * (1.5 - r).powi(2), (r - 1.5) * x.signum()),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    fn seen(&self, place: f64) -> impl Iterator<Item = (usize, f64, f64)> + use<> {
+        let (cells, spacing, middle) = (self.cells, self.spacing, place.round() as i32);
+        (middle - 1..=middle + 1).map(move |node| {
+            let (value, slope) = Self::spline(place - f64::from(node));
+            (node.rem_euclid(cells) as usize, value, slope / spacing)
+        })
+    }
+
+    fn step(&mut self, time: f64, law: &impl Fn(f64) -> f64) {
+        let nodes = self.cells as usize;
+        let (mut mass, mut momentum, mut force) =
+            (vec![0.0; nodes], vec![0.0; nodes], vec![0.0; nodes]);
+        for [place, velocity, stretch] in &self.particles {
+            for (node, value, slope) in self.seen(*place) {
+                mass[node] += self.volume * value;
+                momentum[node] += self.volume * value * velocity;
+                force[node] -= self.volume * law(*stretch) * stretch * slope;
+            }
+        }
+        for n in 0..self.particles.len() {
+            let [place, mut velocity, stretch] = self.particles[n];
+            let (mut carried, mut gradient) = (0.0, 0.0);
+            for (node, value, slope) in self.seen(place) {
+                let moved = (momentum[node] + time * force[node]) / mass[node];
+                velocity += time * value * force[node] / mass[node];
+                carried += value * moved;
+                gradient += slope * moved;
+            }
+            self.particles[n] = [
+                place + time * carried / self.spacing,
+                velocity,
+                stretch * (1.0 + time * gradient),
+            ];
+        }
+    }
+
+    /// The part of the velocities that turns its sign from node to node.
+    fn alternating(&self) -> f64 {
+        let heard = |[place, velocity, _]: &[f64; 3]| {
+            let sum: f64 = (-1..=1)
+                .map(|offset| {
+                    let node = place.round() + f64::from(offset);
+                    (PI * node).cos() * Self::spline(place - node).0
+                })
+                .sum();
+            sum * velocity
+        };
+        self.particles.iter().map(heard).sum()
+    }
+}
+
+#[test]
+fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
+    let material = ModifiedMooneyRivlin::default();
+    let at =
+        |stretch: f64| DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+    let law = |stretch: f64| {
+        let response = material.response(&at(stretch)).expect("a response");
+        response.first_piola[(0, 0)]
+    };
+    let method = points::<1>(MaterialPointChoices {
+        functions: GridFunctions::QuadraticSpline,
+        ..choices(PARTICLES, 2)
+    });
+    for (stretch, grows) in [(2.3, true), (1.3, false)] {
+        let spectrum = waves(&method, &at(stretch)).omega_squared(&SVector::from_element(PI));
+        // One of the two modes is silent.
+        let heard = if grows {
+            spectrum[0].re
+        } else {
+            spectrum[1].re
+        };
+        assert_eq!(heard < 0.0, grows);
+        let rate = heard.abs().sqrt();
+        let start = 1e-7;
+        let mut bar = Bar {
+            cells: 4,
+            spacing: stretch,
+            particles: (0..8)
+                .map(|n| {
+                    let place = 0.25 + 0.5 * f64::from(n);
+                    let sign = (PI * place).cos().signum();
+                    [place, start * sign, stretch]
+                })
+                .collect(),
+            volume: 0.5,
+        };
+        let before = bar.alternating();
+        let steps = 2000;
+        let time = 4.0 / rate / f64::from(steps);
+        (0..steps).for_each(|_| bar.step(time, &law));
+        // From a velocity without displacement.
+        let expected = if grows { 4.0_f64.cosh() } else { 4.0_f64.cos() };
+        let found = bar.alternating() / before;
+        assert!(
+            (found - expected).abs() < 0.01 * expected.abs(),
+            "{found} {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_rotated_state_turns_the_stiffness_and_no_frequency() {
+    let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
+    let f = state::<2>();
+    let turned = f.with_leading(&(turn * f.leading::<2>()));
+    for formulation in [FIXED, UPDATED, PARTICLES] {
+        for functions in FUNCTIONS {
+            let method = points::<2>(MaterialPointChoices {
+                functions,
+                offset: [0.1, 0.2, 0.0],
+                ..choices(formulation, 2)
+            });
+            let k = SVector::from([1.3, -0.4]);
+            let of = |f: &DeformationGradient| {
+                let system = waves(&method, f);
+                (system.omega_squared(&k), system.stiffness().magnitude())
+            };
+            let ((before, scale), (after, _)) = (of(&f), of(&turned));
+            for (a, b) in before.iter().zip(&after) {
+                assert!(
+                    (a - b).norm() < 1e-7 * scale,
+                    "{formulation:?} {functions:?} {a} {b}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_search_over_the_zone_takes_silent_particles_as_zero_not_as_growth() {
+    for functions in FUNCTIONS {
+        let choices = MaterialPointChoices {
+            functions,
+            ..choices(PARTICLES, 2)
+        };
+        let (lambda, mu) = lame();
+        let system = waves(&points::<2>(choices), &rest());
+        let search = ZoneSearch::of_lattice(*system.crystal().lattice(), lambda + 2.0 * mu);
+        let summary = search.summary_of(&system);
+        assert!(summary.is_stable(), "{functions:?} {:?}", summary.softest);
+        assert!(summary.softest.scaled.abs() < summary.tolerance);
+        assert!((summary.long_wave.scaled - mu / (lambda + 2.0 * mu)).abs() < 1e-9);
+        assert!(summary.maximum_omega > 0.0 && summary.maximum_omega < 2.0 * (lambda + 2.0 * mu));
+    }
 }
 
 #[test]

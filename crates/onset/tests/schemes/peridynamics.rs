@@ -362,6 +362,24 @@ fn bonds_buckle_in_equal_compression_at_three_quarters_in_the_plane() {
 }
 
 #[test]
+fn a_rotated_state_turns_the_stiffness() {
+    let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
+    let f = state::<2>();
+    let turned = f.with_leading(&(turn * f.leading::<2>()));
+    let hourglass = ZeroEnergyControl::Hourglass { coefficient: 0.3 };
+    for model in [BONDS, correspondence(hourglass)] {
+        let body = body(hexagonal(), choices(2.0, model));
+        let k = SVector::from([1.3, -0.4]);
+        let of = |f: &DeformationGradient| {
+            let matrix = waves(&body, f).stiffness().at(&k);
+            SMatrix::<f64, 2, 2>::from_fn(|i, j| matrix[(i, j)].re)
+        };
+        let expected = turn * of(&f) * turn.transpose();
+        assert!((of(&turned) - expected).amax() < 1e-11 * expected.amax());
+    }
+}
+
+#[test]
 fn a_horizon_that_sees_no_plane_is_refused_with_what_it_sees() {
     let lattice = SMatrix::<f64, 2, 2>::new(1.0, 0.0, 0.0, 2.0);
     let crystal = Crystal::of_lattice(BravaisLattice::new(lattice).expect("a lattice"));
