@@ -344,7 +344,7 @@ fn quadratic_splines_with_two_points_are_unstable_in_tension_while_the_bar_is_no
     let linear = points::<1>(choices(UPDATED, 2));
     let corner = SVector::from_element(PI);
     let mut unstable = Vec::new();
-    for stretch in [0.6, 0.9, 1.2, 1.6, 2.0, 2.2, 2.4, 2.6] {
+    for stretch in [0.6, 0.9, 1.2, 1.6, 1.9773, 1.9774, 2.2, 2.6] {
         let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
         let response = ModifiedMooneyRivlin::default()
             .response(&f)
@@ -362,7 +362,7 @@ fn quadratic_splines_with_two_points_are_unstable_in_tension_while_the_bar_is_no
             unstable.push(stretch);
         }
     }
-    assert_eq!(unstable, [2.0, 2.2, 2.4, 2.6]);
+    assert_eq!(unstable, [1.9774, 2.2, 2.6]);
 }
 
 /// A bar of particles on a periodic grid in one dimension, written for itself: quadratic splines, velocities updated by the
@@ -442,8 +442,8 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
     let at =
         |stretch: f64| DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
     let law = |stretch: f64| {
-        let response = material.response(&at(stretch)).expect("a response");
-        response.first_piola[(0, 0)]
+        let response = material.plane_response(&at(stretch));
+        response.expect("a response").first_piola[0]
     };
     let method = points::<1>(MaterialPointChoices {
         functions: GridFunctions::QuadraticSpline,
@@ -461,9 +461,9 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
         let rate = heard.abs().sqrt();
         let start = 1e-7;
         let mut bar = Bar {
-            cells: 4,
+            cells: 2,
             spacing: stretch,
-            particles: (0..8)
+            particles: (0..4)
                 .map(|n| {
                     let place = 0.25 + 0.5 * f64::from(n);
                     let sign = (PI * place).cos().signum();
@@ -473,7 +473,8 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
             volume: 0.5,
         };
         let before = bar.alternating();
-        let steps = 2000;
+        // The velocities that move the particles are half a step of unsmoothed acceleration ahead: an error of first order.
+        let steps = 8000;
         let time = 4.0 / rate / f64::from(steps);
         (0..steps).for_each(|_| bar.step(time, &law));
         // From a velocity without displacement.
