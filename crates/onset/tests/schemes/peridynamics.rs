@@ -362,6 +362,49 @@ fn bonds_buckle_in_equal_compression_at_three_quarters_in_the_plane() {
 }
 
 #[test]
+fn a_chain_of_families_has_the_square_of_its_mean_gradient() {
+    let choices = PeridynamicsChoices {
+        density: 2.0,
+        influence: Influence::Inverse,
+        ..choices(3.0, correspondence(ZeroEnergyControl::None))
+    };
+    let f = state::<1>();
+    let system = waves(&body(cubic::<1>(), choices), &f);
+    let response = ModifiedMooneyRivlin::default().response(&f);
+    let tangent = response.expect("a response").tangent[(0, 0, 0, 0)];
+    for k in [0.3, 1.4, 3.0] {
+        // w X V = sign X: sum sin(j k) over sum j.
+        let gradient = [1.0, 2.0, 3.0]
+            .map(|j: f64| (j * k).sin())
+            .iter()
+            .sum::<f64>()
+            / 6.0;
+        let found = system.omega_squared(&SVector::from_element(k))[0].re;
+        assert!((found - tangent * gradient.powi(2) / 2.0).abs() < 1e-12 * tangent);
+    }
+}
+
+#[test]
+fn hourglass_forces_are_bonds_from_both_ends_where_the_gradient_is_silent() {
+    let (crystal, coefficient) = (cubic::<2>(), 0.3);
+    let control = ZeroEnergyControl::Hourglass { coefficient };
+    let of = |model| {
+        let body = body(crystal.clone(), choices(3.0, model));
+        waves(&body, &DeformationGradient::identity())
+    };
+    let (controlled, bonds) = (of(correspondence(control)), of(BONDS));
+    for k in half_reciprocal_vectors(&crystal) {
+        let pairs = controlled
+            .omega_squared(&k)
+            .into_iter()
+            .zip(bonds.omega_squared(&k));
+        for (found, bond) in pairs {
+            assert!((found.re / (2.0 * coefficient * bond.re) - 1.0).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
 fn a_rotated_state_turns_the_stiffness() {
     let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
     let f = state::<2>();

@@ -317,7 +317,7 @@ fn laid_out<const D: usize>(
         }
         let place = |x: f64| {
             let inside = (x + shift).rem_euclid(1.0);
-            (inside, inside < FACE || inside > 1.0 - FACE)
+            (inside, inside.min(1.0 - inside) < FACE)
         };
         let is_on_face = along.iter().any(|(x, _)| place(*x).1);
         if is_on_face && choices.functions == GridFunctions::Linear {

@@ -61,7 +61,8 @@ impl<const D: usize> Family<D> {
         let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
         let density = crystal.sites().len() as f64 / crystal.lattice().cell_volume();
         let expected = unit_ball * radius.powi(D as i32) * density;
-        if !(expected <= MAXIMUM_NEIGHBORS as f64) {
+        let is_small = expected <= MAXIMUM_NEIGHBORS as f64;
+        if !is_small {
             return Err(MethodError::SupportTooLarge {
                 radius: horizon,
                 neighbors: expected.min(f64::MAX),
@@ -158,9 +159,7 @@ fn fraction(partial: PartialVolumes, horizon: f64, r: f64, h: f64) -> f64 {
 fn inverted<const D: usize>(shape: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
     let dynamic = DMatrix::from_fn(D, D, |i, j| shape[(i, j)]);
     let values = dynamic.clone().symmetric_eigenvalues();
-    if !(values.min() > SINGULAR * values.max()) {
-        return None;
-    }
-    let inverse = dynamic.try_inverse()?;
+    let is_regular = values.min() > SINGULAR * values.max();
+    let inverse = is_regular.then(|| dynamic.try_inverse()).flatten()?;
     Some(SMatrix::from_fn(|i, j| inverse[(i, j)]))
 }
