@@ -208,7 +208,8 @@ mod tests {
                 let (plus, minus) = (profile.at(x + h), profile.at(x - h));
                 let slopes = (value.gradient[0], (plus.0 - minus.0) / (2.0 * h));
                 assert!((slopes.0 - slope.value()).abs() < 1e-14);
-                assert!((slopes.0 - slopes.1).abs() < 1e-9, "{functions:?} {x}");
+                // Where the curvature jumps, the difference is of first order.
+                assert!((slopes.0 - slopes.1).abs() < 2e-6, "{functions:?} {x}");
                 let curvature = (plus.1 - minus.1) / (2.0 * h);
                 assert!(
                     (slope.gradient[0] - curvature).abs() < 1e-6,
