@@ -216,6 +216,16 @@ pub enum MethodError {
         /// Its value.
         value: f64,
     },
+    /// A setting is not one of the numbers that are admitted.
+    #[error("discretization.{name} is {value:?}; expected {expected}")]
+    Setting {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is admitted, in words.
+        expected: &'static str,
+    },
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \

@@ -11,12 +11,21 @@ pub mod conforming;
 pub mod element;
 mod lagrangian;
 mod linearized;
+mod material_point;
 mod patch;
+mod peridynamics;
 mod response;
 
 pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
+pub use material_point::{
+    Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
+};
 pub use patch::{PeriodicPatch, patch_forces};
+pub use peridynamics::{
+    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
+    ZeroEnergyControl,
+};
 pub use response::PointResponse;
 
 use crate::bloch::WaveSystem;

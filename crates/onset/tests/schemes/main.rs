@@ -4,6 +4,8 @@ mod battery;
 mod classical;
 mod conforming;
 mod elements;
+mod material_point;
+mod peridynamics;
 mod springs;
 mod states;
 
