@@ -6,6 +6,9 @@
 //! numbers of [`crate::real`]. Evaluated with plain numbers these are the forces of a simulation; with first-order dual
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
+mod gradient_point;
+pub mod kernel;
+mod layout;
 mod linearized;
 mod patch;
 mod response;
