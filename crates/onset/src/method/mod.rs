@@ -187,6 +187,24 @@ pub enum MethodError {
         /// Its value.
         value: f64,
     },
+    /// A coefficient is not a finite number from zero on.
+    #[error("discretization.{name} is {value:?}; it must be zero or a positive finite number")]
+    Negative {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Two choices that exclude each other.
+    #[error("{choice} does not go with {other}; {hint}")]
+    Incompatible {
+        /// One of them.
+        choice: &'static str,
+        /// The other.
+        other: &'static str,
+        /// What goes instead.
+        hint: &'static str,
+    },
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \

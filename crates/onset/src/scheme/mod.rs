@@ -12,6 +12,8 @@ mod layout;
 mod linearized;
 mod patch;
 mod response;
+pub mod sph;
+pub mod stabilization;
 
 pub use linearized::{Forced, linearized};
 pub use patch::{PeriodicPatch, patch_forces};

@@ -261,3 +261,47 @@ fn linearly_complete_functions_on_bravais_lattices_have_the_waves_of_the_materia
     let material = ModifiedMooneyRivlin::default();
     assert_long_waves_are_those_of_the_material(&scheme, &material, &f, 1e-10);
 }
+
+#[test]
+fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square() {
+    let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
+    let large = square.supercell([2, 2]).expect("a crystal");
+    let choices = KernelChoices {
+        approximation: Approximation::Mls,
+        radius: 1.6,
+        ..KernelChoices::default()
+    };
+    let spectrum = |amplitude: f64| {
+        let irregular = large.perturbed(amplitude, 3).expect("a crystal");
+        let scheme = nodal(irregular, choices.clone());
+        let system = scheme
+            .waves(&ModifiedMooneyRivlin::default(), &rest())
+            .expect("a state");
+        let values = system.omega_squared(&SVector::zeros());
+        values.iter().map(|z| z.re).collect::<Vec<_>>()
+    };
+    // At the origin of the folded zone: two translations, and the modes of the three corners.
+    let regular = spectrum(0.0);
+    assert!(
+        regular
+            .iter()
+            .all(|omega_squared| omega_squared.abs() < 1e-10)
+    );
+    let (small, twice) = (spectrum(0.001), spectrum(0.002));
+    println!(
+        "{small:?} {twice:?} {:?} {:?}",
+        spectrum(0.1),
+        spectrum(0.2)
+    );
+    assert!(
+        small[..2]
+            .iter()
+            .all(|omega_squared| omega_squared.abs() < 1e-10)
+    );
+    for (small, twice) in small[2..].iter().zip(&twice[2..]) {
+        assert!(
+            *small > 0.0 && (twice / small - 4.0).abs() < 0.1,
+            "{small} {twice}"
+        );
+    }
+}

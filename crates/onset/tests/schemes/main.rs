@@ -2,7 +2,9 @@
 
 mod battery;
 mod kernels;
+mod sph;
 mod springs;
+mod stabilization;
 
 #[path = "../shared/random.rs"]
 mod random;
