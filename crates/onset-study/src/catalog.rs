@@ -2,6 +2,7 @@
 
 use crate::settings::{KEYS, Model};
 use onset::formula::{FUNCTIONS, VARIABLES};
+use onset::kernel::Kernel;
 use onset::material::{Law, Parameter};
 use serde::Serialize;
 
@@ -17,6 +18,55 @@ pub struct Entry {
     /// What there is to know about a law, where it is one.
     #[serde(flatten)]
     pub law: Option<LawEntry>,
+    /// What there is to know about a kernel, where it is one.
+    #[serde(flatten)]
+    pub kernel: Option<KernelEntry>,
+}
+
+/// What there is to know about a kernel; numbers in one, two and three dimensions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct KernelEntry {
+    /// The integral of `W` over space for a support radius of one.
+    pub integral: [f64; 3],
+    /// The support radius over the smoothing length `h = 2 sigma`.
+    pub support_over_smoothing_length: [f64; 3],
+    /// How many derivatives over space are continuous everywhere.
+    pub smoothness: [Option<u32>; 3],
+}
+
+impl From<Kernel> for KernelEntry {
+    fn from(kernel: Kernel) -> Self {
+        Self {
+            integral: [
+                kernel.integral::<1>(1.0),
+                kernel.integral::<2>(1.0),
+                kernel.integral::<3>(1.0),
+            ],
+            support_over_smoothing_length: [
+                kernel.support_over_smoothing_length::<1>(),
+                kernel.support_over_smoothing_length::<2>(),
+                kernel.support_over_smoothing_length::<3>(),
+            ],
+            smoothness: [
+                kernel.smoothness::<1>().least(),
+                kernel.smoothness::<2>().least(),
+                kernel.smoothness::<3>().least(),
+            ],
+        }
+    }
+}
+
+impl From<Kernel> for Entry {
+    fn from(kernel: Kernel) -> Self {
+        Self {
+            name: kernel.name(),
+            formula: kernel.formula(),
+            source: kernel.source(),
+            law: None,
+            kernel: Some(kernel.into()),
+        }
+    }
 }
 
 /// What there is to know about a law.
@@ -82,12 +132,14 @@ impl From<Model> for Entry {
                 formula: law.formula,
                 source: law.source,
                 law: Some(law.into()),
+                kernel: None,
             },
             Model::Own(own) => Self {
                 name: own.name,
                 formula: own.formula,
                 source: own.source,
                 law: None,
+                kernel: None,
             },
         }
     }
@@ -133,15 +185,6 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
-        "kernels",
-        "discretization.kernel",
-        &[(
-            "quartic-spline",
-            "W = 1 - 6 q^2 + 8 q^3 - 3 q^4, q = r / R0 < 1",
-            "equation (35) of the paper",
-        )],
-    ),
-    (
         "approximations",
         "discretization.approximation",
         &[
@@ -159,6 +202,26 @@ const ROWS: &[Row] = &[
                 "mls",
                 "phi_K = alpha . p_K W_K, (sum_L W_L p_L (x) p_L) alpha = e0, p = (1, x_K - x)",
                 "moving least squares, linear basis",
+            ),
+            (
+                "mls-2",
+                "as mls, p = all monomials of x_K - x up to degree 2",
+                "moving least squares; Liu, Jun and Zhang, Int. J. Numer. Meth. Fluids 20 (1995) 1081",
+            ),
+            (
+                "mls-3",
+                "as mls, p = all monomials of x_K - x up to degree 3",
+                "moving least squares; Liu, Jun and Zhang, Int. J. Numer. Meth. Fluids 20 (1995) 1081",
+            ),
+            (
+                "randles-libersky",
+                "grad f = C^T sum_K (f_K - f_I) grad W_K, C = (sum_K (x_K - x_I) (x) grad W_K)^-1; values: shepard",
+                "Randles and Libersky, Comput. Methods Appl. Mech. Engrg. 139 (1996) 375",
+            ),
+            (
+                "krongauz-belytschko",
+                "grad f = C^T sum_K f_K grad phi_K, C = (sum_K x_K (x) grad phi_K)^-1; values phi: shepard",
+                "Krongauz and Belytschko, Comput. Methods Appl. Mech. Engrg. 146 (1997) 371",
             ),
         ],
     ),
@@ -180,6 +243,21 @@ const ROWS: &[Row] = &[
                 "stress-points-only",
                 "points: centers of the Delaunay cells; volumes: Voronoi",
                 "Randles et al.",
+            ),
+            (
+                "nodal-stabilized",
+                "nodal, V w(F) + 1/2 M_jl F_,j : A : F_,l with the second moments M of the Voronoi cell; lagrangian only",
+                "Hillman and Chen, Int. J. Numer. Meth. Engng 107 (2016) 603",
+            ),
+            (
+                "gauss",
+                "points: Gauss-Legendre in the parallelepiped of the primitive vectors, gauss-points per direction",
+                "background cells; Belytschko, Lu and Gu, Int. J. Numer. Meth. Engng 37 (1994) 229",
+            ),
+            (
+                "points",
+                "points and weights: discretization.points = [u1, u2, weight, ...]",
+                "one's own",
             ),
         ],
     ),
@@ -284,6 +362,7 @@ pub fn topics() -> Vec<Topic> {
         formula,
         source,
         law: None,
+        kernel: None,
     };
     let topic = |(name, key, rows): &Row| Topic {
         name,
@@ -295,7 +374,13 @@ pub fn topics() -> Vec<Topic> {
         key: "material.model",
         entries: Model::all().map(Entry::from).collect(),
     };
-    std::iter::once(materials)
+    let kernels = Topic {
+        name: "kernels",
+        key: "discretization.kernel",
+        entries: Kernel::ALL.into_iter().map(Entry::from).collect(),
+    };
+    [materials, kernels]
+        .into_iter()
         .chain(ROWS.iter().map(topic))
         .chain(std::iter::once(language()))
         .collect()
@@ -308,6 +393,7 @@ fn language() -> Topic {
         formula,
         source: "",
         law: None,
+        kernel: None,
     };
     let grammar = [
         (
@@ -363,11 +449,33 @@ impl std::fmt::Display for Topic {
             if let Some(law) = &entry.law {
                 law.write(formatter)?;
             }
+            if let Some(kernel) = &entry.kernel {
+                kernel.write(formatter)?;
+            }
             if !entry.source.is_empty() {
                 writeln!(formatter, "  {:<24} source: {}", "", entry.source)?;
             }
         }
         Ok(())
+    }
+}
+
+impl KernelEntry {
+    fn write(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let numbers = |all: [f64; 3]| all.map(|x| format!("{x:.6}")).join(", ");
+        let smoothness = self.smoothness.map(|order| match order {
+            Some(order) => format!("C{order}"),
+            None => "smooth".to_owned(),
+        });
+        let mut line = |what: &str, text: String| {
+            writeln!(formatter, "  {:<24} {what} in 1D, 2D, 3D: {text}", "")
+        };
+        line("smoothness over space", smoothness.join(", "))?;
+        line(
+            "support radius over smoothing length 2 sigma",
+            numbers(self.support_over_smoothing_length),
+        )?;
+        line("integral over R0^D", numbers(self.integral))
     }
 }
 

@@ -1,17 +1,21 @@
 //! Studies, answers, figures and reports on top of the `onset` core.
 //!
 //! [`settings`] are what a user sets; an [`answers::Problem`] is made of them; [`answers`] to single questions are
-//! serializable structures; [`reproduce`] runs the paper from end to end; [`figure`] draws.
+//! serializable structures; [`compare`] puts methods
+//! side by side; [`reproduce`] runs the paper from end to end; [`figure`] draws.
 
 pub mod answers;
 pub mod audit;
 pub mod boundary;
 pub mod catalog;
+pub mod compare;
 pub mod domain;
 pub mod figure;
+mod html;
 pub mod json;
 pub mod localization;
 pub mod map;
+pub mod methods;
 pub mod notions;
 pub mod plot;
 pub mod reproduce;

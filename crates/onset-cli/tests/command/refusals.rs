@@ -69,6 +69,18 @@ fn unknown_words_name_the_known_ones() {
 }
 
 #[test]
+fn a_formula_that_is_no_kernel_is_refused_with_the_place() {
+    assert_assignment_refused(
+        &["discretization.kernel=(1 - r)^3"],
+        &["column 6", "the variable is `q`", "hint"],
+    );
+    assert_assignment_refused(
+        &["discretization.kernel=exp(-9*q^2)"],
+        &["must vanish there", "hint: multiply by (1 - q)^3"],
+    );
+}
+
+#[test]
 fn parameters_of_another_model_are_refused() {
     let facts = ["has no parameter `mu`", "c1, c2, lambda", "material.model"];
     assert_assignment_refused(&["material.mu=3"], &facts);

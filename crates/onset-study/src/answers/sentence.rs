@@ -163,6 +163,7 @@ pub(super) fn settings(d: &Discretization) -> String {
         word_of(&d.arrangement),
         word_of(&d.quadrature),
         word_of(&d.approximation),
+        word_of(&d.kernel),
         format!("D_mx {}", d.support),
         word_of(&d.frame),
     ];

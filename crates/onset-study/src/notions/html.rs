@@ -2,6 +2,7 @@
 
 use super::card::{CardAnswer, Limits};
 use super::sentence::{heading, witness};
+use crate::html::{embedded, escaped};
 use onset::notions::Notion;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
@@ -75,17 +76,4 @@ impl CardAnswer {
 fn row(cells: &[String]) -> String {
     let cell = |text: &String| format!("<td class=\"n\">{text}</td>");
     format!("<tr>{}</tr>\n", cells.iter().map(cell).collect::<String>())
-}
-
-/// A picture as part of a page: without the declaration of a document of its own.
-fn embedded(svg: &str) -> String {
-    svg.find("<svg")
-        .map_or(svg, |start| &svg[start..])
-        .to_owned()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

@@ -11,6 +11,8 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 pub enum Kind {
     /// One of some words.
     Words(&'static [&'static str]),
+    /// One of some words, or a text that is something else.
+    WordsOr(&'static [&'static str], &'static str),
     /// A finite number, in a unit.
     Number(&'static str),
     /// A positive finite number, in a unit.
@@ -38,6 +40,7 @@ impl Kind {
         };
         match self {
             Self::Words(words) => words.join(" | "),
+            Self::WordsOr(words, other) => format!("{} | {other}", words.join(" | ")),
             Self::Number(unit) => with_unit("a number", unit),
             Self::Positive(unit) => with_unit("a positive number", unit),
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
@@ -56,7 +59,9 @@ impl Kind {
         };
         match (self, value) {
             (Self::Words(words), Value::Word(word)) => words.contains(&word.as_str()),
-            (Self::Switch, Value::Switch(_)) | (Self::Text, Value::Word(_)) => true,
+            (Self::Switch, Value::Switch(_)) | (Self::Text | Self::WordsOr(..), Value::Word(_)) => {
+                true
+            }
             (Self::Subset(words), Value::Words(chosen)) => {
                 chosen.iter().all(|word| words.contains(&word.as_str()))
             }
@@ -68,9 +73,12 @@ impl Kind {
                 Self::PowerOfTwo(least, most) => {
                     whole(*number, least, most) && (*number as u32).is_power_of_two()
                 }
-                Self::Words(_) | Self::Switch | Self::Text | Self::Numbers | Self::Subset(_) => {
-                    false
-                }
+                Self::Words(_)
+                | Self::WordsOr(..)
+                | Self::Switch
+                | Self::Text
+                | Self::Numbers
+                | Self::Subset(_) => false,
             },
             _ => false,
         }
@@ -152,6 +160,20 @@ fn meaning(of_name: impl Iterator<Item = (Model, &'static Parameter)>) -> String
     told.join("; ")
 }
 
+/// The names of the kernels, as in [`Kernel::ALL`](onset::kernel::Kernel::ALL).
+const KERNELS: &[&str] = &[
+    "quartic-spline",
+    "cubic-spline",
+    "quartic-b-spline",
+    "quintic-spline",
+    "wendland-c2",
+    "wendland-c4",
+    "wendland-c6",
+    "gaussian",
+    "hyperbolic",
+    "laguerre-gauss",
+];
+
 /// The keys of the discretization.
 const DISCRETIZATION_KEYS: &[Key] = &[
     key(
@@ -171,7 +193,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     ),
     key(
         "discretization.kernel",
-        Kind::Words(&["quartic-spline"]),
+        Kind::WordsOr(KERNELS, "a formula of q = r / R0"),
         "weight function",
     ),
     key(
@@ -181,14 +203,48 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     ),
     key(
         "discretization.approximation",
-        Kind::Words(&["raw", "shepard", "mls"]),
+        Kind::Words(&[
+            "raw",
+            "shepard",
+            "mls",
+            "mls-2",
+            "mls-3",
+            "randles-libersky",
+            "krongauz-belytschko",
+        ]),
         "correction of the weights",
     ),
     key(
         "discretization.quadrature",
-        Kind::Words(&["nodal", "stress-points", "stress-points-only"]),
+        Kind::Words(&[
+            "nodal",
+            "stress-points",
+            "stress-points-only",
+            "nodal-stabilized",
+            "gauss",
+            "points",
+        ]),
         "quadrature points",
     ),
+    key(
+        "discretization.stress-point-weight",
+        Kind::Positive("1"),
+        "fraction of the cell's volume at the stress points, below 1; Voronoi volumes unless it is set",
+    )
+    .only_with(("discretization.quadrature", "stress-points")),
+    key(
+        "discretization.gauss-points",
+        Kind::Whole(1, 4),
+        "Gauss points per direction",
+    )
+    .only_with(("discretization.quadrature", "gauss")),
+    key(
+        "discretization.points",
+        Kind::Numbers,
+        "for each point its lattice coordinates and its fraction of the cell's volume, one after the other; \
+         the fractions add up to 1",
+    )
+    .only_with(("discretization.quadrature", "points")),
     key(
         "discretization.frame",
         Kind::Words(&["lagrangian", "eulerian"]),
@@ -351,7 +407,7 @@ impl Key {
     /// The words that it takes; none when it takes a number.
     pub fn words(&self) -> &'static [&'static str] {
         match self.kind {
-            Kind::Words(words) => words,
+            Kind::Words(words) | Kind::WordsOr(words, _) => words,
             _ => &[],
         }
     }

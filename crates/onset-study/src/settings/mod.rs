@@ -4,6 +4,7 @@
 //! documentation follow from them.
 
 mod axis;
+mod comparison;
 mod error;
 mod key;
 mod map;
@@ -12,8 +13,10 @@ mod model;
 mod schema;
 mod state;
 mod study;
+mod toml;
 
 pub use axis::{Axis, Quantity};
+pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
@@ -24,7 +27,7 @@ pub use state::StateSettings;
 pub use study::Study;
 
 use onset::approximation::Approximation;
-use onset::kernel::Kernel;
+use onset::kernel::{Kernel, KernelError};
 use onset::lattice::Arrangement;
 use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
@@ -56,6 +59,11 @@ impl Settings {
         }
         settings.material.check()?;
         Ok(settings)
+    }
+
+    /// The number of space dimensions of the discretization.
+    pub fn dimension(&self) -> usize {
+        self.discretization.arrangement.dimension()
     }
 
     /// Applies one assignment `key=value`.
@@ -99,7 +107,13 @@ impl Settings {
             "discretization.arrangement" => {
                 assign(&mut discretization.arrangement, value.word::<Arrangement>())
             }
-            "discretization.kernel" => assign(&mut discretization.kernel, value.word::<Kernel>()),
+            "discretization.kernel" => match kernel(value) {
+                // What is wrong with a formula, and where, is told by the formula.
+                Some(Err(error)) if !matches!(error, KernelError::UnknownName { .. }) => {
+                    return Err(SettingError::new(origin, format!("`{name}`: {error}")));
+                }
+                read => assign(&mut discretization.kernel, read.and_then(Result::ok)),
+            },
             "discretization.approximation" => assign(
                 &mut discretization.approximation,
                 value.word::<Approximation>(),
@@ -107,6 +121,20 @@ impl Settings {
             "discretization.quadrature" => {
                 assign(&mut discretization.quadrature, value.word::<Quadrature>())
             }
+            "discretization.stress-point-weight" => {
+                assign(&mut discretization.stress_point_weight, number.map(Some))
+            }
+            "discretization.gauss-points" => assign(
+                &mut discretization.gauss_points,
+                // A whole number from 1 to 4.
+                number
+                    .filter(|_| key.kind.accepts(value))
+                    .map(|number| number as u32),
+            ),
+            "discretization.points" => assign(
+                &mut discretization.points,
+                value.numbers().map(<[f64]>::to_vec),
+            ),
             "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
             "discretization.background" => {
                 assign(&mut discretization.background, value.word::<Background>())
@@ -149,11 +177,23 @@ impl Settings {
                 let fields = serde_json::to_value(&self.discretization).ok()?;
                 match fields.get(name)? {
                     serde_json::Value::String(word) => Some(Value::Word(word.clone())),
+                    serde_json::Value::Array(numbers) => {
+                        let numbers = numbers.iter().map(serde_json::Value::as_f64);
+                        numbers.collect::<Option<_>>().map(Value::Numbers)
+                    }
                     other => other.as_f64().map(Value::Number),
                 }
             }
             _ => None,
         }
+    }
+}
+
+/// The kernel that a text names or describes.
+fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
+    match value {
+        Value::Word(text) => Some(text.parse()),
+        _ => None,
     }
 }
 
@@ -200,6 +240,13 @@ impl Value {
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> Option<&[f64]> {
+        match self {
+            Self::Numbers(numbers) => Some(numbers),
             _ => None,
         }
     }
@@ -353,6 +400,33 @@ mod tests {
         assert!(error_of("discretization.support=wide").contains("expected a positive number"));
         assert!(error_of("discretization.support").contains("not an assignment"));
         assert!(error_of("zzz=1").contains("known keys"));
+    }
+
+    #[test]
+    fn a_kernel_is_a_name_or_a_formula() {
+        let formula = "(1 - q)^5*(1 + 5*q)";
+        let set = |text: &str| {
+            Settings::from_assignments(&[format!("discretization.kernel={text}")])
+                .expect("a kernel")
+        };
+        let settings = set(formula);
+        let value = settings.value("discretization.kernel");
+        assert_eq!(value, Some(Value::Word(formula.to_owned())));
+        let json = serde_json::to_string(&settings.discretization).expect("serializable");
+        let read: Discretization = serde_json::from_str(&json).expect("the same");
+        assert_eq!(read, settings.discretization);
+        for kernel in Kernel::ALL {
+            assert_eq!(set(kernel.name()).discretization.kernel, kernel);
+        }
+        let refused = error_of("discretization.kernel=(1 - q)^2*(1 + r)");
+        assert!(
+            refused.contains("column 16: `r` has no meaning here"),
+            "{refused}"
+        );
+        assert!(
+            error_of("discretization.kernel=cubc-spline").contains("did you mean `cubic-spline`")
+        );
+        assert!(error_of("discretization.kernel=1 - q/2").contains("0.5 at q = 1"));
     }
 
     #[test]

@@ -99,6 +99,9 @@ fn described(meaning: &str, unit: Option<&str>) -> Value {
 fn property(key: &Key) -> Value {
     let mut property = match key.kind {
         Kind::Words(words) => json!({ "enum": words }),
+        Kind::WordsOr(words, other) => {
+            json!({ "anyOf": [{ "enum": words }, { "type": "string", "title": other }] })
+        }
         Kind::Number(_) => json!({ "type": "number" }),
         Kind::Positive(_) => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Kind::Whole(least, most) => {

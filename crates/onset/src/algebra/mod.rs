@@ -5,6 +5,7 @@ mod golden;
 mod pack;
 mod symmetric;
 mod trigonometric;
+mod well;
 
 pub(crate) use eigen::MAXIMUM_ITERATIONS;
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
@@ -12,6 +13,7 @@ pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
+pub(crate) use well::{is_well, settled};
 
 /// Complex numbers of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

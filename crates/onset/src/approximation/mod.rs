@@ -1,13 +1,22 @@
-//! Shape functions from weights: raw, Shepard, and moving least squares.
+//! Shape functions from weights: raw, Shepard, moving least squares, and corrected derivatives.
 //!
-//! All three are `phi_K = alpha . p(xi_K) W(xi_K)` with `xi_K = x_K - x`, where the coefficients
-//! solve `M alpha = e_0` with the moment matrix `M = sum_K W p (x) p`: for the basis `p = (1)` this is
-//! Shepard's function (34), for `p = (1, xi)` moving least squares with linear completeness; raw
-//! weights have a constant `alpha`. Derivatives with respect to the evaluation point and to the
-//! particles follow by implicit differentiation of `M alpha = e_0`.
+//! All but the last are `phi_K = alpha . p(xi_K) W(xi_K)` with `xi_K = x_K - x`, where the coefficients solve
+//! `M alpha = e_0` with the moment matrix `M = sum_K W p (x) p`: for the basis `p = (1)` this is Shepard's function (34),
+//! for all monomials up to a degree moving least squares, which is the reproducing kernel method of that order; raw
+//! weights have a constant `alpha`. Corrected derivatives have gradients that are the derivative of no function:
+//! `grad f(x) = C^T sum_K (f_K - f_0) grad W_K`, with the matrix `C` that makes it exact for linear fields.
+
+mod basis;
+mod corrected;
+mod least_squares;
+
+pub use basis::basis_size;
 
 use crate::kernel::Weight;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use basis::{BasisValue, Monomials, Term};
+use corrected::{Reference, corrected};
+use least_squares::{Coefficients, solved};
+use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
 /// How weights are corrected to become shape functions.
@@ -24,6 +33,65 @@ pub enum Approximation {
     Shepard,
     /// Moving least squares with a linear basis: linearly complete.
     Mls,
+    /// Moving least squares with all monomials up to the second degree.
+    #[cfg_attr(feature = "serde", serde(rename = "mls-2"))]
+    Mls2,
+    /// Moving least squares with all monomials up to the third degree.
+    #[cfg_attr(feature = "serde", serde(rename = "mls-3"))]
+    Mls3,
+    /// Gradients of differences to the value of the particle at the point, corrected to be exact for linear fields:
+    /// `grad f(x_I) = C^T sum_K (f_K - f_I) grad W_K`, `C = (sum_K (x_K - x_I) (x) grad W_K)^-1`, as in Randles and
+    /// Libersky, Comput. Methods Appl. Mech. Engrg. 139 (1996) 375. At points that are no particles `f_I` is
+    /// interpolated by Shepard's functions.
+    RandlesLibersky,
+    /// Gradients of Shepard's functions, corrected by a matrix to be exact for linear fields:
+    /// `psi_K = C^T grad phi_K`, `C = (sum_K x_K (x) grad phi_K)^-1`, as in Krongauz and Belytschko, Comput. Methods
+    /// Appl. Mech. Engrg. 146 (1997) 371.
+    KrongauzBelytschko,
+}
+
+impl Approximation {
+    /// All of them, in the order of the documentation.
+    pub const ALL: [Self; 7] = [
+        Self::Raw,
+        Self::Shepard,
+        Self::Mls,
+        Self::Mls2,
+        Self::Mls3,
+        Self::RandlesLibersky,
+        Self::KrongauzBelytschko,
+    ];
+
+    /// The degree up to which polynomials are reproduced by the values, `sum_K q(x_K) phi_K(x) = q(x)`; none where
+    /// not even constants are.
+    pub fn degree(self) -> Option<usize> {
+        match self {
+            Self::Raw => None,
+            Self::Shepard | Self::RandlesLibersky | Self::KrongauzBelytschko => Some(0),
+            Self::Mls => Some(1),
+            Self::Mls2 => Some(2),
+            Self::Mls3 => Some(3),
+        }
+    }
+
+    /// The degree up to which gradients of polynomials are exact, `sum_K q(x_K) grad phi_K(x) = grad q(x)`.
+    ///
+    /// ```
+    /// use onset::approximation::Approximation;
+    /// let krongauz = Approximation::KrongauzBelytschko;
+    /// assert_eq!((krongauz.degree(), krongauz.degree_of_gradients()), (Some(0), Some(1)));
+    /// ```
+    pub fn degree_of_gradients(self) -> Option<usize> {
+        match self {
+            Self::RandlesLibersky | Self::KrongauzBelytschko => Some(1),
+            other => other.degree(),
+        }
+    }
+
+    /// The least number of neighbors that determine a gradient in a dimension.
+    pub fn neighbors_needed(self, dimension: usize) -> usize {
+        basis_size(dimension, self.degree().unwrap_or(0).max(1))
+    }
 }
 
 /// The moment matrix of a quadrature point is singular: the neighbors do not span space.
@@ -42,11 +110,13 @@ const MAXIMUM_CONDITION: f64 = 1e12;
 pub struct ShapeFunctions<const D: usize> {
     /// `phi_K`, dimensionless.
     pub values: Vec<f64>,
-    /// `phi_K,j`, with respect to the evaluation point; 1/length.
+    /// `phi_K,j`, with respect to the evaluation point, or the corrected gradient in its place; 1/length.
     pub gradients: Vec<SVector<f64, D>>,
-    /// `phi_K,jt`, with respect to the evaluation point; 1/length^2.
+    /// The derivative `t` of the gradient `j` with respect to the evaluation point, row `j`, column `t`; symmetric unless
+    /// the gradient is a corrected one. 1/length^2.
     pub hessians: Vec<SMatrix<f64, D, D>>,
-    /// As `hessians`, but with the normalization `alpha` held fixed: `alpha . (p W)_,jt`.
+    /// As `hessians`, but with the normalization `alpha` held fixed: `alpha . (p W)_,jt`; of corrected gradients
+    /// `C_mj W_,mt`.
     pub frozen_hessians: Vec<SMatrix<f64, D, D>>,
     /// How the gradients change when particles move, if asked for.
     motion: Option<Motion<D>>,
@@ -57,7 +127,7 @@ pub struct ShapeFunctions<const D: usize> {
 /// `I`; for `K = I` also what the particle's own term `a` does. 1/length^2.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion<const D: usize> {
-    /// Number of basis functions.
+    /// Number of products.
     pub(crate) basis: usize,
     /// `a_b` with its gradient, at `[I * basis + b]`.
     pub(crate) terms: Vec<(f64, SVector<f64, D>)>,
@@ -65,6 +135,17 @@ pub(crate) struct Motion<const D: usize> {
     pub(crate) shifts: Vec<(SVector<f64, D>, SMatrix<f64, D, D>)>,
     /// What is added for `K = I`.
     pub(crate) own: Vec<SMatrix<f64, D, D>>,
+}
+
+impl<const D: usize> Motion<D> {
+    fn with_capacity(basis: usize, neighbors: usize) -> Self {
+        Self {
+            basis,
+            terms: Vec::with_capacity(basis * neighbors),
+            shifts: Vec::with_capacity(basis * neighbors),
+            own: Vec::with_capacity(neighbors),
+        }
+    }
 }
 
 /// Which derivatives are wanted.
@@ -103,7 +184,7 @@ impl<const D: usize> ShapeFunctions<D> {
 impl Approximation {
     /// The shape functions at a point from the weights of its neighbors at the relative positions
     /// `xi_K = x_K - x`. `raw_factor` is particle volume over kernel integral; `length` scales the
-    /// linear basis and has no influence but on rounding.
+    /// basis and has no influence but on rounding.
     ///
     /// # Errors
     /// [`SingularMoment`] when the neighbors do not determine the coefficients.
@@ -115,224 +196,56 @@ impl Approximation {
         length: f64,
         order: Order,
     ) -> Result<ShapeFunctions<D>, SingularMoment> {
-        let constant = |_: usize| BasisValue::<D, 1>::constant();
+        let constant = || -> Vec<Term<D, 1>> {
+            let term = |w: &Weight<D>| Term::new(BasisValue::constant(), w);
+            weights.iter().map(term).collect()
+        };
+        let neighbors = Neighbors {
+            positions,
+            weights,
+            length,
+            order,
+        };
         match (self, D) {
             (Self::Raw, _) => {
                 let fixed = Coefficients::<D, 1>::fixed(raw_factor);
-                Ok(fixed.shape_functions(&terms(weights, constant), order))
+                Ok(fixed.shape_functions(&constant(), order))
             }
-            (Self::Shepard, _) => solved(&terms(weights, constant), order),
-            (Self::Mls, 1) => solved(
-                &terms(weights, |k| {
-                    BasisValue::<D, 2>::linear(&positions[k], length)
-                }),
-                order,
-            ),
-            (Self::Mls, 2) => solved(
-                &terms(weights, |k| {
-                    BasisValue::<D, 3>::linear(&positions[k], length)
-                }),
-                order,
-            ),
-            (Self::Mls, _) => solved(
-                &terms(weights, |k| {
-                    BasisValue::<D, 4>::linear(&positions[k], length)
-                }),
-                order,
-            ),
+            (Self::Shepard, _) => solved(&constant(), order),
+            (Self::Mls, 1) => neighbors.least_squares::<2>(),
+            (Self::Mls, 2) | (Self::Mls2, 1) => neighbors.least_squares::<3>(),
+            (Self::Mls, _) | (Self::Mls3, 1) => neighbors.least_squares::<4>(),
+            (Self::Mls2, 2) => neighbors.least_squares::<6>(),
+            (Self::Mls2, _) | (Self::Mls3, 2) => neighbors.least_squares::<10>(),
+            (Self::Mls3, _) => neighbors.least_squares::<20>(),
+            (Self::RandlesLibersky, _) => {
+                corrected(positions, weights, Reference::Particle, length, order)
+            }
+            (Self::KrongauzBelytschko, _) => {
+                corrected(positions, weights, Reference::Interpolated, length, order)
+            }
         }
     }
 }
 
-/// The basis `p` at a neighbor and its (constant) gradient.
-struct BasisValue<const D: usize, const B: usize> {
-    value: SVector<f64, B>,
-    gradient: [SVector<f64, B>; D],
-}
-
-impl<const D: usize, const B: usize> BasisValue<D, B> {
-    fn constant() -> Self {
-        Self {
-            value: SVector::repeat(1.0),
-            gradient: [SVector::zeros(); D],
-        }
-    }
-
-    /// `p = (1, xi / length)`.
-    fn linear(xi: &SVector<f64, D>, length: f64) -> Self {
-        let unit = |j: usize| SVector::from_fn(|b, _| if b == j + 1 { 1.0 / length } else { 0.0 });
-        Self {
-            value: SVector::from_fn(|b, _| if b == 0 { 1.0 } else { xi[b - 1] / length }),
-            gradient: std::array::from_fn(unit),
-        }
-    }
-}
-
-/// What one neighbor contributes: `a = p W` and `m = W p (x) p`, differentiated with respect to `xi`.
-struct Term<const D: usize, const B: usize> {
-    a: SVector<f64, B>,
-    a1: [SVector<f64, B>; D],
-    a2: [[SVector<f64, B>; D]; D],
-    m: SMatrix<f64, B, B>,
-    m1: [SMatrix<f64, B, B>; D],
-    m2: [[SMatrix<f64, B, B>; D]; D],
-}
-
-fn terms<const D: usize, const B: usize>(
-    weights: &[Weight<D>],
-    basis: impl Fn(usize) -> BasisValue<D, B>,
-) -> Vec<Term<D, B>> {
-    let term = |(k, w): (usize, &Weight<D>)| {
-        let BasisValue {
-            value: p,
-            gradient: p1,
-        } = basis(k);
-        let a = p * w.value;
-        let a1 = std::array::from_fn(|j| p1[j] * w.value + p * w.gradient[j]);
-        let a2 = std::array::from_fn(|j| {
-            std::array::from_fn(|t| {
-                p1[j] * w.gradient[t] + p1[t] * w.gradient[j] + p * w.hessian[(j, t)]
-            })
-        });
-        Term {
-            a,
-            a1,
-            a2,
-            m: p * a.transpose(),
-            m1: std::array::from_fn(|j| p1[j] * a.transpose() + p * a1[j].transpose()),
-            m2: std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
-                    p1[j] * a1[t].transpose() + p1[t] * a1[j].transpose() + p * a2[j][t].transpose()
-                })
-            }),
-        }
-    };
-    weights.iter().enumerate().map(term).collect()
-}
-
-/// The coefficients `alpha` and what their derivatives need.
-struct Coefficients<const D: usize, const B: usize> {
-    /// `M^-1`; zero where `alpha` is fixed, which makes all derivatives of `alpha` vanish.
-    inverse: SMatrix<f64, B, B>,
-    alpha: SVector<f64, B>,
-    /// `D_j alpha`, with respect to the evaluation point.
-    alpha1: [SVector<f64, B>; D],
-    /// `D_j D_t alpha`.
-    alpha2: [[SVector<f64, B>; D]; D],
-    /// `sum_K m_,j`: minus the derivative of `M` with respect to the evaluation point.
-    moment1: [SMatrix<f64, B, B>; D],
-}
-
-fn solved<const D: usize, const B: usize>(
-    terms: &[Term<D, B>],
+/// The neighbors of a point.
+struct Neighbors<'a, const D: usize> {
+    positions: &'a [SVector<f64, D>],
+    weights: &'a [Weight<D>],
+    length: f64,
     order: Order,
-) -> Result<ShapeFunctions<D>, SingularMoment> {
-    let moment: SMatrix<f64, B, B> = terms.iter().map(|term| term.m).sum();
-    let inverse = DMatrix::from_fn(B, B, |i, j| moment[(i, j)]).try_inverse();
-    let inverse = inverse.map(|inverse| SMatrix::<f64, B, B>::from_fn(|i, j| inverse[(i, j)]));
-    let condition = inverse.map_or(f64::INFINITY, |inverse| inverse.amax() * moment.amax());
-    let Some(inverse) = inverse.filter(|_| condition < MAXIMUM_CONDITION) else {
-        return Err(SingularMoment { condition });
-    };
-    let alpha: SVector<f64, B> = inverse.column(0).into_owned();
-    // M alpha = e0 differentiated: D_j M = -M_j (the point moves against the neighbors), so
-    // D_j alpha = M^-1 M_j alpha and D_jt alpha = M^-1 (M_j D_t alpha + M_t D_j alpha - M_jt alpha).
-    let moment1: [SMatrix<f64, B, B>; D] =
-        std::array::from_fn(|j| terms.iter().map(|term| term.m1[j]).sum());
-    let alpha1 = std::array::from_fn(|j| inverse * (moment1[j] * alpha));
-    let alpha2 = std::array::from_fn(|j| {
-        std::array::from_fn(|t| {
-            let moment2: SMatrix<f64, B, B> = terms.iter().map(|term| term.m2[j][t]).sum();
-            inverse * (moment1[j] * alpha1[t] + moment1[t] * alpha1[j] - moment2 * alpha)
-        })
-    });
-    Ok(Coefficients {
-        inverse,
-        alpha,
-        alpha1,
-        alpha2,
-        moment1,
-    }
-    .shape_functions(terms, order))
 }
 
-impl<const D: usize, const B: usize> Coefficients<D, B> {
-    /// A constant `alpha`, as raw weights have.
-    fn fixed(alpha: f64) -> Self {
-        Self {
-            inverse: SMatrix::zeros(),
-            alpha: SVector::repeat(alpha),
-            alpha1: [SVector::zeros(); D],
-            alpha2: [[SVector::zeros(); D]; D],
-            moment1: [SMatrix::zeros(); D],
-        }
-    }
-
-    fn shape_functions(&self, terms: &[Term<D, B>], order: Order) -> ShapeFunctions<D> {
-        let Self {
-            alpha,
-            alpha1,
-            alpha2,
-            ..
-        } = self;
-        let matrix = |entry: &dyn Fn(usize, usize) -> f64| SMatrix::from_fn(entry);
-        let gradient =
-            |i: &Term<D, B>| SVector::from_fn(|j, _| alpha1[j].dot(&i.a) - alpha.dot(&i.a1[j]));
-        let frozen = |i: &Term<D, B>| matrix(&|j, t| alpha.dot(&i.a2[j][t]));
-        let hessian = |i: &Term<D, B>| {
-            matrix(&|j, t| {
-                alpha2[j][t].dot(&i.a) - alpha1[j].dot(&i.a1[t]) - alpha1[t].dot(&i.a1[j])
-                    + alpha.dot(&i.a2[j][t])
-            })
-        };
-        let second = order != Order::First;
-        let optional = |make: &dyn Fn(&Term<D, B>) -> SMatrix<f64, D, D>| {
-            if second {
-                terms.iter().map(make).collect()
-            } else {
-                Vec::new()
-            }
-        };
-        ShapeFunctions {
-            values: terms.iter().map(|i| alpha.dot(&i.a)).collect(),
-            gradients: terms.iter().map(gradient).collect(),
-            hessians: optional(&hessian),
-            frozen_hessians: optional(&frozen),
-            motion: (order == Order::Sensitivities).then(|| self.motion(terms)),
-        }
-    }
-
-    /// From `phi_I,j = D_j alpha . a_I - alpha . a_I,j`.
-    fn motion(&self, terms: &[Term<D, B>]) -> Motion<D> {
-        let mut motion = Motion {
-            basis: B,
-            terms: Vec::with_capacity(B * terms.len()),
-            shifts: Vec::with_capacity(B * terms.len()),
-            own: Vec::with_capacity(terms.len()),
-        };
-        for term in terms {
-            // d alpha / d x_K,t = -M^-1 m_,t alpha, and its derivative along the evaluation point.
-            let shift: [SVector<f64, B>; D] =
-                std::array::from_fn(|t| -(self.inverse * (term.m1[t] * self.alpha)));
-            let slope: [[SVector<f64, B>; D]; D] = std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
-                    self.inverse
-                        * (term.m2[j][t] * self.alpha + self.moment1[j] * shift[t]
-                            - term.m1[t] * self.alpha1[j])
-                })
-            });
-            for b in 0..B {
-                let gradient = SVector::from_fn(|j, _| term.a1[j][b]);
-                motion.terms.push((term.a[b], gradient));
-                let shift = SVector::from_fn(|t, _| shift[t][b]);
-                motion
-                    .shifts
-                    .push((shift, SMatrix::from_fn(|j, t| slope[j][t][b])));
-            }
-            motion.own.push(SMatrix::from_fn(|j, t| {
-                self.alpha1[j].dot(&term.a1[t]) - self.alpha.dot(&term.a2[j][t])
-            }));
-        }
-        motion
+impl<const D: usize> Neighbors<'_, D> {
+    /// Moving least squares with the first `B` monomials.
+    fn least_squares<const B: usize>(&self) -> Result<ShapeFunctions<D>, SingularMoment> {
+        let monomials = Monomials::<D, B>::new();
+        let terms: Vec<Term<D, B>> = self
+            .positions
+            .iter()
+            .zip(self.weights)
+            .map(|(xi, w)| Term::new(monomials.at(xi, self.length), w))
+            .collect();
+        solved(&terms, self.order)
     }
 }

@@ -13,7 +13,7 @@ use pulp::{Arch, NullaryFnOnce};
 /// The dynamical matrix of a method and a material at a homogeneous state.
 ///
 /// Lagrangian kernels: `D_ik = 1/m sum_q V_q conj(B_J) A_iJkL B_L`, `B = sum_K grad phi_K exp(i k.(X_K - X_q))`,
-/// equations (45), (54). Eulerian kernels: the derivative of `f_I = sum_q v_q sigma(q) grad phi_I(x_q)`
+/// equations (45), (54); with natural stabilization plus `1/m sum_q M_jl conj(B_J,j) A_iJkL B_L,l`. Eulerian kernels: the derivative of `f_I = sum_q v_q sigma(q) grad phi_I(x_q)`
 /// by the positions, equations (51), (55), in the chosen linearization. Shape `D x D`, units 1/time^2.
 ///
 /// ```
@@ -58,9 +58,18 @@ fn order<const D: usize>(method: &Method<D>) -> Order {
         discretization.frame,
         discretization.linearization.is_exact_in_kernel(),
     ) {
-        (Frame::Lagrangian, _) => Order::First,
+        (Frame::Lagrangian, _) => order_of_gradients(method),
         (Frame::Eulerian, false) => Order::Second,
         (Frame::Eulerian, true) => Order::Sensitivities,
+    }
+}
+
+/// The derivatives of the shape functions that sums of products of strains need.
+fn order_of_gradients<const D: usize>(method: &Method<D>) -> Order {
+    if method.is_naturally_stabilized() {
+        Order::Second
+    } else {
+        Order::First
     }
 }
 
@@ -83,12 +92,12 @@ fn assembled<const D: usize>(
         known = Some((point.deformation, local));
         match discretization.frame {
             Frame::Lagrangian => {
-                let factor = point.volume / method.particle_mass();
-                let mut pairs = Pairs::new(point.cells.len(), D);
-                pairs.add_gradients(point, 0, |own| {
-                    contracted(&local.tangent, own, None, factor)
-                });
-                pairs.sum(point, &mut constants);
+                add_lagrangian(
+                    &mut constants,
+                    point,
+                    &local.tangent,
+                    method.particle_mass(),
+                );
             }
             Frame::Eulerian => {
                 let current = point.deformation.jacobian() * point.volume;
@@ -136,20 +145,18 @@ pub(super) fn moment_matrix<const D: usize>(
     of_gradients(method, f, &unit, method.particle_mass())
 }
 
-/// `sum_q V_q conj(B_J) T_iJkL B_L` over a divisor, with a tangent that is no material's.
+/// `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l` over a divisor, with a tangent that is no material's.
 fn of_gradients<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
     tangent: &Tangent<D>,
     divisor: f64,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let (configuration, is_inverted) = method.configuration_of_halves(f, Order::First)?;
+    let order = order_of_gradients(method);
+    let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
     let mut constants = ForceConstants::new(reach(&configuration));
     for point in &configuration.points {
-        let factor = point.volume / divisor;
-        let mut pairs = Pairs::new(point.cells.len(), D);
-        pairs.add_gradients(point, 0, |own| contracted(tangent, own, None, factor));
-        pairs.sum(point, &mut constants);
+        add_lagrangian(&mut constants, point, tangent, divisor);
     }
     Ok(constants.finish(method.lattice(), is_inverted))
 }
@@ -276,6 +283,31 @@ fn contracted<const D: usize>(
     })
 }
 
+/// The force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor, and where strain is expanded
+/// over the point's cell `M_jl conj(B_J,j) T_iJkL B_L,l`.
+fn add_lagrangian<const D: usize>(
+    constants: &mut ForceConstants<D>,
+    point: &ConfiguredPoint<D>,
+    tangent: &Tangent<D>,
+    divisor: f64,
+) {
+    let expanded = point.second_moments.map_or(0, |_| D * D);
+    let mut pairs = Pairs::new(point.cells.len(), D + expanded);
+    let factor = point.volume / divisor;
+    pairs.add_gradients(point, 0, |own| contracted(tangent, own, None, factor));
+    if let Some(moments) = point.second_moments {
+        for l in 0..D {
+            let first = |i: usize| {
+                let moved: SVector<f64, D> = point.shape.hessians[i] * moments.column(l);
+                contracted(tangent, &moved, None, divisor.recip())
+            };
+            let second = |k: usize| point.shape.hessians[k].column(l).into_owned();
+            pairs.add_products(D * (1 + l), first, second);
+        }
+    }
+    pairs.sum(point, constants);
+}
+
 /// The force constants of a point of an Eulerian kernel: the gradient stiffness, and `sigma_ij d(phi_I,j)(x_q)`, since the
 /// kernel moves with the particles and the quadrature point. In the continuum the latter cancels against parts of the
 /// gradient stiffness; here it does so only to quadrature error, which is the tensile instability.
@@ -384,11 +416,23 @@ impl<const D: usize> Pairs<D> {
         number: usize,
         contracted: impl Fn(&SVector<f64, D>) -> [Block<D>; D],
     ) {
-        for (n, own) in point.shape.gradients.iter().enumerate() {
+        let gradients = &point.shape.gradients;
+        self.add_products(number, |i| contracted(&gradients[i]), |k| gradients[k]);
+    }
+
+    /// Sets the products of as many matrices as dimensions with the components of a vector, from a number on.
+    fn add_products(
+        &mut self,
+        number: usize,
+        of_i: impl Fn(usize) -> [Block<D>; D],
+        of_k: impl Fn(usize) -> SVector<f64, D>,
+    ) {
+        for n in 0..self.first.len() / self.rank {
             let at = n * self.rank + number;
-            self.first[at..at + D].copy_from_slice(&contracted(own));
+            self.first[at..at + D].copy_from_slice(&of_i(n));
+            let components = of_k(n);
             for l in 0..D {
-                self.second[at + l] = [[own[l]; D]; D];
+                self.second[at + l] = [[components[l]; D]; D];
             }
         }
     }

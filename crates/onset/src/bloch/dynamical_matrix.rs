@@ -384,6 +384,23 @@ impl<const D: usize> DynamicalMatrix<D> {
             .flatten()
     }
 
+    /// The force constants `Phi(R)` of all lattice vectors that have some, zero included; `None` where some belong to vectors
+    /// that are none of the lattice.
+    pub(crate) fn force_constants(&self) -> Option<Vec<([i32; D], SMatrix<f64, D, D>)>> {
+        let mut own = self.rigid;
+        let mut constants = Vec::with_capacity(2 * self.terms.len() + 1);
+        for term in &self.terms {
+            if term.site != 0 {
+                return None;
+            }
+            own -= term.even;
+            constants.push((term.cell, (term.even + term.odd) * 0.5));
+            constants.push((term.cell.map(|n| -n), (term.even - term.odd) * 0.5));
+        }
+        constants.push(([0; D], own));
+        Some(constants)
+    }
+
     /// Where in its cell a vector ends.
     pub(super) fn sites(&self) -> &[SVector<f64, D>] {
         &self.sites

@@ -109,17 +109,20 @@ pub enum Reason {
     Dimension,
     /// The enclosures are not finite at this state.
     NotFinite,
+    /// The approximation or the quadrature is one whose enclosures do not exist.
+    Method,
 }
 
 impl Reason {
     /// All of them, in the order of their flags in files.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::WithinTolerance,
         Self::Growth,
         Self::Budget,
         Self::NoInversionCenter,
         Self::Dimension,
         Self::NotFinite,
+        Self::Method,
     ];
 
     /// The word used in files and legends.
@@ -131,6 +134,7 @@ impl Reason {
             Self::NoInversionCenter => "no-inversion-center",
             Self::Dimension => "dimension",
             Self::NotFinite => "not-finite",
+            Self::Method => "method",
         }
     }
 }
@@ -577,6 +581,9 @@ impl<'a, const D: usize> Certifier<'a, D> {
         let identity = DeformationGradient::identity();
         let order = crate::approximation::Order::First;
         self.method.configuration(&identity, order)?;
+        if self.method.is_naturally_stabilized() {
+            return Ok(None);
+        }
         let has_volumes = |point: &QuadraturePoint<D>| point.volume > 0.0;
         let all = self.method.quadrature_points();
         if !all.iter().all(has_volumes) {

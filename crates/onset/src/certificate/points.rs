@@ -16,6 +16,9 @@ const VOLUME_ULPS: u32 = 64;
 /// Distance of lattice coordinates below which two places are the same.
 const SAME_PLACE: f64 = 2e-16;
 
+/// Distance of the rim, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) counts no neighbor.
+const ON_THE_RIM: f64 = 1e-12;
+
 /// Up to three coefficients or basis functions; with fewer, the rest are zero.
 type Basis = [Interval; 3];
 type BasisMatrix = [Basis; 3];
@@ -73,12 +76,19 @@ struct Layout<const D: usize> {
 /// The quadrature points of one cell, one of each pair that inversion maps to each other.
 ///
 /// # Errors
-/// [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
+/// [`Reason::Method`] for approximations and quadratures that are not written down here; [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
 /// lattice is so thin that intervals do not tell it from a degenerate one.
 pub(super) fn points<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<Vec<Point<D>>, Reason> {
+    let is_covered = matches!(
+        method.discretization().approximation,
+        Approximation::Raw | Approximation::Shepard | Approximation::Mls
+    );
+    if !is_covered || method.is_naturally_stabilized() {
+        return Err(Reason::Method);
+    }
     let layout = layout(method, f);
     let all = method.quadrature_points();
     let mut points = Vec::new();
@@ -187,8 +197,8 @@ fn enclosed<const D: usize>(
     })
 }
 
-/// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in:
-/// the weight and its two derivatives vanish on the rim, so that the intervals of such a particle hold zero.
+/// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in, with
+/// intervals that hold zero as well: whether the kernel ends smoothly at the rim or not, they hold what the weight is on both sides.
 fn term<const D: usize>(
     method: &Method<D>,
     layout: &Layout<D>,
@@ -202,7 +212,12 @@ fn term<const D: usize>(
     if q.low > 1.0 {
         return None;
     }
-    let profile = method.discretization().kernel.profile(q);
+    let mut profile = method.discretization().kernel.profile::<D, _>(q);
+    if q.high >= 1.0 - ON_THE_RIM {
+        profile.value = profile.value.hull(Interval::ZERO);
+        profile.slope_over_q = profile.slope_over_q.hull(Interval::ZERO);
+        profile.curvature_over_q = profile.curvature_over_q.hull(Interval::ZERO);
+    }
     let in_unit: Square<D> = std::array::from_fn(|j| {
         std::array::from_fn(|t| {
             // |y_j y_t / q| <= q also at the center.
@@ -261,10 +276,7 @@ fn term<const D: usize>(
 
 /// Particle volume over the integral of the weight.
 fn raw_factor<const D: usize>(method: &Method<D>, layout: &Layout<D>) -> Interval {
-    let unit = Interval::around(
-        method.discretization().kernel.integral::<D>(1.0),
-        PLACE_ULPS,
-    );
+    let unit = method.discretization().kernel.enclosed_integral::<D>();
     let integral = unit * layout.radius.powi(D as i32) / determinant(&layout.metric).abs();
     determinant(&layout.vectors).abs() / integral
 }

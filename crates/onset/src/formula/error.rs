@@ -220,6 +220,14 @@ pub enum Problem {
         /// A known name that may be meant.
         meant: Option<String>,
     },
+    /// Another name than that of the one variable.
+    #[error("`{name}` has no meaning here; the variable is `{variable}`")]
+    NotTheVariable {
+        /// As typed.
+        name: String,
+        /// The variable.
+        variable: &'static str,
+    },
     /// A fiber invariant without the direction of its fibers.
     #[error("the direction of the fibers is not set: `{angle}` has no value")]
     NoFiberAngle {
@@ -324,6 +332,7 @@ impl Problem {
                     words::variable_names()
                 ),
             }),
+            Self::NotTheVariable { .. } => fixed("write numbers in place of other names"),
             Self::NoFiberAngle { angle } => Some(format!(
                 "set {angle}, in degrees from the first axis within the plane"
             )),

@@ -58,6 +58,8 @@ pub(super) enum Leaf {
     Jacobian,
     /// A principal stretch, counted from zero.
     Stretch(usize),
+    /// The variable of a function of one.
+    Argument,
 }
 
 /// One operation.
@@ -351,6 +353,16 @@ impl Graph {
 
     /// The graph of the same result with numbers in place of the parameters.
     pub(super) fn with_parameters(&self, result: Id, values: &[f64]) -> (Self, Id) {
+        self.replaced(result, |graph, number| graph.constant(values[number]))
+    }
+
+    /// The graph of the same result with the argument in place of every parameter.
+    pub(super) fn of_argument(&self, result: Id) -> (Self, Id) {
+        self.replaced(result, |graph, _| graph.leaf(Leaf::Argument))
+    }
+
+    /// The graph of the same result with something else in place of the parameters.
+    fn replaced(&self, result: Id, parameter: impl Fn(&mut Self, usize) -> Id) -> (Self, Id) {
         let needed = self.needed_by(result);
         let mut graph = Self::default();
         let mut place: Vec<Id> = Vec::with_capacity(self.nodes.len());
@@ -361,7 +373,7 @@ impl Graph {
             }
             graph.range = self.ranges[id].clone();
             place.push(match *node {
-                Node::Parameter(number) => graph.constant(values[number]),
+                Node::Parameter(number) => parameter(&mut graph, number),
                 Node::Constant(_) | Node::Leaf(_) => graph.node(*node),
                 Node::Apply(function, x) => graph.apply(function, place[x]),
                 Node::Negate(x) => graph.negate(place[x]),

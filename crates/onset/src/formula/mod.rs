@@ -22,12 +22,14 @@
 mod error;
 mod graph;
 mod lexer;
+mod one;
 mod parser;
 mod stretches;
 mod tape;
 mod words;
 
 pub use error::{FormulaError, Place, Problem};
+pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
 use crate::kinematics::DeformationGradient;
@@ -240,8 +242,8 @@ impl StrainEnergy for FormulaLaw {
                     f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j]
                 }
                 Leaf::Jacobian => f.determinant(),
-                // Terms with stretches are in the other tape.
-                Leaf::Stretch(_) => R::constant(f64::NAN),
+                // Terms with stretches are in the other tape; an energy has no argument.
+                Leaf::Stretch(_) | Leaf::Argument => R::constant(f64::NAN),
             })
         };
         match (&self.stretches, &self.rest) {

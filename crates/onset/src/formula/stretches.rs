@@ -61,7 +61,7 @@ impl PrincipalEnergy for StretchTape {
         self.0.evaluate(|leaf| match leaf {
             Leaf::Stretch(n) => stretches[n],
             Leaf::Jacobian => stretches[0] * stretches[1] * stretches[2],
-            Leaf::Component(..) | Leaf::CauchyGreen(..) => R::constant(f64::NAN),
+            Leaf::Component(..) | Leaf::CauchyGreen(..) | Leaf::Argument => R::constant(f64::NAN),
         })
     }
 }

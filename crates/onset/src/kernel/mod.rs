@@ -1,19 +1,65 @@
 //! Weight functions of compact support.
+//!
+//! All are functions of the distance in units of the support radius, `q = |x| / R0`, one at the origin and zero for `q >= 1`. Codes
+//! that measure by a smoothing length `h` put the rim at `2 h`, `2.5 h` or `3 h`; here the radius is what a user sets, and
+//! [`Kernel::support_over_smoothing_length`] converts by the standard deviation, which does not depend on such habits.
+
+mod description;
+mod error;
+mod exponential;
+mod formula;
+mod moments;
+mod profile;
+mod smoothness;
+mod spline;
+mod wendland;
+
+pub use error::KernelError;
+pub use formula::FormulaKernel;
+pub use profile::Profile;
+pub use smoothness::Smoothness;
 
 use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 
-/// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`.
+/// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`, one at the origin.
+///
+/// By name or as a formula of `q` it is read from text, and written to it:
+///
+/// ```
+/// use onset::kernel::Kernel;
+/// let cubic: Kernel = "cubic-spline".parse()?;
+/// assert_eq!(cubic, Kernel::CubicSpline);
+/// let own: Kernel = "(1 - q)^2*(1 + 2*q)".parse()?;
+/// assert_eq!(own.to_string(), "(1 - q)^2*(1 + 2*q)");
+/// # Ok::<(), onset::kernel::KernelError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
 pub enum Kernel {
     /// The quartic spline, equation (35): `W = 1 - 6 q^2 + 8 q^3 - 3 q^4 = (1 - q)^3 (1 + 3 q)`.
-    /// `W`, `W'` and `W''` vanish at `q = 1`; the third derivative jumps there and at `q = 0`.
+    /// `W`, `W'` and `W''` vanish at `q = 1`; the third derivative jumps there and at `q = 0`. It is Wendland's C2 function of
+    /// one dimension.
     QuarticSpline,
+    /// The cubic B-spline, M4: `2 (1 - q)^3 - 8 (1/2 - q)^3`, positive parts only; Monaghan's with `R0 = 2 h`.
+    CubicSpline,
+    /// The quartic B-spline, M5, with `R0 = 5/2 h`.
+    QuarticBSpline,
+    /// The quintic B-spline, M6, with `R0 = 3 h`.
+    QuinticSpline,
+    /// Wendland's twice differentiable function, of one dimension or of three.
+    WendlandC2,
+    /// Wendland's four times differentiable function, of one dimension or of three.
+    WendlandC4,
+    /// Wendland's six times differentiable function, of one dimension or of three.
+    WendlandC6,
+    /// `exp(-9 q^2)`, that is `R0 = 3 h`, less its Taylor polynomial of second order in `q^2` about the rim.
+    Gaussian,
+    /// The hyperbolic kernel, `R0 = 2 h`; its slope does not vanish at the origin.
+    Hyperbolic,
+    /// `(1 - s^2/2 + s^4/6) exp(-s^2)`, `s = 3 q`, ended as the Gaussian is.
+    LaguerreGauss,
+    /// A formula of one's own.
+    Formula(FormulaKernel),
 }
 
 /// A weight with its first and second derivatives with respect to the position.
@@ -27,27 +73,43 @@ pub struct Weight<const D: usize> {
     pub hessian: SMatrix<f64, D, D>,
 }
 
-/// The radial profile in a form that has no singularity at the origin.
-pub(crate) struct Profile<R> {
-    pub(crate) value: R,
-    /// `W'(q) / q`.
-    pub(crate) slope_over_q: R,
-    /// `(W'' - W'/q) / q^2` times `q`, finite at zero.
-    pub(crate) curvature_over_q: R,
-}
-
 impl Kernel {
-    /// The profile within the support, `q <= 1`, where it ends with the value, slope and curvature zero.
-    pub(crate) fn profile<R: Real>(self, q: R) -> Profile<R> {
+    /// All that have a name.
+    pub const ALL: [Self; 10] = [
+        Self::QuarticSpline,
+        Self::CubicSpline,
+        Self::QuarticBSpline,
+        Self::QuinticSpline,
+        Self::WendlandC2,
+        Self::WendlandC4,
+        Self::WendlandC6,
+        Self::Gaussian,
+        Self::Hyperbolic,
+        Self::LaguerreGauss,
+    ];
+
+    /// The profile within the support, `0 <= q <= 1`. Beyond it is not the weight, which is zero.
+    ///
+    /// ```
+    /// use onset::kernel::Kernel;
+    /// let profile = Kernel::CubicSpline.profile::<3, f64>(0.5);
+    /// assert_eq!(profile.value, 0.25);
+    /// assert_eq!(profile.slope_over_q, -3.0);
+    /// ```
+    #[inline]
+    pub fn profile<const D: usize, R: Real>(self, q: R) -> Profile<R> {
         match self {
-            Self::QuarticSpline => {
-                let p = -q + 1.0;
-                Profile {
-                    value: p * p * p * (q * 3.0 + 1.0),
-                    slope_over_q: p * -12.0 * p,
-                    curvature_over_q: p * 24.0,
-                }
-            }
+            Self::QuarticSpline => wendland::c2::<1, R>(q),
+            Self::CubicSpline => spline::cubic(q),
+            Self::QuarticBSpline => spline::quartic(q),
+            Self::QuinticSpline => spline::quintic(q),
+            Self::WendlandC2 => wendland::c2::<D, R>(q),
+            Self::WendlandC4 => wendland::c4::<D, R>(q),
+            Self::WendlandC6 => wendland::c6::<D, R>(q),
+            Self::Gaussian => exponential::GAUSSIAN.profile(q),
+            Self::Hyperbolic => spline::hyperbolic(q),
+            Self::LaguerreGauss => exponential::LAGUERRE_GAUSS.profile(q),
+            Self::Formula(formula) => formula.profile(q),
         }
     }
 
@@ -75,7 +137,7 @@ impl Kernel {
         if q >= 1.0 - 1e-12 {
             return None;
         }
-        let profile = self.profile(q);
+        let profile = self.profile::<D, f64>(q);
         // In y: grad = (W'/q) y, Hessian = (W'/q) 1 + ((W'' - W'/q)/q^2) y (x) y; then the chain rule.
         let map = metric / radius;
         let mut hessian = SMatrix::<f64, D, D>::identity() * profile.slope_over_q;
@@ -87,76 +149,5 @@ impl Kernel {
             gradient: map.transpose() * y * profile.slope_over_q,
             hessian: map.transpose() * hessian * map,
         })
-    }
-
-    /// The integral of `W(|x| / radius)` over space; length^D.
-    pub fn integral<const D: usize>(self, radius: f64) -> f64 {
-        use std::f64::consts::PI;
-        let unit = match (self, D) {
-            (Self::QuarticSpline, 1) => 4.0 / 5.0,
-            (Self::QuarticSpline, 2) => PI / 5.0,
-            (Self::QuarticSpline, _) => 16.0 * PI / 105.0,
-        };
-        unit * radius.powi(D as i32)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Kernel;
-    use nalgebra::{SMatrix, SVector};
-
-    /// Radial quadrature (midpoint rule) of the kernel over the unit ball.
-    fn integrated<const D: usize>(kernel: Kernel) -> f64 {
-        let surface = [2.0, std::f64::consts::TAU, 2.0 * std::f64::consts::TAU][D - 1];
-        let n = 20_000;
-        (0..n)
-            .map(|i| {
-                let q = (f64::from(i) + 0.5) / f64::from(n);
-                let x = SVector::<f64, D>::from_fn(|j, _| if j == 0 { q } else { 0.0 });
-                let weight = kernel
-                    .weight(&x, 1.0, &SMatrix::identity())
-                    .map_or(0.0, |w| w.value);
-                surface * weight * q.powi(D as i32 - 1) / f64::from(n)
-            })
-            .sum()
-    }
-
-    #[test]
-    fn integral_is_the_quadrature_of_the_weight() {
-        let kernel = Kernel::QuarticSpline;
-        assert!((kernel.integral::<1>(1.0) - integrated::<1>(kernel)).abs() < 1e-8);
-        assert!((kernel.integral::<2>(1.0) - integrated::<2>(kernel)).abs() < 1e-8);
-        assert!((kernel.integral::<3>(1.0) - integrated::<3>(kernel)).abs() < 1e-8);
-        assert!((kernel.integral::<2>(2.5) / kernel.integral::<2>(1.0) - 6.25).abs() < 1e-14);
-    }
-
-    #[test]
-    fn equation_35_as_printed_equals_the_factored_form() {
-        for q in [0.0_f64, 0.1, 0.5, 0.9, 0.999] {
-            let x = SVector::<f64, 2>::new(q * 1.7, 0.0);
-            let weight = Kernel::QuarticSpline
-                .weight(&x, 1.7, &SMatrix::identity())
-                .expect("inside");
-            let printed = 1.0 - 6.0 * q.powi(2) + 8.0 * q.powi(3) - 3.0 * q.powi(4);
-            assert!((weight.value - printed).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn derivatives_are_those_of_the_value_also_with_an_elliptic_metric() {
-        let kernel = Kernel::QuarticSpline;
-        let metric = SMatrix::<f64, 2, 2>::new(0.9, 0.2, -0.1, 1.2);
-        let at = |x: SVector<f64, 2>| kernel.weight(&x, 2.0, &metric).expect("inside");
-        let x = SVector::<f64, 2>::new(0.7, -0.4);
-        let h = 1e-5;
-        for j in 0..2 {
-            let mut step = SVector::zeros();
-            step[j] = h;
-            let (plus, minus) = (at(x + step), at(x - step));
-            assert!(((plus.value - minus.value) / (2.0 * h) - at(x).gradient[j]).abs() < 1e-9);
-            let second = (plus.gradient - minus.gradient) / (2.0 * h);
-            assert!((second - at(x).hessian.column(j)).amax() < 1e-8);
-        }
     }
 }

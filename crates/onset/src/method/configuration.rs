@@ -14,6 +14,8 @@ pub struct ConfiguredPoint<const D: usize> {
     pub volume: f64,
     /// Whether it is a particle.
     pub is_node: bool,
+    /// Second moments of its cell, where strain is expanded over it.
+    pub second_moments: Option<SMatrix<f64, D, D>>,
     /// Lattice coordinates of the neighbors, relative to the cell of the point.
     pub cells: Vec<[i32; D]>,
     /// Lattice coordinates of the point in its cell.
@@ -33,12 +35,22 @@ pub struct Configuration<const D: usize> {
 }
 
 /// How kernels are laid out at a state.
-struct Layout<const D: usize> {
+pub(super) struct Layout<const D: usize> {
     /// Primitive vectors of the lattice that the kernels see, as columns.
-    vectors: SMatrix<f64, D, D>,
-    radius: f64,
+    pub(super) vectors: SMatrix<f64, D, D>,
+    pub(super) radius: f64,
     /// Distances are measured as `|metric x|`.
-    metric: SMatrix<f64, D, D>,
+    pub(super) metric: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Layout<D> {
+    /// The same with a larger support.
+    pub(super) fn enlarged(&self, factor: f64) -> Self {
+        Self {
+            radius: factor * self.radius,
+            ..*self
+        }
+    }
 }
 
 impl<const D: usize> Method<D> {
@@ -86,7 +98,7 @@ impl<const D: usize> Method<D> {
         Ok((Configuration { points }, true))
     }
 
-    fn layout(&self, f: &DeformationGradient) -> Layout<D> {
+    pub(super) fn layout(&self, f: &DeformationGradient) -> Layout<D> {
         let radius = self.support_radius();
         let eulerian = self.discretization.frame == Frame::Eulerian;
         let support_size = if eulerian {
@@ -106,7 +118,7 @@ impl<const D: usize> Method<D> {
             SupportSize::Convected => (radius, inverted(&home)),
         };
         Layout {
-            vectors: home * self.lattice.vectors(),
+            vectors: home * self.lattice().vectors(),
             radius,
             metric,
         }
@@ -136,7 +148,7 @@ impl<const D: usize> Method<D> {
                 weights.push(weight);
             }
         }
-        let needed = D + 1;
+        let needed = self.discretization.approximation.neighbors_needed(D);
         if seen.len() < needed {
             return Err(MethodError::SupportTooSmall {
                 point: kind,
@@ -167,6 +179,7 @@ impl<const D: usize> Method<D> {
         Ok(ConfiguredPoint {
             volume: point.volume,
             is_node: point.is_node,
+            second_moments: point.second_moments,
             cells: seen,
             place: point.place,
             shape,
@@ -210,7 +223,7 @@ fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
 }
 
 /// The cells whose particles can lie within the support around a place.
-fn cells_in_support<const D: usize>(
+pub(super) fn cells_in_support<const D: usize>(
     place: &SVector<f64, D>,
     layout: &Layout<D>,
 ) -> Result<Vec<[i32; D]>, MethodError> {

@@ -5,15 +5,16 @@
 //! material.
 
 mod configuration;
+mod forces;
 
 pub use configuration::{Configuration, ConfiguredPoint};
 
 use crate::approximation::{Approximation, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
-use crate::lattice::{Arrangement, BravaisLattice, LatticeError, WaveGrids};
+use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
 use crate::material::MaterialError;
-use crate::quadrature::{Quadrature, QuadraturePoint};
+use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -108,6 +109,17 @@ pub enum Linearization {
 }
 
 impl Linearization {
+    /// The word used in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Paper => "paper",
+            Self::ExactPlaneWave => "exact-plane-wave",
+            Self::PaperInterpolated => "paper-interpolated",
+            Self::FrozenNormalization => "frozen-normalization",
+        }
+    }
+
     /// Whether a stress point moves with the plane wave instead of the interpolated displacement.
     pub fn moves_points_with_plane_wave(self) -> bool {
         matches!(
@@ -145,6 +157,12 @@ pub struct Discretization {
     pub approximation: Approximation,
     /// Quadrature points.
     pub quadrature: Quadrature,
+    /// Particles and stress points: the fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    pub stress_point_weight: Option<f64>,
+    /// Gauss quadrature: points per direction.
+    pub gauss_points: u32,
+    /// Points of one's own: for each its lattice coordinates and its fraction of the cell's volume, one after the other.
+    pub points: Vec<f64>,
     /// Coordinates of the kernel.
     pub frame: Frame,
     /// Deformation gradient of the quadrature points.
@@ -167,6 +185,9 @@ impl Default for Discretization {
             support: 2.0,
             approximation: Approximation::Shepard,
             quadrature: Quadrature::StressPoints,
+            stress_point_weight: None,
+            gauss_points: 2,
+            points: Vec::new(),
             frame: Frame::Lagrangian,
             background: Background::Imposed,
             lattice: CurrentLattice::Convected,
@@ -258,9 +279,30 @@ pub enum MethodError {
     /// The homogeneous state that the discretization sees is not a deformation.
     #[error("the interpolated deformation gradient is not admissible: {0}")]
     Background(#[source] KinematicsError),
+    /// The deformation itself.
+    #[error(transparent)]
+    Deformation(#[from] KinematicsError),
+    /// The equations of a linearization that are no derivative of forces.
+    #[error(
+        "the linearization `{linearization}` is not that of the forces of particles: it leaves some of their motion out, or moves \
+         stress points with the plane wave itself; choose discretization.linearization = \"exact\""
+    )]
+    NotOfForces {
+        /// The linearization.
+        linearization: &'static str,
+    },
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// Natural stabilization expands the strain of material coordinates.
+    #[error(
+        "discretization.quadrature \"nodal-stabilized\" expands the strain over the reference cells of the particles and \
+         needs discretization.frame = \"lagrangian\""
+    )]
+    StabilizedEulerian,
+    /// The quadrature points.
+    #[error(transparent)]
+    Quadrature(#[from] QuadratureError),
     /// The lattice.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
@@ -296,7 +338,7 @@ impl MethodError {
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
     discretization: Discretization,
-    lattice: BravaisLattice<D>,
+    crystal: Crystal<D>,
     points: Vec<QuadraturePoint<D>>,
     /// One of each pair of points that inversion exchanges, with the volume of both; none unless all points have opposites.
     halves: Option<Vec<QuadraturePoint<D>>>,
@@ -315,6 +357,7 @@ impl<const D: usize> Method<D> {
             density,
             support,
             quadrature,
+            frame,
             ..
         } = discretization;
         for (name, value) in [
@@ -326,11 +369,19 @@ impl<const D: usize> Method<D> {
                 return Err(MethodError::NotPositive { name, value });
             }
         }
+        if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
+            return Err(MethodError::StabilizedEulerian);
+        }
         let lattice = arrangement.lattice(spacing)?;
-        let points = quadrature.points(arrangement, &lattice)?;
+        let rule = CellRule {
+            stress_point_weight: discretization.stress_point_weight,
+            gauss_points: discretization.gauss_points,
+            points: discretization.points.clone(),
+        };
+        let points = quadrature.points(arrangement, &lattice, &rule)?;
         Ok(Self {
             discretization,
-            lattice,
+            crystal: Crystal::of_lattice(lattice),
             halves: halves_of(&points),
             points,
             wave_grids: Arc::new(WaveGrids::new(lattice)),
@@ -350,14 +401,26 @@ impl<const D: usize> Method<D> {
         &self.discretization
     }
 
+    /// The particles in the reference state.
+    pub fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
     /// The reference lattice of the particles.
     pub fn lattice(&self) -> &BravaisLattice<D> {
-        &self.lattice
+        self.crystal.lattice()
     }
 
     /// The quadrature points of one cell.
     pub fn quadrature_points(&self) -> &[QuadraturePoint<D>] {
         &self.points
+    }
+
+    /// Whether strain is expanded over the cell of some quadrature point, which takes second derivatives.
+    pub fn is_naturally_stabilized(&self) -> bool {
+        self.points
+            .iter()
+            .any(|point| point.second_moments.is_some())
     }
 
     /// Wave vectors of the reference lattice, shared by all states.
@@ -372,7 +435,7 @@ impl<const D: usize> Method<D> {
 
     /// The mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
     pub fn particle_mass(&self) -> f64 {
-        self.discretization.density * self.lattice.cell_volume()
+        self.discretization.density * self.lattice().cell_volume()
     }
 
     /// Whether the dynamical matrix is periodic in the wave vector: everywhere but with stress points that move with the
@@ -403,8 +466,9 @@ impl<const D: usize> Method<D> {
 fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<QuadraturePoint<D>>> {
     let is_lattice_vector = |x: SVector<f64, D>| (x - x.map(f64::round)).amax() < 1e-12;
     let are_opposite = |a: &QuadraturePoint<D>, b: &QuadraturePoint<D>| {
-        let is_alike =
-            a.is_node == b.is_node && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs();
+        let is_alike = a.is_node == b.is_node
+            && (a.volume - b.volume).abs() <= 1e-14 * a.volume.abs()
+            && a.second_moments == b.second_moments;
         is_alike && is_lattice_vector(a.place + b.place)
     };
     let mut halves: Vec<QuadraturePoint<D>> = Vec::new();
@@ -420,6 +484,9 @@ fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<Quadra
         let multiplicity = if opposite == n { 1.0 } else { 2.0 };
         halves.push(QuadraturePoint {
             volume: multiplicity * points[n].volume,
+            second_moments: points[n]
+                .second_moments
+                .map(|moments| moments * multiplicity),
             ..points[n]
         });
     }

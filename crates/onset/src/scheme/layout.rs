@@ -152,18 +152,18 @@ impl<const D: usize> Layout<D> {
     /// The particles in the support about a place, nearest first.
     ///
     /// # Errors
-    /// [`MethodError::SupportTooLarge`], or [`MethodError::SupportTooSmall`] when there are fewer than a gradient needs.
+    /// [`MethodError::SupportTooLarge`], or [`MethodError::SupportTooSmall`] when there are fewer than needed.
     pub(super) fn neighbors(
         &self,
         crystal: &Crystal<D>,
         place: &Fractional<D>,
         point: &'static str,
+        needed: usize,
     ) -> Result<Vec<Particle<D>>, MethodError> {
         let metric = self.weight.metric * self.map;
         let radius = self.weight.radius;
         self.assert_not_too_large(crystal, &metric)?;
         let particles = crystal.within(place, radius, &metric);
-        let needed = D + 1;
         if particles.len() < needed {
             return Err(MethodError::SupportTooSmall {
                 point,

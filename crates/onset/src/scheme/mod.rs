@@ -6,6 +6,7 @@
 //! numbers of [`crate::real`]. Evaluated with plain numbers these are the forces of a simulation; with first-order dual
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
+mod classical;
 mod gradient_point;
 pub mod kernel;
 mod layout;

@@ -49,7 +49,7 @@ impl<const D: usize> PeriodicPatch<D> {
     }
 
     /// The origins of the cells.
-    fn origins(&self) -> Vec<[i32; D]> {
+    pub(crate) fn origins(&self) -> Vec<[i32; D]> {
         let high = self.cells.map(|n| n as i32 - 1);
         cells_between(&[0; D], &high)
     }

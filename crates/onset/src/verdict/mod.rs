@@ -8,10 +8,12 @@ pub mod fidelity;
 
 mod path;
 mod probe;
+mod scheme;
 mod survey;
 
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
+pub use scheme::SchemeSurvey;
 pub use survey::{Survey, SurveyedState};
 
 use crate::bloch::{

@@ -181,7 +181,7 @@ impl<const D: usize> Survey<D> {
         let is_zero = softest.scaled.abs() <= spectrum.tolerance;
         let has_zero_mode =
             is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
-        Ok(SurveyedState::new(
+        Ok(SurveyedState::of_spectrum(
             stiffness.is_strongly_elliptic(),
             stiffness.minimum(),
             &spectrum,
@@ -217,7 +217,7 @@ impl<const D: usize> SurveyedState<D> {
         }
     }
 
-    fn new(
+    pub(super) fn of_spectrum(
         is_elliptic: bool,
         acoustic: AcousticMinimum<D>,
         spectrum: &SpectrumSummary<D>,
@@ -246,7 +246,7 @@ impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
     fn from(assessment: &Assessment<D>) -> Self {
         let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
         let material = &assessment.material;
-        Self::new(
+        Self::of_spectrum(
             material.is_elliptic,
             material.minimum,
             &assessment.spectrum,

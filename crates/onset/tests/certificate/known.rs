@@ -251,11 +251,7 @@ fn a_set_of_points_without_an_inversion_center_is_left_undecided() {
     });
     let volume = method.lattice().cell_volume();
     let place = Vector2::repeat(1.0 / 3.0);
-    let method = method.with_quadrature_points(vec![QuadraturePoint {
-        place,
-        volume,
-        is_node: false,
-    }]);
+    let method = method.with_quadrature_points(vec![QuadraturePoint::new(place, volume)]);
     let certificate = certify(&method, &material, &stretched(0.95, 0.95), 1e-3).expect("a state");
     let expected = matches!(
         certificate.discretization,

@@ -3,7 +3,7 @@
 use crate::choices::config;
 use nalgebra::{Matrix2, SVector, Vector2};
 use onset::lattice::{Arrangement, BravaisLattice, BrillouinZone, LatticeError, voronoi_volumes};
-use onset::quadrature::Quadrature;
+use onset::quadrature::{CellRule, Quadrature};
 use proptest::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
@@ -93,6 +93,7 @@ proptest! {
 
 #[test]
 fn nodes_and_stress_points_share_the_cell_equally() {
+    let rule = CellRule::default();
     for (arrangement, quadrature, parts) in [
         (Arrangement::Square, Quadrature::Nodal, 1),
         (Arrangement::Square, Quadrature::StressPoints, 2),
@@ -103,7 +104,9 @@ fn nodes_and_stress_points_share_the_cell_equally() {
     ] {
         let lattice = arrangement.lattice::<2>(1.7).expect("a lattice");
         let expected = lattice.cell_volume() / f64::from(parts);
-        let points = quadrature.points(arrangement, &lattice).expect("volumes");
+        let points = quadrature
+            .points(arrangement, &lattice, &rule)
+            .expect("volumes");
         assert_eq!(points.len() as i32, parts);
         for point in points {
             assert!(
@@ -115,13 +118,16 @@ fn nodes_and_stress_points_share_the_cell_equally() {
         let sheared = lattice
             .mapped(&Matrix2::new(1.2, 0.4, -0.1, 0.8))
             .expect("a lattice");
-        for point in quadrature.points(arrangement, &sheared).expect("volumes") {
+        for point in quadrature
+            .points(arrangement, &sheared, &rule)
+            .expect("volumes")
+        {
             assert!((point.volume * f64::from(parts) - sheared.cell_volume()).abs() < 1e-13);
         }
     }
     let chain = Arrangement::Chain.lattice::<1>(0.3).expect("a lattice");
     for point in Quadrature::StressPoints
-        .points(Arrangement::Chain, &chain)
+        .points(Arrangement::Chain, &chain, &rule)
         .expect("volumes")
     {
         assert!((point.volume - 0.15).abs() < 1e-15);

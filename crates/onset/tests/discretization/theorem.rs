@@ -57,11 +57,7 @@ fn up_triangles(support: f64) -> Method<2> {
     .expect("a method");
     let volume = method.lattice().cell_volume();
     let place = Vector2::repeat(1.0 / 3.0);
-    method.with_quadrature_points(vec![QuadraturePoint {
-        place,
-        volume,
-        is_node: false,
-    }])
+    method.with_quadrature_points(vec![QuadraturePoint::new(place, volume)])
 }
 
 #[test]

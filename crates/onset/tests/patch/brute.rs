@@ -440,11 +440,7 @@ impl<const D: usize> Patch<D> {
         if self.only_up {
             let volume = determinant(&self.reference_vectors);
             let place = SVector::repeat(1.0 / 3.0);
-            let points = vec![QuadraturePoint {
-                place,
-                volume,
-                is_node: false,
-            }];
+            let points = vec![QuadraturePoint::new(place, volume)];
             method = method.with_quadrature_points(points);
         }
         dynamical_matrix(&method, &*self.law.material(), f)

@@ -8,6 +8,7 @@ use crate::random::Random;
 use nalgebra::SVector;
 use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
+use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal};
 use onset::material::ModifiedMooneyRivlin;
@@ -15,12 +16,6 @@ use onset::method::{Discretization, Frame, Method, SupportSize};
 use onset::quadrature::Quadrature;
 use onset::scheme::Scheme;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
-
-const APPROXIMATIONS: [Approximation; 3] = [
-    Approximation::Raw,
-    Approximation::Shepard,
-    Approximation::Mls,
-];
 
 fn lattice<const D: usize>(arrangement: Arrangement) -> BravaisLattice<D> {
     arrangement.lattice(1.0).expect("a lattice")
@@ -76,7 +71,7 @@ fn assert_same_waves<const D: usize>(discretization: Discretization, f: &Deforma
 
 fn discretizations(arrangement: Arrangement) -> Vec<Discretization> {
     let mut all = Vec::new();
-    for approximation in APPROXIMATIONS {
+    for approximation in Approximation::ALL {
         for quadrature in [
             Quadrature::Nodal,
             Quadrature::StressPoints,
@@ -91,7 +86,11 @@ fn discretizations(arrangement: Arrangement) -> Vec<Discretization> {
             for (frame, support_size) in layouts {
                 all.push(Discretization {
                     arrangement,
-                    support: 2.3,
+                    support: if approximation.degree() > Some(1) {
+                        3.4
+                    } else {
+                        2.3
+                    },
                     density: 1.7,
                     approximation,
                     quadrature,
@@ -121,25 +120,42 @@ fn on_bravais_lattices_dual_numbers_and_closed_forms_give_the_same_waves() {
 }
 
 #[test]
+fn and_so_they_do_for_every_kernel() {
+    for kernel in Kernel::ALL {
+        let discretization = Discretization {
+            kernel,
+            support: 2.3,
+            frame: Frame::Eulerian,
+            ..Discretization::default()
+        };
+        assert_same_waves::<2>(discretization, &plane([[1.15, 0.2], [-0.1, 0.9]]));
+    }
+}
+
+#[test]
 fn the_battery_accepts_kernels_on_bravais_lattices() {
     let material = ModifiedMooneyRivlin::default();
+    let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
+    let f = DeformationGradient::from_stretches([1.1, 0.9, 1.05]).expect("a state");
+    let sheared = plane([[1.1, 0.2], [0.0, 0.95]]);
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
-        for approximation in APPROXIMATIONS {
+        for approximation in Approximation::ALL {
+            let is_of_high_degree = approximation.degree() > Some(1);
             let choices = KernelChoices {
-                radius: 1.6,
+                radius: if is_of_high_degree { 3.1 } else { 1.6 },
                 approximation,
                 frame,
                 support_size: SupportSize::Scaled,
                 ..KernelChoices::default()
             };
             let chain = Crystal::of_lattice(lattice::<1>(Arrangement::Chain));
-            let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
-            let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
-            let f = DeformationGradient::from_stretches([1.1, 0.9, 1.05]).expect("a state");
             assert_scheme(&nodal(chain, choices.clone()), &material, &f);
-            let sheared = plane([[1.1, 0.2], [0.0, 0.95]]);
+            if is_of_high_degree {
+                continue;
+            }
+            let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
             assert_scheme(&nodal(square, choices.clone()), &material, &sheared);
-            if approximation != Approximation::Shepard {
+            if approximation == Approximation::Mls {
                 assert_scheme(&nodal(Crystal::of_lattice(cubic), choices), &material, &f);
             }
         }
@@ -288,11 +304,6 @@ fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square()
             .all(|omega_squared| omega_squared.abs() < 1e-10)
     );
     let (small, twice) = (spectrum(0.001), spectrum(0.002));
-    println!(
-        "{small:?} {twice:?} {:?} {:?}",
-        spectrum(0.1),
-        spectrum(0.2)
-    );
     assert!(
         small[..2]
             .iter()
@@ -303,5 +314,12 @@ fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square()
             *small > 0.0 && (twice / small - 4.0).abs() < 0.1,
             "{small} {twice}"
         );
-    }
+    } // But weakly: with offsets of up to a tenth of the spacing the softest has less than a hundredth of the omega^2 of a shear
+    // wave of its length, mu pi^2 / rho.
+    let shear = 2.0 * (0.1256 + 0.01012) * std::f64::consts::PI.powi(2);
+    let softest = spectrum(0.1)[2];
+    assert!(
+        softest > 1e-6 && softest < 0.01 * shear,
+        "{softest} of {shear}"
+    );
 }

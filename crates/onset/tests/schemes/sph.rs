@@ -363,3 +363,29 @@ fn an_artificial_stress_is_refused_with_differences_of_stress() {
         })
     ));
 }
+
+#[cfg(feature = "serde")]
+#[test]
+fn choices_are_written_with_the_words_of_the_documentation() {
+    let choices = UpdatedSphChoices {
+        momentum: MomentumForm::Difference,
+        density_evolution: DensityEvolution::Summation,
+        artificial_stress: Some(ArtificialStress::default()),
+        ..UpdatedSphChoices::default()
+    };
+    let written = serde_json::to_value(&choices).expect("a value");
+    assert_eq!(written["momentum"], "difference");
+    assert_eq!(written["density-evolution"], "summation");
+    assert_eq!(written["artificial-stress"]["exponent"], 4.0);
+    assert_eq!(written["velocity-smoothing"], 0.0);
+    let read: UpdatedSphChoices = serde_json::from_value(written).expect("choices");
+    assert_eq!(read, choices);
+    let unknown = serde_json::json!({ "penality": 1.0 });
+    assert!(serde_json::from_value::<TotalLagrangianChoices>(unknown).is_err());
+    let short = serde_json::json!({ "penalty": 2.0, "corrected": false });
+    let read: TotalLagrangianChoices = serde_json::from_value(short).expect("choices");
+    assert_eq!(
+        (read.penalty, read.corrected, read.radius),
+        (2.0, false, 2.0)
+    );
+}

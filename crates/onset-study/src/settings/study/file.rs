@@ -1,5 +1,6 @@
 //! Reading a study from TOML.
 
+use super::super::toml::{File, described, in_order, is_number, list, scalar, typed};
 use super::super::{
     Axis, Key, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
     error::nearest, listed, study_keys, unknown_key,
@@ -23,36 +24,10 @@ pub(in crate::settings) const STATES: (u32, u32) = (2, 65536);
 const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"\n    range = [0.5, 2.0]\n    states = 64\n\n    \
                        [[axes]]\n    quantity = \"stretch-2\"\n    range = [0.5, 2.0]\n    states = 64\n";
 
-type Entry<'a, 'i> = (&'a Spanned<Cow<'i, str>>, &'a Spanned<DeValue<'i>>);
-
-/// A file with its name: places in it are origins.
-struct File<'t> {
-    name: &'t str,
-    text: &'t str,
-}
-
-impl File<'_> {
-    fn at(&self, offset: usize) -> Origin {
-        let before = self.text.get(..offset).unwrap_or(self.text);
-        Origin::File {
-            name: self.name.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
-        }
-    }
-
-    fn of<T>(&self, spanned: &Spanned<T>) -> Origin {
-        self.at(spanned.span().start)
-    }
-}
-
 /// Reads a study; that its parts fit together is not checked yet.
 pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
     let file = File { name, text };
-    let table = DeTable::parse(text).map_err(|error| {
-        let offset = error.span().map_or(0, |span| span.start);
-        SettingError::new(file.at(offset), error.message().to_owned())
-    })?;
+    let table = file.table()?;
     let mut study = Study {
         title: String::new(),
         settings: Settings::default(),
@@ -99,13 +74,6 @@ pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
     Ok(study)
 }
 
-/// The entries of a table in the order of the file, so that the first mistake is told first.
-fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> Vec<Entry<'a, 'i>> {
-    let mut entries: Vec<_> = table.iter().collect();
-    entries.sort_by_key(|(key, _)| key.span().start);
-    entries
-}
-
 fn read_section(
     study: &mut Study,
     file: &File<'_>,
@@ -118,16 +86,7 @@ fn read_section(
             let names = study_keys().map(|key| key.name);
             return Err(unknown_key(&name, names, file.of(key)));
         };
-        let typed = match known.kind {
-            Kind::Numbers => list(value.get_ref()).map(Value::Numbers),
-            Kind::Subset(_) => words(value.get_ref()).map(Value::Words),
-            _ => scalar(value.get_ref()),
-        };
-        let Some(typed) = typed else {
-            let message = format!("`{name}` cannot be {}", described(value.get_ref()));
-            let hint = format!("expected {} ({})", known.expects(), known.meaning);
-            return Err(SettingError::new(file.of(value), message).hint(hint));
-        };
+        let typed = typed(known, value, file)?;
         study.put(known, &typed, file.of(value))?;
     }
     Ok(())
@@ -268,57 +227,5 @@ fn range(
             "the range of {} cannot be {described}",
             quantity.name()
         ))),
-    }
-}
-
-/// A value that a key can take; `None` for dates, lists and tables.
-fn scalar(value: &DeValue<'_>) -> Option<Value> {
-    match value {
-        DeValue::String(word) => Some(Value::Word(word.to_string())),
-        DeValue::Boolean(on) => Some(Value::Switch(*on)),
-        DeValue::Float(float) => float.as_str().parse().ok().map(Value::Number),
-        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-            .ok()
-            .map(|integer| Value::Number(integer as f64)),
-        _ => None,
-    }
-}
-
-/// A list of numbers; `None` for anything else.
-fn list(value: &DeValue<'_>) -> Option<Vec<f64>> {
-    match value {
-        DeValue::Array(items) => items
-            .iter()
-            .map(|item| scalar(item.get_ref())?.number())
-            .collect(),
-        _ => None,
-    }
-}
-
-/// A list of words; `None` for anything else.
-fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
-    let DeValue::Array(items) = value else {
-        return None;
-    };
-    let word = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
-        DeValue::String(word) => Some(word.to_string()),
-        _ => None,
-    };
-    items.iter().map(word).collect()
-}
-
-/// Whether a value is a number.
-fn is_number(value: &DeValue<'_>) -> bool {
-    scalar(value).is_some_and(|value| value.number().is_some())
-}
-
-/// A value as told in a message.
-fn described(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::Datetime(date) => format!("the date {date}"),
-        DeValue::Array(_) => "a list".to_owned(),
-        DeValue::Table(_) => "a table".to_owned(),
-        DeValue::Integer(integer) => integer.to_string(),
-        other => scalar(other).map_or_else(String::new, |value| value.to_string()),
     }
 }

@@ -289,7 +289,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The equivalent reference wave vector in the searched zone.
-    pub(in crate::bloch) fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+    pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 

@@ -101,12 +101,12 @@ pub struct KernelScheme<const D: usize> {
 struct Point<const D: usize> {
     place: Fractional<D>,
     volume: f64,
-    node: Option<Particle<D>>,
+    is_node: bool,
 }
 
 impl<const D: usize> Point<D> {
     fn kind(&self) -> &'static str {
-        if self.node.is_some() {
+        if self.is_node {
             "particle"
         } else {
             "stress point"
@@ -188,7 +188,8 @@ impl<const D: usize> KernelScheme<D> {
         layout: &Layout<D>,
         shape: &Shape<D>,
     ) -> Result<Seen<D>, MethodError> {
-        let particles = layout.neighbors(&self.crystal, &point.place, point.kind())?;
+        let needed = self.choices.approximation.neighbors_needed(D);
+        let particles = layout.neighbors(&self.crystal, &point.place, point.kind(), needed)?;
         let vector = |particle| layout.vector(&self.crystal, &point.place, particle);
         let positions: Vec<[f64; D]> = particles.iter().map(vector).collect();
         let volume = |particle: &Particle<D>| self.crystal.volumes()[particle.site];
@@ -201,9 +202,11 @@ impl<const D: usize> KernelScheme<D> {
             neighbors: particles.len(),
             source,
         };
-        shape.assert_regular(&positions).map_err(singular)?;
+        shape
+            .assert_regular(&positions, point.is_node)
+            .map_err(singular)?;
         let shape = shape
-            .at(&positions, &volumes)
+            .at(&positions, &volumes, point.is_node)
             .ok_or(MethodError::NotFinite)?;
         Ok(Seen {
             particles,
@@ -231,9 +234,7 @@ impl<const D: usize> KernelScheme<D> {
                 response: &response,
             }),
             Frame::Eulerian => KernelPoint::Spatial(SpatialPoint {
-                node: point
-                    .node
-                    .and_then(|node| seen.particles.iter().position(|p| *p == node)),
+                is_node: point.is_node,
                 particles: seen.particles,
                 positions: seen.positions,
                 volumes: seen.volumes,
@@ -324,16 +325,14 @@ fn points_of<const D: usize>(
     };
     let named: Vec<_> = points.iter().map(|(_, v)| ("points.volume", *v)).collect();
     assert_positive(&named)?;
-    let node_at = |place: &Fractional<D>| {
-        crystal.sites().iter().enumerate().find_map(|(site, own)| {
-            let apart = place - own;
-            let cell = apart.map(f64::round);
-            let is_there = (apart - cell).amax() < SAME_PLACE;
-            is_there.then(|| Particle::home(site).moved(&std::array::from_fn(|i| cell[i] as i32)))
+    let is_node = |place: &Fractional<D>| {
+        crystal.sites().iter().any(|site| {
+            let apart = place - site;
+            (apart - apart.map(f64::round)).amax() < SAME_PLACE
         })
     };
     let point = |(place, volume)| Point {
-        node: node_at(&place),
+        is_node: is_node(&place),
         place,
         volume,
     };

@@ -19,8 +19,8 @@ pub(super) struct SpatialPoint<'a, const D: usize> {
     pub(super) positions: Vec<[f64; D]>,
     /// Volumes of the particles in the homogeneous state; length^D.
     pub(super) volumes: Vec<f64>,
-    /// Which of the particles the point is, if any; otherwise it moves with the interpolated displacement.
-    pub(super) node: Option<usize>,
+    /// Whether the point is the first of the particles; otherwise it moves with the interpolated displacement.
+    pub(super) is_node: bool,
     /// `phi_K^0`.
     pub(super) values: Vec<f64>,
     /// `grad phi_K^0`; 1/length.
@@ -34,8 +34,8 @@ pub(super) struct SpatialPoint<'a, const D: usize> {
 impl<const D: usize> SpatialPoint<'_, D> {
     /// How far the point has moved.
     fn shift<R: Real>(&self, displacements: &[[R; D]]) -> [R; D] {
-        if let Some(node) = self.node {
-            return displacements[node];
+        if self.is_node {
+            return displacements[0];
         }
         let both = displacements.iter().zip(&self.values);
         both.fold([R::constant(0.0); D], |sum, (u, value)| {
@@ -55,7 +55,7 @@ impl<const D: usize> Interaction<D> for SpatialPoint<'_, D> {
         let positions: Vec<[R; D]> = both
             .map(|(x, u)| std::array::from_fn(|i| u[i] - shift[i] + x[i]))
             .collect();
-        let Some(shape) = self.shape.at(&positions, &self.volumes) else {
+        let Some(shape) = self.shape.at(&positions, &self.volumes, self.is_node) else {
             return vec![[R::constant(f64::NAN); D]; self.particles.len()];
         };
         let step = displacement_gradient(motion.displacements, &self.gradients);

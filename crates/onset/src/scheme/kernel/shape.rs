@@ -3,8 +3,11 @@
 //! `phi_K = alpha . p(xi_K) W(xi_K)`, `xi_K = x_K - x`, with `M alpha = e_0`, `M = sum_K W p (x) p` for a basis `p` of monomials;
 //! its gradient with respect to the point follows from `D_j alpha = M^-1 M_j alpha`, `M_j = sum_K (W p (x) p)_,j`. Raw
 //! weights have the constant `alpha = V_K / integral of W`.
+//!
+//! Corrected gradients are `C^T h_K`, `h_K = W_,K - n_K sum_L W_,L`, `C = (sum_K xi_K (x) h_K)^-1`, with `n_K` Shepard's functions or one
+//! at the particle that the point is; their values are Shepard's.
 
-use super::super::layout::MovingWeight;
+use super::super::layout::{MovingWeight, Weighed};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::real::Real;
 
@@ -18,6 +21,8 @@ enum Basis<const D: usize> {
     Raw,
     /// Monomials, by their exponents; the constant first.
     Monomials(Vec<[i32; D]>),
+    /// A matrix for the gradients of differences: to the value of the particle at the point, or to an interpolated one.
+    Gradients { to_particle: bool },
 }
 
 /// A rule that makes shape functions of weights.
@@ -42,34 +47,50 @@ impl<const D: usize> Shape<D> {
             Approximation::Raw => Basis::Raw,
             Approximation::Shepard => Basis::Monomials(exponents(0)),
             Approximation::Mls => Basis::Monomials(exponents(1)),
+            Approximation::Mls2 => Basis::Monomials(exponents(2)),
+            Approximation::Mls3 => Basis::Monomials(exponents(3)),
+            Approximation::RandlesLibersky => Basis::Gradients { to_particle: true },
+            Approximation::KrongauzBelytschko => Basis::Gradients { to_particle: false },
         };
         let weight = match basis {
             Basis::Raw => weight.normalized(),
-            Basis::Monomials(_) => weight,
+            Basis::Monomials(_) | Basis::Gradients { .. } => weight,
         };
         Self { basis, weight }
     }
 
-    /// The shape functions of particles at positions relative to the point, with their volumes there; `None` where the moment
-    /// matrix is singular.
+    /// The shape functions of particles at positions relative to the point, the nearest first, with their volumes there; `None`
+    /// where the moment matrix is singular.
     pub(super) fn at<R: Real>(
         &self,
         positions: &[[R; D]],
         volumes: &[f64],
+        is_node: bool,
     ) -> Option<ShapeValues<R, D>> {
         match &self.basis {
             Basis::Raw => Some(self.raw(positions, volumes)),
             Basis::Monomials(exponents) => self.reproducing(positions, exponents),
+            Basis::Gradients { to_particle } => self
+                .differences(positions, *to_particle && is_node)
+                .corrected(),
         }
     }
 
     /// Refuses neighbors that do not determine the coefficients.
-    pub(super) fn assert_regular(&self, positions: &[[f64; D]]) -> Result<(), SingularMoment> {
-        let Basis::Monomials(exponents) = &self.basis else {
-            return Ok(());
+    pub(super) fn assert_regular(
+        &self,
+        positions: &[[f64; D]],
+        is_node: bool,
+    ) -> Result<(), SingularMoment> {
+        let moment = match &self.basis {
+            Basis::Raw => return Ok(()),
+            Basis::Monomials(exponents) => {
+                moment(&self.terms(positions, exponents), exponents.len())
+            }
+            Basis::Gradients { to_particle } => self
+                .differences(positions, *to_particle && is_node)
+                .moment(),
         };
-        let terms = self.terms(positions, exponents);
-        let moment = moment(&terms, exponents.len());
         let largest = |m: &[Vec<f64>]| {
             m.iter()
                 .flatten()
@@ -82,6 +103,29 @@ impl<const D: usize> Shape<D> {
             Ok(())
         } else {
             Err(SingularMoment { condition })
+        }
+    }
+
+    /// Shepard's functions, and `h_K`.
+    fn differences<R: Real>(&self, positions: &[[R; D]], to_particle: bool) -> Differences<R, D> {
+        let zero = R::constant(0.0);
+        let weighed: Vec<_> = positions.iter().map(|x| self.weight.at(x)).collect();
+        let sum = weighed.iter().fold(zero, |sum, w| sum + w.value);
+        let total: [R; D] =
+            std::array::from_fn(|j| weighed.iter().fold(zero, |sum, w| sum + w.gradient[j]));
+        let values: Vec<R> = weighed.iter().map(|w| w.value / sum).collect();
+        let share = |number: usize| match (to_particle, number) {
+            (true, 0) => R::constant(1.0),
+            (true, _) => zero,
+            (false, _) => values[number],
+        };
+        let difference = |(number, w): (usize, &Weighed<R, D>)| -> [R; D] {
+            std::array::from_fn(|j| w.gradient[j] - share(number) * total[j])
+        };
+        Differences {
+            positions: positions.to_vec(),
+            differences: weighed.iter().enumerate().map(difference).collect(),
+            values,
         }
     }
 
@@ -163,6 +207,39 @@ impl<const D: usize> Shape<D> {
             }
         };
         positions.iter().map(term).collect()
+    }
+}
+
+/// Shepard's functions with the gradients of differences, not yet corrected.
+struct Differences<R, const D: usize> {
+    positions: Vec<[R; D]>,
+    values: Vec<R>,
+    /// `h_K`.
+    differences: Vec<[R; D]>,
+}
+
+impl<R: Real, const D: usize> Differences<R, D> {
+    /// `sum_K xi_K (x) h_K`.
+    fn moment(&self) -> Vec<Vec<R>> {
+        let both = || self.positions.iter().zip(&self.differences);
+        let entry =
+            |i: usize, j: usize| both().fold(R::constant(0.0), |sum, (x, h)| sum + x[i] * h[j]);
+        (0..D)
+            .map(|i| (0..D).map(|j| entry(i, j)).collect())
+            .collect()
+    }
+
+    fn corrected(self) -> Option<ShapeValues<R, D>> {
+        let inverse = inverse(&self.moment())?;
+        let gradient = |h: &[R; D]| -> [R; D] {
+            std::array::from_fn(|i| {
+                (0..D).fold(R::constant(0.0), |sum, j| sum + inverse[j][i] * h[j])
+            })
+        };
+        Some(ShapeValues {
+            gradients: self.differences.iter().map(gradient).collect(),
+            values: self.values,
+        })
     }
 }
 

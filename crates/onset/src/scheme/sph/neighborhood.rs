@@ -27,7 +27,7 @@ pub(super) fn neighborhoods<const D: usize>(
 ) -> Result<Vec<Neighborhood<D>>, MethodError> {
     let weight = layout.weight().normalized();
     let of_site = |place| {
-        let particles = layout.neighbors(crystal, place, "particle")?;
+        let particles = layout.neighbors(crystal, place, "particle", D + 1)?;
         let vectors: Vec<[f64; D]> = particles
             .iter()
             .map(|particle| layout.vector(crystal, place, particle))

@@ -1,0 +1,65 @@
+//! Methods side by side: the same questions, asked of each of them for one material.
+//!
+//! A [`Comparison`] is evaluated to a [`Table`], with one [`Row`] for each method, which becomes a text, a CSV file, a page and a
+//! figure. [`recommended`] ranks the rows by [`RULES`].
+
+mod figure;
+mod page;
+mod rank;
+mod row;
+mod table;
+
+pub use rank::{RULES, Ranked, recommended};
+pub use row::{Measured, Row, WAVELENGTHS};
+pub use table::Table;
+
+use crate::answers::ProblemError;
+use crate::methods::scheme;
+use crate::settings::{Candidate, Comparison};
+use onset::method::MethodError;
+use rayon::prelude::*;
+
+impl Table {
+    /// Asks all methods of a comparison, on all cores; `told` is called with the name of each when it is done.
+    ///
+    /// A method that cannot be evaluated in the undeformed state has a row that says why.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the material is not admissible.
+    pub fn of(comparison: &Comparison, told: impl Fn(&str) + Sync) -> Result<Self, ProblemError> {
+        let material = comparison
+            .common
+            .material
+            .build()
+            .map_err(MethodError::from)?;
+        let row = |candidate: &Candidate| {
+            let row = match comparison.dimension() {
+                1 => measured::<1>(comparison, candidate, &*material),
+                2 => measured::<2>(comparison, candidate, &*material),
+                _ => measured::<3>(comparison, candidate, &*material),
+            };
+            told(&candidate.name);
+            row
+        };
+        Ok(Self {
+            title: comparison.title.clone(),
+            material: comparison.common.material.model.name().to_owned(),
+            dimension: comparison.dimension(),
+            options: comparison.options.clone(),
+            rows: comparison.candidates.par_iter().map(row).collect(),
+        })
+    }
+}
+
+fn measured<const D: usize>(
+    comparison: &Comparison,
+    candidate: &Candidate,
+    material: &dyn onset::material::Hyperelastic,
+) -> Row {
+    let measured = scheme::<D>(&candidate.settings)
+        .and_then(|scheme| Measured::of(&*scheme, material, &comparison.options));
+    Row {
+        name: candidate.name.clone(),
+        measured: measured.map_err(|error| error.to_string()),
+    }
+}

@@ -1,0 +1,104 @@
+//! The table of a comparison as a page that needs nothing else.
+
+use super::Table;
+use super::rank::{RULES, recommended};
+use crate::html::{embedded, escaped};
+use onset::measures::Load;
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:76rem;color:#111}\
+h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}.wide{overflow-x:auto}table{border-collapse:collapse;width:100%}\
+th,td{text-align:right;padding:.25rem .5rem;border-bottom:1px solid #ccc;vertical-align:top;font-variant-numeric:tabular-nums;\
+white-space:nowrap}th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:#fff}td.why{text-align:left;\
+white-space:normal}svg{max-width:100%;height:auto}small{color:#444}dl{display:grid;grid-template-columns:auto 1fr;gap:.1rem 1rem}\
+dt{font-weight:600}dd{margin:0}";
+
+impl Table {
+    /// The table as a page, with the figure and the ranking.
+    pub fn html(&self) -> String {
+        let title = if self.title.is_empty() {
+            "Methods side by side"
+        } else {
+            &self.title
+        };
+        let title = escaped(title);
+        let columns = self.columns();
+        let mut page = format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+             <title>{title}</title>\n<style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n\
+             <p>Material {}, {} dimension(s). The material itself loses ellipticity at {}.</p>\n\
+             <div class=\"wide\"><table><tr><th>method</th>",
+            escaped(&self.material),
+            self.dimension,
+            self.material_onsets()
+        );
+        for column in &columns {
+            page.push_str(&format!("<th>{}</th>", escaped(&column.head)));
+        }
+        page.push_str("</tr>\n");
+        for row in &self.rows {
+            page.push_str(&format!("<tr><td>{}</td>", escaped(&row.name)));
+            match &row.measured {
+                Ok(measured) => {
+                    for column in &columns {
+                        let cell = escaped(&(column.cell)(measured));
+                        page.push_str(&format!("<td>{cell}</td>"));
+                    }
+                }
+                Err(why) => page.push_str(&format!(
+                    "<td class=\"why\" colspan=\"{}\">{}</td>",
+                    columns.len(),
+                    escaped(why)
+                )),
+            }
+            page.push_str("</tr>\n");
+        }
+        page.push_str("</table></div>\n<dl>");
+        for (head, meaning) in self.legend() {
+            page.push_str(&format!(
+                "<dt>{}</dt><dd>{}</dd>",
+                escaped(&head),
+                escaped(&meaning)
+            ));
+        }
+        page.push_str("</dl>\n<figure>");
+        page.push_str(&embedded(&self.figure().to_svg()));
+        page.push_str("</figure>\n<h2>Recommended</h2>\n<ol>\n");
+        let ranking = recommended(self);
+        for ranked in ranking.iter().filter(|ranked| ranked.excluded.is_none()) {
+            page.push_str(&format!(
+                "<li>{} (score {:.3})</li>\n",
+                escaped(&ranked.name),
+                ranked.score
+            ));
+        }
+        page.push_str("</ol>\n<h2>Not recommended</h2>\n<ul>\n");
+        for ranked in &ranking {
+            if let Some((rule, why)) = &ranked.excluded {
+                page.push_str(&format!(
+                    "<li>{}: rule {rule}, {}</li>\n",
+                    escaped(&ranked.name),
+                    escaped(why)
+                ));
+            }
+        }
+        page.push_str("</ul>\n<h2>Rules</h2>\n");
+        for rule in RULES {
+            page.push_str(&format!("<p>{}</p>\n", escaped(rule)));
+        }
+        page.push_str(&format!(
+            "<p><small>onset {}</small></p>\n</body></html>\n",
+            env!("CARGO_PKG_VERSION")
+        ));
+        page
+    }
+
+    fn material_onsets(&self) -> String {
+        let loads = Load::ALL.into_iter();
+        let told: Vec<String> = loads
+            .filter(|load| load.is_possible(self.dimension))
+            .map(|load| format!("{} {}", escaped(&self.material_onset(load)), load.name()))
+            .collect();
+        told.join(", ")
+    }
+}

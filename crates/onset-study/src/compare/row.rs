@@ -1,0 +1,116 @@
+//! What is measured of one method.
+
+use crate::answers::ProblemError;
+use crate::settings::CompareSettings;
+use onset::material::Hyperelastic;
+use onset::measures::{
+    DispersionError, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
+    long_wave_error, onset, spurious_modes,
+};
+use onset::scheme::Scheme;
+use onset::time_step::critical_time_step;
+use onset::verdict::SchemeSurvey;
+use serde::Serialize;
+
+/// Wavelengths, in distances of neighbors, at which frequencies are compared.
+pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
+
+/// A method of a comparison.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Row {
+    /// How it is called.
+    pub name: String,
+    /// What is measured, or why nothing is.
+    pub measured: Result<Measured, String>,
+}
+
+/// What is measured of a method; of the undeformed body unless said otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Measured {
+    /// Wave vectors with modes without energy.
+    pub zero_modes: usize,
+    /// The share of the zone on which there are modes without energy.
+    pub zero_share: f64,
+    /// Minima of the relative frequency below the limit of weakness.
+    pub weak_modes: usize,
+    /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with modes without
+    /// energy, 1 where no wave is slower than the material's.
+    pub weakest: f64,
+    /// Errors of frequencies.
+    pub dispersion: Vec<DispersionError>,
+    /// The largest error of a component of the stiffness that long waves feel.
+    pub long_wave_error: f64,
+    /// Where stability ends.
+    pub onsets: Vec<OnsetPair>,
+    /// Verdicts over the window of states.
+    pub fidelity: Fidelity,
+    /// The critical time step; time.
+    pub critical_time_step: f64,
+    /// The same times the speed of sound over the distance of neighbors.
+    pub courant: f64,
+    /// Particles that an evaluation of the forces on one particle looks at.
+    pub neighbors: f64,
+}
+
+impl Measured {
+    /// Asks a method everything.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when it cannot be evaluated at a state for another reason than its support or the law's domain.
+    pub fn of<const D: usize>(
+        scheme: &dyn Scheme<D>,
+        material: &dyn Hyperelastic,
+        options: &CompareSettings,
+    ) -> Result<Self, ProblemError> {
+        let survey = SchemeSurvey::new(scheme, material)?;
+        let spurious = spurious_modes(&survey, options.weak)?;
+        let zero_modes = spurious.modes.iter().filter(|mode| mode.is_zero()).count();
+        let onsets = Load::ALL
+            .into_iter()
+            .filter(|load| load.is_possible(D))
+            .map(|load| {
+                let end = if load.is_tension() {
+                    options.tension
+                } else {
+                    options.compression
+                };
+                onset(&survey, load, end)
+            })
+            .collect::<Result<_, _>>()?;
+        let window = StateWindow {
+            stretches: options.stretches,
+            states: options.states,
+        };
+        let step = critical_time_step(survey.reference(), options.integrator, survey.search());
+        let spacing = scheme.crystal().nearest_distance();
+        Ok(Self {
+            zero_modes,
+            zero_share: spurious.zero_share,
+            weak_modes: spurious.modes.len() - zero_modes,
+            weakest: spurious.weakest,
+            dispersion: dispersion_errors(&survey, &WAVELENGTHS)?,
+            long_wave_error: long_wave_error(&survey)?,
+            onsets,
+            fidelity: fidelity(&survey, &window)?,
+            critical_time_step: step,
+            courant: step * survey.speed_squared().sqrt() / spacing,
+            neighbors: scheme.neighbors(),
+        })
+    }
+
+    /// The error of the frequencies at a wavelength; not a number when it has not been asked for.
+    pub fn dispersion_at(&self, particles: f64) -> f64 {
+        let mut known = self.dispersion.iter();
+        known
+            .find(|error| error.particles_per_wavelength == particles)
+            .map_or(f64::NAN, |error| error.error)
+    }
+
+    /// A number to compare the cost of simulating a given time: particles looked at for every speed-of-sound passage
+    /// of a neighbor's distance, `neighbors / courant`.
+    pub fn cost(&self) -> f64 {
+        self.neighbors / self.courant
+    }
+}

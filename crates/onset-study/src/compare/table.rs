@@ -1,0 +1,259 @@
+//! The table of a comparison, as text and as CSV.
+
+use super::row::{Measured, Row, WAVELENGTHS};
+use crate::settings::CompareSettings;
+use onset::measures::{Load, StretchOnset};
+use serde::Serialize;
+
+/// All methods of a comparison.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Table {
+    /// What the comparison shows.
+    pub title: String,
+    /// The law.
+    pub material: String,
+    /// Space dimensions.
+    pub dimension: usize,
+    /// What was asked.
+    pub options: CompareSettings,
+    /// One for each method, in the order of the file.
+    pub rows: Vec<Row>,
+}
+
+/// A column of the table: its short head, what it means, and the cell of a method.
+pub(super) struct Column {
+    pub(super) head: String,
+    pub(super) meaning: String,
+    pub(super) cell: Box<dyn Fn(&Measured) -> String>,
+    /// The number behind the cell, for the CSV file.
+    pub(super) number: Box<dyn Fn(&Measured) -> f64>,
+}
+
+fn column(
+    head: impl Into<String>,
+    meaning: impl Into<String>,
+    number: impl Fn(&Measured) -> f64 + Clone + 'static,
+    shown: impl Fn(f64) -> String + 'static,
+) -> Column {
+    let of_cell = number.clone();
+    Column {
+        head: head.into(),
+        meaning: meaning.into(),
+        cell: Box::new(move |measured| shown(of_cell(measured))),
+        number: Box::new(number),
+    }
+}
+
+impl Table {
+    /// The columns after the name.
+    pub(super) fn columns(&self) -> Vec<Column> {
+        let mut columns = vec![
+            column(
+                "zero modes",
+                "wave vectors with modes without energy, of k and -k one; * where they fill part of the zone",
+                |m| m.zero_modes as f64,
+                |x| format!("{x:.0}"),
+            ),
+            column(
+                "weakest",
+                "lowest frequency over that of the material's slowest wave",
+                |m| m.weakest,
+                |x| format!("{x:.3}"),
+            ),
+        ];
+        for count in WAVELENGTHS {
+            columns.push(column(
+                format!("disp. {count:.0}"),
+                format!("largest error of a frequency at {count:.0} particles a wavelength"),
+                move |m| m.dispersion_at(count),
+                percent,
+            ));
+        }
+        columns.push(column(
+            "long waves",
+            "largest error of the stiffness that long waves feel",
+            |m| m.long_wave_error,
+            percent,
+        ));
+        for load in Load::ALL
+            .into_iter()
+            .filter(|load| load.is_possible(self.dimension))
+        {
+            let onset = move |m: &Measured| {
+                let mut known = m.onsets.iter();
+                known.find(|pair| pair.load == load).map(|pair| pair.method)
+            };
+            columns.push(Column {
+                head: short(load).to_owned(),
+                meaning: format!(
+                    "stretch at which stability is lost in {}; the material: {}",
+                    load.name(),
+                    self.material_onset(load)
+                ),
+                cell: Box::new(move |m| onset(m).map_or_else(String::new, told)),
+                number: Box::new(move |m| {
+                    onset(m).and_then(StretchOnset::stretch).unwrap_or(f64::NAN)
+                }),
+            });
+        }
+        columns.extend([
+            column(
+                "false",
+                "share of the window of states that is unstable though the material is elliptic",
+                |m| m.fidelity.false_instability,
+                percent,
+            ),
+            column(
+                "missed",
+                "share of the window that is stable though the material is not elliptic",
+                |m| m.fidelity.missed_instability,
+                percent,
+            ),
+            column(
+                "Courant",
+                "critical time step times speed of sound over the distance of neighbors",
+                |m| m.courant,
+                |x| format!("{x:.3}"),
+            ),
+            column(
+                "neighbors",
+                "particles that an evaluation of the force on one particle looks at",
+                |m| m.neighbors,
+                |x| format!("{x:.0}"),
+            ),
+        ]);
+        columns
+    }
+
+    /// Where the material loses stability along a loading, which all rows agree on.
+    pub(super) fn material_onset(&self, load: Load) -> String {
+        let mut pairs = self
+            .rows
+            .iter()
+            .filter_map(|row| row.measured.as_ref().ok())
+            .flat_map(|measured| &measured.onsets);
+        pairs
+            .find(|pair| pair.load == load)
+            .map_or_else(String::new, |pair| told(pair.material))
+    }
+
+    /// The table as CSV: numbers with all digits, empty where there is none.
+    pub fn csv(&self) -> String {
+        let columns = self.columns();
+        let mut text = String::from("method");
+        for column in &columns {
+            text.push_str(&format!(",{}", column.head.replace(['.', ' '], "_")));
+        }
+        text.push_str(",note\n");
+        for row in &self.rows {
+            text.push_str(&quoted(&row.name));
+            for column in &columns {
+                let number = row.measured.as_ref().map(|m| (column.number)(m));
+                match number {
+                    Ok(number) if number.is_finite() => text.push_str(&format!(",{number:.16e}")),
+                    _ => text.push(','),
+                }
+            }
+            let note = row.measured.as_ref().err();
+            text.push_str(&format!(",{}\n", quoted(note.map_or("", String::as_str))));
+        }
+        text
+    }
+
+    /// The columns and their meaning, a line each.
+    pub(super) fn legend(&self) -> Vec<(String, String)> {
+        let columns = self.columns().into_iter();
+        columns
+            .map(|column| (column.head, column.meaning))
+            .collect()
+    }
+}
+
+impl std::fmt::Display for Table {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let columns = self.columns();
+        let names = self.rows.iter().map(|row| row.name.chars().count());
+        let width = names.max().unwrap_or(0).max("method".len());
+        let widths: Vec<usize> = columns
+            .iter()
+            .map(|column| {
+                let measured = self
+                    .rows
+                    .iter()
+                    .filter_map(|row| row.measured.as_ref().ok());
+                let cells = measured.map(|m| (column.cell)(m).chars().count());
+                cells.max().unwrap_or(0).max(column.head.chars().count())
+            })
+            .collect();
+        if !self.title.is_empty() {
+            writeln!(formatter, "{}", self.title)?;
+        }
+        writeln!(
+            formatter,
+            "material {}, {} dimension(s)\n",
+            self.material, self.dimension
+        )?;
+        write!(formatter, "{:width$}", "method")?;
+        for (column, width) in columns.iter().zip(&widths) {
+            write!(formatter, "  {:>width$}", column.head)?;
+        }
+        writeln!(formatter)?;
+        for row in &self.rows {
+            write!(formatter, "{:width$}", row.name)?;
+            match &row.measured {
+                Ok(measured) => {
+                    for (column, width) in columns.iter().zip(&widths) {
+                        write!(formatter, "  {:>width$}", (column.cell)(measured))?;
+                    }
+                    writeln!(formatter)?;
+                }
+                Err(why) => writeln!(formatter, "  {}", why.lines().next().unwrap_or_default())?,
+            }
+        }
+        writeln!(formatter)?;
+        for (head, meaning) in self.legend() {
+            writeln!(formatter, "  {head:<10}  {meaning}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The head of a loading's column.
+pub(super) fn short(load: Load) -> &'static str {
+    match load {
+        Load::UniaxialTension => "uni. +",
+        Load::UniaxialCompression => "uni. -",
+        Load::EquibiaxialTension => "equi. +",
+        Load::EquibiaxialCompression => "equi. -",
+    }
+}
+
+/// An onset in words.
+pub(super) fn told(onset: StretchOnset) -> String {
+    match onset {
+        StretchOnset::AtRest => "at rest".to_owned(),
+        StretchOnset::At(stretch) => format!("{stretch:.4}"),
+        StretchOnset::NotBefore(end) if end > 1.0 => format!("> {end}"),
+        StretchOnset::NotBefore(end) => format!("< {end}"),
+        StretchOnset::Undefined(stretch) => format!("undef. {stretch:.3}"),
+    }
+}
+
+/// A share or an error in percent.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        percent if !percent.is_finite() => "-".to_owned(),
+        percent if percent < 1e-6 => "0 %".to_owned(),
+        percent if percent < 0.01 => format!("{percent:.0e} %"),
+        percent => format!("{percent:.2} %"),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,324 @@
+//! A comparison: several methods for one material, from TOML.
+
+use super::key::key;
+use super::toml::{File, described, in_order, is_number, scalar, typed};
+use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, unknown_key};
+use onset::time_step::Integrator;
+use serde::Serialize;
+use toml::de::{DeTable, DeValue};
+
+/// The keys of a comparison for what is asked of every method.
+pub const COMPARISON_KEYS: &[Key] = &[
+    key(
+        "compare.stretches",
+        Kind::Numbers,
+        "smallest and largest stretch of the window of states on which verdicts are compared",
+    ),
+    key(
+        "compare.states",
+        Kind::Whole(2, 256),
+        "states along each axis of the window",
+    ),
+    key(
+        "compare.tension",
+        Kind::Positive("1"),
+        "largest stretch up to which onsets in tension are sought; more than 1",
+    ),
+    key(
+        "compare.compression",
+        Kind::Positive("1"),
+        "smallest stretch down to which onsets in compression are sought; less than 1",
+    ),
+    key(
+        "compare.weak",
+        Kind::Positive("1"),
+        "waves slower than this share of the material's slowest wave are listed as weak",
+    ),
+    key(
+        "compare.integrator",
+        Kind::Words(&[
+            "central-differences",
+            "kick-drift-kick",
+            "predictor-corrector",
+        ]),
+        "integrator whose critical time step is told",
+    ),
+];
+
+/// What is asked of every method.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct CompareSettings {
+    /// Smallest and largest stretch of the window of states.
+    pub stretches: [f64; 2],
+    /// States along each axis of the window.
+    pub states: usize,
+    /// Largest stretch in tension.
+    pub tension: f64,
+    /// Smallest stretch in compression.
+    pub compression: f64,
+    /// Relative frequency below which waves are weak.
+    pub weak: f64,
+    /// The integrator.
+    pub integrator: Integrator,
+}
+
+impl Default for CompareSettings {
+    fn default() -> Self {
+        Self {
+            stretches: [0.7, 1.5],
+            states: 12,
+            tension: 3.0,
+            compression: 0.4,
+            weak: 0.5,
+            integrator: Integrator::KickDriftKick,
+        }
+    }
+}
+
+/// A method of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// How it is called in tables and figures.
+    pub name: String,
+    /// Material and discretization.
+    pub settings: Settings,
+    /// Where it is described.
+    pub origin: Origin,
+}
+
+/// Several methods for one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// What it shows.
+    pub title: String,
+    /// What is asked.
+    pub options: CompareSettings,
+    /// What the methods have in common: material and discretization.
+    pub common: Settings,
+    /// The methods.
+    pub candidates: Vec<Candidate>,
+    /// The file's text.
+    pub text: String,
+}
+
+/// Methods as one would write them, to copy.
+const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    frame = \"eulerian\"\n    quadrature = \"nodal\"\n\n    \
+                       [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
+
+impl Comparison {
+    /// Reads a comparison.
+    ///
+    /// # Errors
+    /// [`SettingError`] with file, line and column of what is wrong.
+    pub fn parse(name: &str, text: &str) -> Result<Self, SettingError> {
+        let file = File { name, text };
+        let table = file.table()?;
+        let mut comparison = Self {
+            title: String::new(),
+            options: CompareSettings::default(),
+            common: Settings::default(),
+            candidates: Vec::new(),
+            text: text.to_owned(),
+        };
+        let mut methods = None;
+        for (key, value) in in_order(table.get_ref()) {
+            match (key.get_ref().as_ref(), value.get_ref()) {
+                ("title", DeValue::String(title)) => comparison.title = title.to_string(),
+                ("methods", DeValue::Array(items)) => methods = Some((file.of(key), items)),
+                ("material" | "discretization", DeValue::Table(inner)) => {
+                    let section = key.get_ref().as_ref();
+                    assign(&mut comparison.common, &file, section, inner)?;
+                }
+                ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
+                (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
+                    let message = format!("`{section}` cannot be {}", described(other));
+                    let expected = match section {
+                        "methods" => format!("expected [[methods]], {EXAMPLE}"),
+                        _ => format!("expected a table: [{section}] with its keys below"),
+                    };
+                    return Err(SettingError::new(file.of(key), message).hint(expected));
+                }
+                ("title", other) => {
+                    let message = format!("`title` cannot be {}", described(other));
+                    return Err(SettingError::new(file.of(value), message)
+                        .hint("expected a text in quotes"));
+                }
+                (other, _) => {
+                    let known = ["title", "material", "discretization", "compare", "methods"];
+                    return Err(unknown_key(other, known.into_iter(), file.of(key)));
+                }
+            }
+        }
+        comparison.common.material.check()?;
+        let Some((origin, items)) = methods.filter(|(_, items)| !items.is_empty()) else {
+            let message = "the comparison has no methods; expected one or more";
+            return Err(SettingError::new(file.at(0), message).hint(EXAMPLE));
+        };
+        for item in items.iter() {
+            let DeValue::Table(table) = item.get_ref() else {
+                let message = format!("a method cannot be {}", described(item.get_ref()));
+                return Err(SettingError::new(origin, message).hint(EXAMPLE));
+            };
+            let candidate = comparison.read_method(&file, file.of(item), table)?;
+            if let Some(other) = comparison
+                .candidates
+                .iter()
+                .find(|other| other.name == candidate.name)
+            {
+                let message = format!("two methods are called \"{}\"", other.name);
+                return Err(SettingError::new(candidate.origin, message)
+                    .hint("give every method a name of its own"));
+            }
+            comparison.candidates.push(candidate);
+        }
+        comparison.check_dimensions()?;
+        Ok(comparison)
+    }
+
+    /// The number of space dimensions of all methods.
+    pub fn dimension(&self) -> usize {
+        let first = self.candidates.first();
+        first.map_or(2, |candidate| candidate.settings.dimension())
+    }
+
+    fn check_dimensions(&self) -> Result<(), SettingError> {
+        let dimension = self.dimension();
+        let other = self
+            .candidates
+            .iter()
+            .find(|candidate| candidate.settings.dimension() != dimension);
+        other.map_or(Ok(()), |other| {
+            let message = format!(
+                "\"{}\" has {} dimension(s), the first method has {dimension}",
+                other.name,
+                other.settings.dimension()
+            );
+            Err(SettingError::new(other.origin.clone(), message)
+                .hint("compare methods of the same number of dimensions"))
+        })
+    }
+
+    fn read_method(
+        &self,
+        file: &File<'_>,
+        origin: Origin,
+        table: &DeTable<'_>,
+    ) -> Result<Candidate, SettingError> {
+        let mut settings = self.common.clone();
+        let mut name = None;
+        for (key, value) in in_order(table) {
+            match (key.get_ref().as_ref(), value.get_ref()) {
+                ("name", DeValue::String(text)) if !text.trim().is_empty() => {
+                    name = Some(text.trim().to_owned());
+                }
+                ("name", other) => {
+                    let message = format!("`name` cannot be {}", described(other));
+                    return Err(SettingError::new(file.of(value), message)
+                        .hint("expected a text in quotes, for example \"SPH\""));
+                }
+                (own, _) => {
+                    let full = format!("discretization.{own}");
+                    let Some(known) = Key::named(&full) else {
+                        let names = KEYS.iter().filter_map(|key| {
+                            let (section, name) = key.parts();
+                            (section == "discretization").then_some(name)
+                        });
+                        return Err(unknown_key(own, names, file.of(key)));
+                    };
+                    let typed = typed(known, value, file)?;
+                    settings.set(known.name, &typed, file.of(value))?;
+                }
+            }
+        }
+        let name = name.ok_or_else(|| {
+            SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
+        })?;
+        Ok(Candidate {
+            name,
+            settings,
+            origin,
+        })
+    }
+
+    fn read_options(&mut self, file: &File<'_>, table: &DeTable<'_>) -> Result<(), SettingError> {
+        for (key, value) in in_order(table) {
+            let name = format!("compare.{}", key.get_ref());
+            let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name) else {
+                let names = COMPARISON_KEYS.iter().map(|key| key.name);
+                return Err(unknown_key(&name, names, file.of(key)));
+            };
+            let given = typed(known, value, file)?;
+            if !(known.kind.accepts(&given) && self.options.set(known.parts().1, &given)) {
+                let message = format!("`{name}` cannot be {}", described_value(value.get_ref()));
+                let hint = format!("expected {} ({})", known.expects(), known.meaning);
+                return Err(SettingError::new(file.of(value), message).hint(hint));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A value as told in a message, lists with their numbers.
+fn described_value(value: &DeValue<'_>) -> String {
+    scalar(value).map_or_else(|| described(value), |value| value.to_string())
+}
+
+impl CompareSettings {
+    /// Sets an option; false when the value is not what it expects.
+    fn set(&mut self, name: &str, value: &Value) -> bool {
+        let number = value.number();
+        match (name, value, number) {
+            ("stretches", Value::Numbers(ends), _) => match ends[..] {
+                [low, high] if 0.0 < low && low < high => {
+                    self.stretches = [low, high];
+                    true
+                }
+                _ => false,
+            },
+            ("states", _, Some(count)) => {
+                self.states = count as usize;
+                true
+            }
+            ("tension", _, Some(end)) if end > 1.0 => {
+                self.tension = end;
+                true
+            }
+            ("compression", _, Some(end)) if end < 1.0 => {
+                self.compression = end;
+                true
+            }
+            ("weak", _, Some(share)) => {
+                self.weak = share;
+                true
+            }
+            ("integrator", value, _) => match value.word() {
+                Some(integrator) => {
+                    self.integrator = integrator;
+                    true
+                }
+                None => false,
+            },
+            _ => false,
+        }
+    }
+}
+
+/// Applies the keys of a section.
+fn assign(
+    settings: &mut Settings,
+    file: &File<'_>,
+    section: &str,
+    table: &DeTable<'_>,
+) -> Result<(), SettingError> {
+    for (key, value) in in_order(table) {
+        let name = format!("{section}.{}", key.get_ref());
+        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
+            let names = KEYS.iter().map(|key| key.name);
+            return Err(unknown_key(&name, names, file.of(key)));
+        };
+        let typed = typed(known, value, file)?;
+        settings.set(known.name, &typed, file.of(value))?;
+    }
+    Ok(())
+}

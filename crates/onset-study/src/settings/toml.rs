@@ -1,0 +1,120 @@
+//! Values of TOML files, with their places.
+
+use super::{Key, Kind, Origin, SettingError, Value};
+use std::borrow::Cow;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+pub(super) type Entry<'a, 'i> = (&'a Spanned<Cow<'i, str>>, &'a Spanned<DeValue<'i>>);
+
+/// A file with its name: places in it are origins.
+pub(super) struct File<'t> {
+    pub(super) name: &'t str,
+    pub(super) text: &'t str,
+}
+
+impl<'t> File<'t> {
+    /// The whole file as a table.
+    ///
+    /// # Errors
+    /// [`SettingError`] where it is no TOML.
+    pub(super) fn table(&self) -> Result<Spanned<DeTable<'t>>, SettingError> {
+        DeTable::parse(self.text).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            SettingError::new(self.at(offset), error.message().to_owned())
+        })
+    }
+
+    pub(super) fn at(&self, offset: usize) -> Origin {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        Origin::File {
+            name: self.name.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
+        }
+    }
+
+    pub(super) fn of<T>(&self, spanned: &Spanned<T>) -> Origin {
+        self.at(spanned.span().start)
+    }
+}
+
+/// The entries of a table in the order of the file, so that the first mistake is told first.
+pub(super) fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> Vec<Entry<'a, 'i>> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
+/// The value of a key as what the key expects.
+///
+/// # Errors
+/// [`SettingError`] for dates, tables, and lists where none is expected.
+pub(super) fn typed(
+    known: &Key,
+    value: &Spanned<DeValue<'_>>,
+    file: &File<'_>,
+) -> Result<Value, SettingError> {
+    let typed = match known.kind {
+        Kind::Numbers => list(value.get_ref()).map(Value::Numbers),
+        Kind::Subset(_) => words(value.get_ref()).map(Value::Words),
+        _ => scalar(value.get_ref()),
+    };
+    typed.ok_or_else(|| {
+        let message = format!("`{}` cannot be {}", known.name, described(value.get_ref()));
+        let hint = format!("expected {} ({})", known.expects(), known.meaning);
+        SettingError::new(file.of(value), message).hint(hint)
+    })
+}
+
+/// A value that a key can take; `None` for dates, lists and tables.
+pub(super) fn scalar(value: &DeValue<'_>) -> Option<Value> {
+    match value {
+        DeValue::String(word) => Some(Value::Word(word.to_string())),
+        DeValue::Boolean(on) => Some(Value::Switch(*on)),
+        DeValue::Float(float) => float.as_str().parse().ok().map(Value::Number),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .ok()
+            .map(|integer| Value::Number(integer as f64)),
+        _ => None,
+    }
+}
+
+/// A list of numbers; `None` for anything else.
+pub(super) fn list(value: &DeValue<'_>) -> Option<Vec<f64>> {
+    match value {
+        DeValue::Array(items) => items
+            .iter()
+            .map(|item| scalar(item.get_ref())?.number())
+            .collect(),
+        _ => None,
+    }
+}
+
+/// A list of words; `None` for anything else.
+pub(super) fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
+    let DeValue::Array(items) = value else {
+        return None;
+    };
+    let word = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+        DeValue::String(word) => Some(word.to_string()),
+        _ => None,
+    };
+    items.iter().map(word).collect()
+}
+
+/// Whether a value is a number.
+pub(super) fn is_number(value: &DeValue<'_>) -> bool {
+    scalar(value).is_some_and(|value| value.number().is_some())
+}
+
+/// A value as told in a message.
+pub(super) fn described(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::Datetime(date) => format!("the date {date}"),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+        DeValue::Integer(integer) => integer.to_string(),
+        other => scalar(other).map_or_else(String::new, |value| value.to_string()),
+    }
+}

@@ -1,0 +1,94 @@
+//! Wells of a function on a periodic grid, and their bottoms.
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+/// Whether no neighbor on the periodic grid, of which the first half is known, is lower.
+pub(crate) fn is_well<const D: usize>(values: &[f64], index: usize, n: usize) -> bool {
+    if !values[index].is_finite() {
+        return false;
+    }
+    let mut coordinates = [0_usize; D];
+    let mut rest = index;
+    for i in (0..D).rev() {
+        coordinates[i] = rest % n;
+        rest /= n;
+    }
+    let flat = |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
+    (0..3_usize.pow(D as u32)).all(|neighbor| {
+        let mut code = neighbor;
+        let beside: [usize; D] = std::array::from_fn(|i| {
+            let step = code % 3;
+            code /= 3;
+            (coordinates[i] + n + step - 1) % n
+        });
+        let known = flat(&beside);
+        let known = if known < values.len() {
+            known
+        } else {
+            flat(&beside.map(|c| (n - c) % n))
+        };
+        values
+            .get(known)
+            .is_none_or(|other| !other.is_finite() || *other >= values[index])
+    })
+}
+
+/// Follows a well to its bottom: Newton's method with differences as long as it gains, else the best point of the stencil, with
+/// ever smaller steps. `steps` are the initial ones, as columns.
+pub(crate) fn settled<const D: usize>(
+    at: &impl Fn(&SVector<f64, D>) -> f64,
+    start: (f64, SVector<f64, D>),
+    steps: &SMatrix<f64, D, D>,
+) -> (f64, SVector<f64, D>) {
+    let mut best = start;
+    let mut size = 0.5;
+    while size > 1e-6 {
+        let before = best.0;
+        let center = best.1;
+        let point = |weights: [f64; D]| center + steps * SVector::from(weights) * size;
+        let unit = |i: usize, s: f64| std::array::from_fn(|j| if i == j { s } else { 0.0 });
+        let mut tried = Vec::with_capacity(3 * D * D);
+        let mut ask = |weights: [f64; D]| {
+            let k = point(weights);
+            let value = at(&k);
+            tried.push((value, k));
+            value
+        };
+        let (mut gradient, mut hessian) = (DVector::zeros(D), DMatrix::zeros(D, D));
+        for i in 0..D {
+            let (plus, minus) = (ask(unit(i, 1.0)), ask(unit(i, -1.0)));
+            gradient[i] = 0.5 * (plus - minus);
+            hessian[(i, i)] = plus + minus - 2.0 * before;
+        }
+        for i in 0..D {
+            for j in 0..i {
+                let corner = |s: f64| {
+                    std::array::from_fn(|l| {
+                        if l == i {
+                            1.0
+                        } else if l == j {
+                            s
+                        } else {
+                            0.0
+                        }
+                    })
+                };
+                let mixed = 0.5 * (ask(corner(1.0)) - ask(corner(-1.0))) - gradient[j];
+                hessian[(i, j)] = mixed;
+                hessian[(j, i)] = mixed;
+            }
+        }
+        let newton = hessian.cholesky().map(|factors| factors.solve(&gradient));
+        if let Some(step) = newton.filter(|step| step.iter().all(|x| x.is_finite())) {
+            let bounded = 2.0 / step.amax().max(2.0);
+            ask(std::array::from_fn(|i| -bounded * step[i]));
+        }
+        for (value, k) in tried {
+            if value < best.0 {
+                best = (value, k);
+            }
+        }
+        size *= if best.0 < before { 0.5 } else { 0.25 };
+    }
+    best
+}

@@ -1,0 +1,182 @@
+//! Corrected derivatives: gradients that are exact for linear fields without being the derivative of any function.
+//!
+//! The discrete gradient of a field is `grad f(x) = sum_K f_K psi_K` with
+//!
+//! `psi_K = C^T h_K`, `h_K = g_K - n_K sum_L g_L`, `C = (sum_K x_K (x) h_K)^-1`, `g_K = grad W(x_K - x)`,
+//!
+//! which is `C^T sum_K (f_K - f_0) g_K`: a difference to the value `f_0 = sum_K n_K f_K` of the field at the point itself.
+//! `sum_K psi_K = 0` and `sum_K x_K (x) psi_K = 1` for any `n_K` that add up to one. The two corrections differ in `n_K`:
+//! Krongauz and Belytschko's is Shepard's function, so that `h_K` is its derivative times `sum W`; Randles and Libersky's
+//! is one at the particle that the point is, and zero at all others. Where the point is no particle, its value has to be
+//! interpolated, and the two are the same. Values are Shepard's in both.
+//!
+//! The derivatives below are those of these formulas: `psi_K,jt` is not symmetric.
+
+use super::least_squares::inverted;
+use super::{Motion, Order, ShapeFunctions, SingularMoment};
+use crate::kernel::Weight;
+use nalgebra::{SMatrix, SVector};
+
+/// Relative positions below this fraction of the length scale are those of the point itself.
+const SAME_PLACE: f64 = 1e-12;
+
+/// The value to which a gradient takes differences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reference {
+    /// Shepard's.
+    Interpolated,
+    /// That of the particle at the point, where there is one.
+    Particle,
+}
+
+/// The corrected gradients at a point.
+struct Correction<'a, const D: usize> {
+    positions: &'a [SVector<f64, D>],
+    weights: &'a [Weight<D>],
+    /// `sum W`.
+    sum: f64,
+    /// Whether `n_K` are Shepard's functions, which move with the particles.
+    is_interpolated: bool,
+    /// `n_K`.
+    shares: Vec<f64>,
+    /// `sum_L g_L`.
+    total: SVector<f64, D>,
+    /// `h_K`.
+    differences: Vec<SVector<f64, D>>,
+    /// `C`.
+    inverse: SMatrix<f64, D, D>,
+}
+
+/// Shape functions with Shepard's values and corrected gradients.
+///
+/// # Errors
+/// [`SingularMoment`] when the neighbors do not span space.
+pub(super) fn corrected<const D: usize>(
+    positions: &[SVector<f64, D>],
+    weights: &[Weight<D>],
+    reference: Reference,
+    length: f64,
+    order: Order,
+) -> Result<ShapeFunctions<D>, SingularMoment> {
+    let sum: f64 = weights.iter().map(|w| w.value).sum();
+    let values: Vec<f64> = weights.iter().map(|w| w.value / sum).collect();
+    let own = positions
+        .iter()
+        .position(|x| x.amax() <= SAME_PLACE * length)
+        .filter(|_| reference == Reference::Particle);
+    let shares = match own {
+        Some(own) => (0..weights.len())
+            .map(|k| f64::from(u8::from(k == own)))
+            .collect(),
+        None => values.clone(),
+    };
+    let total: SVector<f64, D> = -weights.iter().map(|w| w.gradient).sum::<SVector<f64, D>>();
+    let differences: Vec<SVector<f64, D>> = weights
+        .iter()
+        .zip(&shares)
+        .map(|(w, share)| -w.gradient - total * *share)
+        .collect();
+    let moment: SMatrix<f64, D, D> = positions
+        .iter()
+        .zip(&differences)
+        .map(|(x, h)| x * h.transpose())
+        .sum();
+    let correction = Correction {
+        positions,
+        weights,
+        sum,
+        is_interpolated: own.is_none(),
+        shares,
+        total,
+        inverse: inverted(&moment)?,
+        differences,
+    };
+    let second = order != Order::First;
+    let gradient = |h: &SVector<f64, D>| correction.inverse.transpose() * h;
+    let frozen = |w: &Weight<D>| correction.inverse.transpose() * w.hessian;
+    Ok(ShapeFunctions {
+        gradients: correction.differences.iter().map(gradient).collect(),
+        hessians: second.then(|| correction.hessians()).unwrap_or_default(),
+        frozen_hessians: second
+            .then(|| weights.iter().map(frozen).collect())
+            .unwrap_or_default(),
+        motion: (order == Order::Sensitivities).then(|| correction.motion()),
+        values,
+    })
+}
+
+impl<const D: usize> Correction<'_, D> {
+    /// `sum_L d g_L,m / d x_t` at fixed particles.
+    fn total1(&self) -> SMatrix<f64, D, D> {
+        self.weights.iter().map(|w| w.hessian).sum()
+    }
+
+    /// `d psi_I,j / d x_t` at fixed particles, from `d C = -C dN C`, `N = sum_K x_K (x) h_K`.
+    fn hessians(&self) -> Vec<SMatrix<f64, D, D>> {
+        let total1 = self.total1();
+        // d h_K,m / d x_t = W_K,mt - n_K sum_L W_L,mt - n_K,t sum_L g_L,m, with n_K,t = h_K,t / sum W for Shepard's.
+        let slope = |k: usize| {
+            let frozen = self.weights[k].hessian - total1 * self.shares[k];
+            match self.is_interpolated {
+                true => frozen - self.total * (self.differences[k] / self.sum).transpose(),
+                false => frozen,
+            }
+        };
+        let slopes: Vec<SMatrix<f64, D, D>> = (0..self.weights.len()).map(slope).collect();
+        // C dN C for each t.
+        let turned: [SMatrix<f64, D, D>; D] = std::array::from_fn(|t| {
+            let moment1: SMatrix<f64, D, D> = self
+                .positions
+                .iter()
+                .zip(&slopes)
+                .map(|(x, slope)| x * slope.column(t).transpose())
+                .sum();
+            self.inverse * moment1 * self.inverse
+        });
+        (0..self.weights.len())
+            .map(|k| {
+                let direct = self.inverse.transpose() * slopes[k];
+                let h = &self.differences[k];
+                SMatrix::from_fn(|j, t| direct[(j, t)] - turned[t].column(j).dot(h))
+            })
+            .collect()
+    }
+
+    /// How `psi_I,j = h_I,m C_mj` changes when particles move: through `C` (as many products as dimensions, with `h_I`), and
+    /// through `h_I` itself (one more, with `n_I`, and what the particle's own weight does).
+    fn motion(&self) -> Motion<D> {
+        let mut motion = Motion::with_capacity(D + 1, self.weights.len());
+        let mean: SVector<f64, D> = self
+            .positions
+            .iter()
+            .zip(&self.shares)
+            .map(|(x, share)| x * *share)
+            .sum();
+        for (k, w) in self.weights.iter().enumerate() {
+            let own = match self.is_interpolated {
+                true => w.hessian + self.total * (w.gradient / self.sum).transpose(),
+                false => w.hessian,
+            };
+            // d N_im / d x_K,t = delta_it h_K,m + (sum_L n_L x_L - x_K)_i own_mt.
+            let lever = mean - self.positions[k];
+            let turned: [SMatrix<f64, D, D>; D] = std::array::from_fn(|t| {
+                let mut moment1 = lever * own.column(t).transpose();
+                for m in 0..D {
+                    moment1[(t, m)] += self.differences[k][m];
+                }
+                self.inverse * moment1 * self.inverse
+            });
+            let still = SVector::zeros();
+            for b in 0..D {
+                motion.terms.push((self.differences[k][b], still));
+                let slope = SMatrix::from_fn(|j, t| -turned[t][(b, j)]);
+                motion.shifts.push((still, slope));
+            }
+            let own = self.inverse.transpose() * own;
+            motion.terms.push((self.shares[k], still));
+            motion.shifts.push((still, own));
+            motion.own.push(-own);
+        }
+        motion
+    }
+}

@@ -1,0 +1,83 @@
+//! A formula of one variable, such as a radial profile.
+
+use super::error::{FormulaError, Place, Problem};
+use super::graph::{Leaf, Node};
+use super::parser;
+use super::tape::Tape;
+use crate::real::Real;
+
+/// A formula in which one name is a variable and no other name has a meaning but those of functions and helpers.
+///
+/// ```
+/// use onset::formula::FunctionOfOne;
+/// use onset::real::Jet;
+/// let bump = FunctionOfOne::parse("let p = 1 - q; p^3*(1 + 3*q)", "q")?;
+/// assert_eq!(bump.at(0.5), 0.3125);
+/// assert_eq!(bump.at(Jet::variables([0.5])).gradient, [-1.5]);
+/// # Ok::<(), onset::formula::FormulaError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct FunctionOfOne {
+    tape: Tape,
+    has_branch: bool,
+}
+
+impl FunctionOfOne {
+    /// Reads a formula of the variable with a name.
+    ///
+    /// # Errors
+    /// [`FormulaError`] where the text stops being a formula, uses another name, or holds a part that is never finite.
+    pub fn parse(text: &str, variable: &'static str) -> Result<Self, FormulaError> {
+        let parsed = parser::parse(text)?;
+        let error = |range, problem| FormulaError {
+            problem,
+            place: Some(Place::of(text, range)),
+        };
+        let stranger = |name: &str| Problem::NotTheVariable {
+            name: name.to_owned(),
+            variable,
+        };
+        if let Some(name) = parsed.variables.first() {
+            let at = text.find(name).unwrap_or(0);
+            return Err(error(at..at + name.len(), stranger(name)));
+        }
+        let other = |(name, _): &&(String, _)| name != variable;
+        if let Some((name, range)) = parsed.parameters.iter().find(other) {
+            return Err(error(range.clone(), stranger(name)));
+        }
+        let (graph, result) = parsed.graph.of_argument(parsed.result);
+        let needed = graph.needed_by(result);
+        let mut has_branch = false;
+        for id in (0..graph.len()).filter(|id| needed[*id]) {
+            has_branch |= matches!(graph.nodes()[id], Node::Select(..));
+            if let Some(value) = graph.value(id)
+                && !value.is_finite()
+            {
+                return Err(error(
+                    graph.range_of(id),
+                    Problem::ConstantNotFinite { value },
+                ));
+            }
+        }
+        Ok(Self {
+            tape: Tape::new(&graph, result),
+            has_branch,
+        })
+    }
+
+    /// The value for a value of the variable.
+    pub fn at<R: Real>(&self, x: R) -> R {
+        self.tape.evaluate(|leaf| match leaf {
+            Leaf::Argument => x,
+            // No other variable is admitted.
+            Leaf::Component(..) | Leaf::CauchyGreen(..) | Leaf::Jacobian | Leaf::Stretch(_) => {
+                R::constant(f64::NAN)
+            }
+        })
+    }
+
+    /// Whether there is a condition, a ramp or an extreme, where derivatives can jump.
+    pub fn has_branch(&self) -> bool {
+        self.has_branch
+    }
+}

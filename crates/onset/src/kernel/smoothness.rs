@@ -1,0 +1,147 @@
+//! How many derivatives of a kernel over space are continuous, and where they end.
+
+use super::Kernel;
+use crate::real::Jet;
+
+/// How many derivatives over space are continuous at the places where a radial profile can break; `None` for all of them, of a
+/// formula for at least four.
+///
+/// Waves of Lagrangian kernels need one, the exact linearization of Eulerian ones two: with fewer at the rim the dynamical matrix
+/// jumps where a neighbor enters or leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smoothness {
+    /// At the origin, where odd derivatives of the profile must vanish.
+    pub origin: Option<u32>,
+    /// Where the pieces of the profile meet.
+    pub inside: Option<u32>,
+    /// At the rim, beyond which the weight is zero.
+    pub rim: Option<u32>,
+}
+
+/// Distance at which the derivatives on both sides of a place are compared.
+const STEP: f64 = 1e-9;
+/// A change over [`STEP`] that is a jump, relative to the size of the derivative.
+const JUMP: f64 = 1e-4;
+/// Cells that are searched for jumps.
+const CELLS: u32 = 1024;
+
+impl Smoothness {
+    /// The least of all places.
+    pub fn least(self) -> Option<u32> {
+        [self.origin, self.inside, self.rim]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+
+    /// From the derivatives at origin and rim, and breaks with the order of the derivative that jumps.
+    pub(super) fn measured(origin: [f64; 5], breaks: &[(f64, u32)], rim: [f64; 5]) -> Self {
+        let scale = |orders: &[f64; 5]| 1e-7 * orders.iter().fold(1.0, |a: f64, b| a.max(b.abs()));
+        let (odd, end) = (scale(&origin), scale(&rim));
+        let breaks_at = |n: &usize| !(origin[*n].abs() <= odd);
+        let ends_at = |n: &usize| !(rim[*n].abs() <= end);
+        Self {
+            origin: [1, 3].into_iter().find(breaks_at).map(|n| n as u32 - 1),
+            inside: breaks
+                .iter()
+                .map(|(_, order)| order.saturating_sub(1))
+                .min(),
+            rim: (0..5).find(ends_at).map(|n| (n as u32).saturating_sub(1)),
+        }
+    }
+}
+
+/// The profile and its first four derivatives.
+pub(super) fn orders_at(profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>, q: f64) -> [f64; 5] {
+    let [inner] = Jet::variables([q]);
+    let [outer] = Jet::variables([inner]);
+    let jet = profile(outer);
+    let second = jet.hessian[0][0];
+    [
+        jet.value.value,
+        jet.gradient[0].value,
+        second.value,
+        second.gradient[0],
+        second.hessian[0][0],
+    ]
+}
+
+/// Where a derivative up to the fourth jumps within the support, with the lowest order that does.
+///
+/// # Errors
+/// The place, where the profile itself or its slope jumps.
+pub(super) fn jumps(
+    profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>,
+) -> Result<Vec<(f64, u32)>, f64> {
+    let at = |q: f64| orders_at(&profile, q);
+    let mut found = Vec::new();
+    let samples: Vec<[f64; 5]> = (0..=CELLS)
+        .map(|n| at(f64::from(n) / f64::from(CELLS)))
+        .collect();
+    let size = |order: usize| {
+        samples
+            .iter()
+            .fold(1.0, |size: f64, sample| size.max(sample[order].abs()))
+    };
+    let sizes: [f64; 5] = std::array::from_fn(size);
+    for cell in 0..CELLS {
+        let [low, high] = [cell, cell + 1].map(|n| f64::from(n) / f64::from(CELLS));
+        let order = (0..5)
+            .find_map(|order| Some((order, jump(|q| at(q)[order], low, high, sizes[order])?)));
+        match order {
+            Some((0 | 1, q)) => return Err(q),
+            Some((order, q)) => found.push((q, order as u32)),
+            None => {}
+        }
+    }
+    Ok(found)
+}
+
+/// The place within an interval where a function jumps, by halving towards the larger change.
+fn jump(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64, size: f64) -> Option<f64> {
+    let (mut below, mut above) = (function(low), function(high));
+    while high - low > STEP {
+        if (above - below).abs() <= JUMP * size {
+            return None;
+        }
+        let middle = 0.5 * (low + high);
+        let value = function(middle);
+        if (value - below).abs() > (above - value).abs() {
+            (high, above) = (middle, value);
+        } else {
+            (low, below) = (middle, value);
+        }
+    }
+    ((above - below).abs() > JUMP * size).then_some(0.5 * (low + high))
+}
+
+impl Kernel {
+    /// How many derivatives over space are continuous in `D` dimensions.
+    ///
+    /// ```
+    /// use onset::kernel::Kernel;
+    /// assert_eq!(Kernel::WendlandC4.smoothness::<3>().least(), Some(4));
+    /// assert_eq!(Kernel::Hyperbolic.smoothness::<3>().least(), Some(0));
+    /// ```
+    pub fn smoothness<const D: usize>(self) -> Smoothness {
+        let of = |origin, inside, rim| Smoothness {
+            origin,
+            inside,
+            rim,
+        };
+        // A power (1 - q)^n at the rim; Wendland's of three dimensions have one more than those of one.
+        let extra = u32::from(D > 1);
+        match self {
+            Self::QuarticSpline => of(Some(2), None, Some(2)),
+            Self::CubicSpline => of(Some(2), Some(2), Some(2)),
+            Self::QuarticBSpline => of(None, Some(3), Some(3)),
+            Self::QuinticSpline => of(Some(4), Some(4), Some(4)),
+            Self::WendlandC2 => of(Some(2), None, Some(2 + extra)),
+            Self::WendlandC4 => of(Some(4), None, Some(4 + extra)),
+            Self::WendlandC6 => of(Some(6), None, Some(6 + extra)),
+            Self::Gaussian | Self::LaguerreGauss => of(None, None, Some(2)),
+            Self::Hyperbolic => of(Some(0), Some(2), Some(2)),
+            Self::Formula(formula) => formula.smoothness(),
+        }
+    }
+}

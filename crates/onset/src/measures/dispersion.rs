@@ -1,0 +1,135 @@
+//! Errors of frequencies and of the long-wave limit.
+
+use crate::bloch::WaveSystem;
+use crate::continuum::Stiffness;
+use crate::kinematics::DeformationGradient;
+use crate::method::MethodError;
+use crate::verdict::SchemeSurvey;
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::f64::consts::{PI, TAU};
+
+/// Directions that are looked at in the plane.
+const PLANE_DIRECTIONS: usize = 180;
+/// Directions that are looked at in space.
+const SPACE_DIRECTIONS: usize = 400;
+
+/// The worst error of the frequencies at a wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub struct DispersionError {
+    /// Wavelength over the distance of neighbors.
+    pub particles_per_wavelength: f64,
+    /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the undeformed body.
+    pub error: f64,
+}
+
+/// The errors of the frequencies of the undeformed body at wavelengths given in distances of neighbors.
+pub fn dispersion_errors<const D: usize>(
+    survey: &SchemeSurvey<'_, D>,
+    particles_per_wavelength: &[f64],
+) -> Result<Vec<DispersionError>, MethodError> {
+    let spacing = survey.scheme().crystal().nearest_distance();
+    let stiffness = at_rest(survey)?;
+    let of_wavelength = |count: &f64| {
+        let length = TAU / (count * spacing);
+        let error = directions::<D>()
+            .iter()
+            .map(|direction| frequency_error(survey, &stiffness, &(direction * length)))
+            .fold(0.0, f64::max);
+        DispersionError {
+            particles_per_wavelength: *count,
+            error,
+        }
+    };
+    Ok(particles_per_wavelength.iter().map(of_wavelength).collect())
+}
+
+/// The largest component of the difference between the stiffness of long waves and that of the material (both made symmetric as
+/// they act on waves), over the largest component of the latter; in the undeformed body.
+///
+/// # Errors
+/// [`MethodError`] when the material cannot be evaluated.
+pub fn long_wave_error<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<f64, MethodError> {
+    let exact = at_rest(survey)?;
+    let discrete = survey.reference().long_wave_stiffness();
+    let density = survey.scheme().density();
+    let (mut difference, mut scale) = (0.0_f64, 0.0_f64);
+    for j in 0..D {
+        for l in 0..=j {
+            // The sum over J, L = j, l and l, j: differences of a quadratic form.
+            let mixed = |stiffness: &Stiffness<D>| -> SMatrix<f64, D, D> {
+                let unit = |i: usize| SVector::from_fn(|n, _| f64::from(u8::from(n == i)));
+                let sum: SVector<f64, D> = unit(j) + unit(l);
+                let apart: SVector<f64, D> = unit(j) - unit(l);
+                (stiffness.acoustic_tensor(&sum) - stiffness.acoustic_tensor(&apart)) * 0.25
+            };
+            let exact = mixed(&exact) / density;
+            difference = difference.max((mixed(&discrete) - exact).amax());
+            scale = scale.max(exact.amax());
+        }
+    }
+    Ok(difference / scale)
+}
+
+fn at_rest<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<Stiffness<D>, MethodError> {
+    Ok(Stiffness::at(
+        survey.material(),
+        &DeformationGradient::identity(),
+    )?)
+}
+
+/// The frequencies squared of the continuum at a wave vector, in increasing order.
+pub(super) fn continuum<const D: usize>(
+    stiffness: &Stiffness<D>,
+    density: f64,
+    k: &SVector<f64, D>,
+) -> Vec<f64> {
+    let tensor = stiffness.acoustic_tensor(k) / density;
+    let symmetric = DMatrix::from_fn(D, D, |i, j| 0.5 * (tensor[(i, j)] + tensor[(j, i)]));
+    let mut values: Vec<f64> = symmetric.symmetric_eigenvalues().iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn frequency_error<const D: usize>(
+    survey: &SchemeSurvey<'_, D>,
+    stiffness: &Stiffness<D>,
+    k: &SVector<f64, D>,
+) -> f64 {
+    let system: &WaveSystem<D> = survey.reference();
+    let found = system.omega_squared(k);
+    let exact = continuum(stiffness, survey.scheme().density(), k);
+    let error =
+        |(found, exact): (&crate::algebra::Complex, &f64)| (found.re.max(0.0) / exact).sqrt() - 1.0;
+    found
+        .iter()
+        .zip(&exact)
+        .map(error)
+        .map(f64::abs)
+        .fold(0.0, f64::max)
+}
+
+/// Directions spread over half of the circle or of the sphere.
+pub(super) fn directions<const D: usize>() -> Vec<SVector<f64, D>> {
+    let vector = |components: [f64; 3]| SVector::from_fn(|i, _| components[i]);
+    match D {
+        1 => vec![vector([1.0, 0.0, 0.0])],
+        2 => (0..PLANE_DIRECTIONS)
+            .map(|n| PI * n as f64 / PLANE_DIRECTIONS as f64)
+            .map(|angle| vector([angle.cos(), angle.sin(), 0.0]))
+            .collect(),
+        _ => {
+            // Points on a spiral by the golden angle.
+            let golden = PI * (3.0 - 5.0_f64.sqrt());
+            (0..SPACE_DIRECTIONS)
+                .map(|n| {
+                    let height = (n as f64 + 0.5) / SPACE_DIRECTIONS as f64;
+                    let radius = (1.0 - height * height).sqrt();
+                    let (sine, cosine) = (golden * n as f64).sin_cos();
+                    vector([radius * cosine, radius * sine, height])
+                })
+                .collect()
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! How faithful a method is to its material over a window of states.
+
+use crate::kinematics::DeformationGradient;
+use crate::method::MethodError;
+use crate::verdict::{SchemeSurvey, Verdict};
+
+/// A window of states: stretches along the first two axes (one in one dimension), cell-centered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateWindow {
+    /// Smallest and largest stretch.
+    pub stretches: [f64; 2],
+    /// States along an axis.
+    pub states: usize,
+}
+
+/// Shares of the states of a window.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub struct Fidelity {
+    /// Unstable though the material is elliptic.
+    pub false_instability: f64,
+    /// Stable though the material is not elliptic.
+    pub missed_instability: f64,
+    /// Rank deficient: stable, but with modes without energy.
+    pub rank_deficient: f64,
+    /// Not defined: too few neighbors, or outside of the law's domain.
+    pub undefined: f64,
+    /// Elliptic.
+    pub elliptic: f64,
+}
+
+impl Fidelity {
+    /// The share of the states on which material and method agree.
+    pub fn agreement(&self) -> f64 {
+        1.0 - self.false_instability - self.missed_instability - self.undefined
+    }
+}
+
+/// Shares of the states of a window on which method and material differ.
+///
+/// # Errors
+/// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+pub fn fidelity<const D: usize>(
+    survey: &SchemeSurvey<'_, D>,
+    window: &StateWindow,
+) -> Result<Fidelity, MethodError> {
+    let [low, high] = window.stretches;
+    let n = window.states;
+    let stretch = |i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
+    let rows = if D == 1 { 1 } else { n };
+    let share = 1.0 / (n * rows) as f64;
+    let mut found = Fidelity::default();
+    for row in 0..rows {
+        for column in 0..n {
+            let second = if D == 1 { 1.0 } else { stretch(row) };
+            let f = DeformationGradient::from_stretches([stretch(column), second, 1.0])?;
+            match survey.state(&f) {
+                Ok(state) => {
+                    found.elliptic += if state.is_elliptic { share } else { 0.0 };
+                    match state.verdict {
+                        Verdict::Kernel if state.is_elliptic => found.false_instability += share,
+                        Verdict::Missed => found.missed_instability += share,
+                        Verdict::RankDeficient => found.rank_deficient += share,
+                        Verdict::Stable | Verdict::Material | Verdict::Kernel => {}
+                    }
+                }
+                Err(error) if error.leaves_undefined() => found.undefined += share,
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,183 @@
+//! Where stability ends along a loading, for the material and for the method.
+
+use crate::kinematics::{DeformationGradient, KinematicsError};
+use crate::method::MethodError;
+use crate::verdict::{Phase, SchemeSurvey, probe_material};
+
+/// A homogeneous loading of a `D`-dimensional body; what is out of its dimensions is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Load {
+    /// `F = diag(s, 1, 1)`, `s > 1`.
+    UniaxialTension,
+    /// `F = diag(s, 1, 1)`, `s < 1`.
+    UniaxialCompression,
+    /// `F = diag(s, s, 1)`, `s > 1`.
+    EquibiaxialTension,
+    /// `F = diag(s, s, 1)`, `s < 1`.
+    EquibiaxialCompression,
+}
+
+impl Load {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::UniaxialTension,
+        Self::UniaxialCompression,
+        Self::EquibiaxialTension,
+        Self::EquibiaxialCompression,
+    ];
+
+    /// The word used in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::UniaxialTension => "uniaxial tension",
+            Self::UniaxialCompression => "uniaxial compression",
+            Self::EquibiaxialTension => "equibiaxial tension",
+            Self::EquibiaxialCompression => "equibiaxial compression",
+        }
+    }
+
+    /// Whether stretches grow.
+    pub fn is_tension(self) -> bool {
+        matches!(self, Self::UniaxialTension | Self::EquibiaxialTension)
+    }
+
+    /// Whether a body of so many dimensions can be loaded like this.
+    pub fn is_possible(self, dimension: usize) -> bool {
+        let is_uniaxial = matches!(self, Self::UniaxialTension | Self::UniaxialCompression);
+        is_uniaxial || dimension >= 2
+    }
+
+    /// The deformation at a stretch.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] when the stretch is not admissible.
+    pub fn at(self, stretch: f64) -> Result<DeformationGradient, KinematicsError> {
+        let second = match self {
+            Self::UniaxialTension | Self::UniaxialCompression => 1.0,
+            Self::EquibiaxialTension | Self::EquibiaxialCompression => stretch,
+        };
+        DeformationGradient::from_stretches([stretch, second, 1.0])
+    }
+}
+
+/// Where stability ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum StretchOnset {
+    /// The undeformed state is unstable already.
+    AtRest,
+    /// At this stretch.
+    At(f64),
+    /// Not up to the last stretch that was looked at.
+    NotBefore(f64),
+    /// The method or the law is not defined from this stretch on.
+    Undefined(f64),
+}
+
+impl StretchOnset {
+    /// The stretch, where there is one.
+    pub fn stretch(self) -> Option<f64> {
+        match self {
+            Self::At(stretch) => Some(stretch),
+            Self::AtRest => Some(1.0),
+            Self::NotBefore(_) | Self::Undefined(_) => None,
+        }
+    }
+}
+
+/// The first instability along a loading, of material and method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub struct OnsetPair {
+    /// The loading.
+    pub load: Load,
+    /// Of the continuum: loss of strong ellipticity.
+    pub material: StretchOnset,
+    /// Of the discretization: the first growing wave.
+    pub method: StretchOnset,
+}
+
+impl OnsetPair {
+    /// The strain `s - 1` at which the method loses stability over that at which the material does: one for a faithful method,
+    /// less for one that is falsely unstable. Not a number where the material stays stable and the method does not, or the
+    /// other way round; one where both stay stable.
+    pub fn ratio(&self) -> f64 {
+        match (self.material, self.method) {
+            (StretchOnset::At(material), StretchOnset::At(method)) => {
+                (method - 1.0) / (material - 1.0)
+            }
+            (StretchOnset::At(_) | StretchOnset::NotBefore(_), StretchOnset::AtRest) => 0.0,
+            (StretchOnset::NotBefore(_), StretchOnset::NotBefore(_)) => 1.0,
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// Steps in which a loading is looked at before the first change is refined.
+const STEPS: usize = 64;
+
+/// The first instability along a loading up to the stretch `end`, of material and method, each to `1e-10`.
+///
+/// Between the states that are looked at (64 of them) a return to stability can pass unseen; along paths see
+/// [`crate::verdict::scan_discretization`].
+///
+/// # Errors
+/// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+pub fn onset<const D: usize>(
+    survey: &SchemeSurvey<'_, D>,
+    load: Load,
+    end: f64,
+) -> Result<OnsetPair, MethodError> {
+    let material = first(end, |stretch| {
+        Ok(probe_material::<D>(survey.material(), &load.at(stretch)?)?.0)
+    })?;
+    let method = first(end, |stretch| Ok(survey.probe(&load.at(stretch)?)?.0))?;
+    Ok(OnsetPair {
+        load,
+        material,
+        method,
+    })
+}
+
+fn first(
+    end: f64,
+    phase: impl Fn(f64) -> Result<Phase, MethodError>,
+) -> Result<StretchOnset, MethodError> {
+    let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / STEPS as f64;
+    // The undeformed state itself is at the limit where modes have no energy: looked at are states beside it.
+    let beside = 1.0 + 1e-6 * (end - 1.0);
+    let mut before = beside;
+    match phase(beside)? {
+        Phase::Stable => {}
+        Phase::Undefined => return Ok(StretchOnset::Undefined(1.0)),
+        _ => return Ok(StretchOnset::AtRest),
+    }
+    for n in 1..=STEPS {
+        let behind = stretch(n);
+        let found = phase(behind)?;
+        if found != Phase::Stable {
+            let (mut low, mut high, mut last) = (before, behind, found);
+            while (high - low).abs() > 1e-10 {
+                let middle = 0.5 * (low + high);
+                match phase(middle)? {
+                    Phase::Stable => low = middle,
+                    other => (high, last) = (middle, other),
+                }
+            }
+            return Ok(if last == Phase::Undefined {
+                StretchOnset::Undefined(high)
+            } else {
+                StretchOnset::At(high)
+            });
+        }
+        before = behind;
+    }
+    Ok(StretchOnset::NotBefore(end))
+}

@@ -1,0 +1,297 @@
+//! Amplification matrices and the largest stable step.
+
+use super::Integrator;
+use crate::algebra::Complex;
+use crate::bloch::{WaveSystem, ZoneSearch};
+use nalgebra::{DMatrix, SVector};
+
+/// Eigenvalues may leave the unit circle by this much: rounding.
+const ROUNDING: f64 = 1e-9;
+/// Steps, in units of the bound `2 / omega_max` without damping, that are looked at before the first loss is refined.
+const STEPS: usize = 24;
+/// Halvings of the interval in which a step is lost.
+const HALVINGS: usize = 40;
+/// Points of the grid of wave vectors along a reciprocal vector.
+const GRID: usize = 12;
+
+/// The matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
+#[derive(Clone, Debug)]
+pub struct Amplification {
+    stiffness: DMatrix<Complex>,
+    damping: DMatrix<Complex>,
+    drift: DMatrix<Complex>,
+}
+
+impl Amplification {
+    /// The wave with a wave vector.
+    pub fn new<const D: usize>(system: &WaveSystem<D>, k: &SVector<f64, D>) -> Self {
+        let n = system.size();
+        let inverse = system.mass_at(k).try_inverse();
+        let inverse = inverse.unwrap_or_else(|| DMatrix::repeat(n, n, Complex::new(f64::NAN, 0.0)));
+        Self {
+            stiffness: &inverse * system.stiffness().at(k),
+            damping: system
+                .damping()
+                .map_or_else(|| DMatrix::zeros(n, n), |damping| &inverse * damping.at(k)),
+            drift: system
+                .drift()
+                .map_or_else(|| DMatrix::identity(n, n), |drift| drift.at(k)),
+        }
+    }
+
+    /// `G(dt)` with `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
+    pub fn matrix(&self, integrator: Integrator, step: f64) -> DMatrix<Complex> {
+        let n = self.stiffness.nrows();
+        let one = DMatrix::<Complex>::identity(n, n);
+        let number = |x: f64| Complex::new(x, 0.0);
+        let (dt, half) = (number(step), number(0.5 * step));
+        let (k, c, t) = (&self.stiffness, &self.damping, &self.drift);
+        // Each quantity as a pair of matrices: its dependence on the old u and the old v.
+        type Pair = [DMatrix<Complex>; 2];
+        let acceleration =
+            |u: &Pair, v: &Pair| -> Pair { [0, 1].map(|i| -(k * &u[i]) - c * &v[i]) };
+        let sum = |a: &Pair, factor: Complex, b: &Pair| -> Pair {
+            [0, 1].map(|i| &a[i] + &b[i] * factor)
+        };
+        let moved = |v: &Pair| -> Pair { [0, 1].map(|i| t * &v[i]) };
+        let u: Pair = [one.clone(), DMatrix::zeros(n, n)];
+        let v: Pair = [DMatrix::zeros(n, n), one];
+        let (new_u, new_v) = match integrator {
+            Integrator::CentralDifferences => {
+                let after = sum(&v, dt, &acceleration(&u, &v));
+                (sum(&u, dt, &moved(&after)), after)
+            }
+            Integrator::KickDriftKick => {
+                let between = sum(&v, half, &acceleration(&u, &v));
+                let new_u = sum(&u, dt, &moved(&between));
+                let new_v = sum(&between, half, &acceleration(&new_u, &between));
+                (new_u, new_v)
+            }
+            Integrator::PredictorCorrector => {
+                let predicted_v = sum(&v, half, &acceleration(&u, &v));
+                let predicted_u = sum(&u, half, &moved(&v));
+                let change = acceleration(&predicted_u, &predicted_v);
+                let middle = sum(&v, half, &change);
+                (sum(&u, dt, &moved(&middle)), sum(&v, dt, &change))
+            }
+        };
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        for (row, pair) in [new_u, new_v].iter().enumerate() {
+            for (column, block) in pair.iter().enumerate() {
+                matrix
+                    .view_mut((row * n, column * n), (n, n))
+                    .copy_from(block);
+            }
+        }
+        matrix
+    }
+
+    /// The largest modulus of an eigenvalue of `G(dt)`; infinite where the eigenvalue iteration fails.
+    pub fn spectral_radius(&self, integrator: Integrator, step: f64) -> f64 {
+        // Velocities times the step: a similarity that keeps both halves of the same size.
+        let n = self.stiffness.nrows();
+        let mut matrix = self.matrix(integrator, step);
+        let scale = Complex::new(step, 0.0);
+        for i in 0..n {
+            for j in 0..n {
+                matrix[(i, n + j)] /= scale;
+                matrix[(n + i, j)] *= scale;
+            }
+        }
+        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, 400 * n);
+        let values = schur.and_then(|schur| schur.eigenvalues());
+        values.map_or(f64::INFINITY, |values| {
+            values.iter().map(|z| z.norm()).fold(0.0, f64::max)
+        })
+    }
+
+    fn is_stable(&self, integrator: Integrator, step: f64, growth_rate: f64) -> bool {
+        // Near a double eigenvalue rounding moves both by its square root.
+        let admitted = (growth_rate * step).exp() + ROUNDING.sqrt() * 1e-2;
+        self.spectral_radius(integrator, step) <= admitted
+    }
+}
+
+/// The largest stable step of an integrator for the waves with one wave vector: the first step at which an eigenvalue of the
+/// amplification matrix leaves the unit circle, growth of the waves themselves allowed for. Infinite for waves that do not
+/// oscillate. Time.
+pub fn critical_time_step_at<const D: usize>(
+    system: &WaveSystem<D>,
+    integrator: Integrator,
+    k: &SVector<f64, D>,
+) -> f64 {
+    let largest = system
+        .omega_squared(k)
+        .iter()
+        .map(|z| z.norm())
+        .fold(0.0, f64::max);
+    let bound = 2.0 / largest.sqrt();
+    if !bound.is_finite() {
+        return f64::INFINITY;
+    }
+    if system.damping().is_none() && system.is_hermitian() {
+        // All three are stable up to two over the frequency.
+        let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
+        return 2.0 / fastest.max(0.0).sqrt();
+    }
+    let wave = Amplification::new(system, k);
+    let growth = system
+        .frequencies(k)
+        .first()
+        .map_or(0.0, |omega| omega.im.max(0.0));
+    let stable = |step: f64| wave.is_stable(integrator, step, growth);
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    for n in 1..=STEPS {
+        let step = 1.02 * bound * n as f64 / STEPS as f64;
+        if !stable(step) {
+            high = step;
+            break;
+        }
+        low = step;
+    }
+    if high.is_infinite() {
+        return low;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if stable(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// The largest stable step of an integrator at a state: the least over the zone. Time.
+///
+/// Without damping and with forces that derive from an energy it is `2 / omega_max`, which the search over the zone finds;
+/// otherwise the least over a grid of wave vectors, refined around the worst one.
+pub fn critical_time_step<const D: usize>(
+    system: &WaveSystem<D>,
+    integrator: Integrator,
+    search: &ZoneSearch<D>,
+) -> f64 {
+    if system.damping().is_none() && system.is_hermitian() {
+        return search.summary_of(system).critical_time_step();
+    }
+    let lattice = system.crystal().lattice();
+    let at = |fractional: &SVector<f64, D>| {
+        critical_time_step_at(system, integrator, &(lattice.reciprocal() * fractional))
+    };
+    let points = GRID.pow(D as u32);
+    let mut best = (f64::INFINITY, SVector::zeros());
+    for index in 1..points / 2 + points.div_ceil(GRID) {
+        let mut rest = index;
+        let fractional = SVector::from_fn(|_, _| {
+            let coordinate = (rest % GRID) as f64 / GRID as f64;
+            rest /= GRID;
+            coordinate
+        });
+        let step = at(&fractional);
+        if step < best.0 {
+            best = (step, fractional);
+        }
+    }
+    let mut size = 0.5 / GRID as f64;
+    while size > 1e-4 {
+        let before = best.0;
+        for axis in 0..D {
+            for sign in [-1.0, 1.0] {
+                let mut tried = best.1;
+                tried[axis] += sign * size;
+                let step = at(&tried);
+                if step < best.0 {
+                    best = (step, tried);
+                }
+            }
+        }
+        if best.0 >= before {
+            size *= 0.5;
+        }
+    }
+    best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Amplification, Integrator, critical_time_step, critical_time_step_at};
+    use crate::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
+    use crate::lattice::{Arrangement, Crystal, Particle};
+    use nalgebra::{SMatrix, SVector};
+    use std::f64::consts::PI;
+
+    /// A chain of unit masses and springs with dashpots `c` beside them, or (`mass`) proportional to the masses.
+    fn chain(between: f64, mass: f64) -> WaveSystem<1> {
+        let lattice = Arrangement::Chain.lattice::<1>(1.0).expect("a lattice");
+        let crystal = Crystal::of_lattice(lattice);
+        let home = Particle::home(0);
+        let next = home.moved(&[1]);
+        let number = SMatrix::<f64, 1, 1>::from_element;
+        let (mut stiffness, mut damping) = (BlochBlocks::new(), BlochBlocks::new());
+        for (from, to, factor) in [(home, home, 2.0), (home, next, -1.0), (next, home, -1.0)] {
+            stiffness.add(&from, &to, &number(factor));
+            damping.add(&from, &to, &number(between * factor));
+        }
+        damping.add(&home, &home, &number(mass));
+        let stiffness = stiffness.sum(&crystal);
+        let damping = damping.sum(&crystal);
+        WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0])).with_damping(damping)
+    }
+
+    #[test]
+    fn without_damping_every_integrator_is_stable_up_to_two_over_the_frequency() {
+        let system = chain(0.0, 0.0);
+        let wave = Amplification::new(&system, &SVector::from_element(PI));
+        for integrator in Integrator::ALL {
+            assert!(wave.spectral_radius(integrator, 0.999) < 1.0 + 1e-12);
+            assert!(wave.spectral_radius(integrator, 1.001) > 1.0 + 1e-3);
+            let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+            let step = critical_time_step(&system, integrator, &search);
+            assert!((step - 1.0).abs() < 1e-10, "{step} of {integrator:?}");
+        }
+    }
+
+    #[test]
+    fn lagged_damping_reduces_the_step_of_central_differences_as_belytschko_says() {
+        // dt = 2/omega (sqrt(1 + xi^2) - xi) for the damping ratio xi, omega = 2 (Belytschko, Liu, Moran 2000, Nonlinear Finite
+        // Elements for Continua and Structures).
+        for ratio in [0.05, 0.3, 0.9] {
+            let system = chain(ratio, 0.0);
+            let k = SVector::from_element(PI);
+            let step = critical_time_step_at(&system, Integrator::CentralDifferences, &k);
+            let expected = (1.0 + ratio * ratio).sqrt() - ratio;
+            assert!((step - expected).abs() < 1e-4, "{step} for {expected}");
+        }
+    }
+
+    #[test]
+    fn the_damping_of_the_whole_chain_is_decided_at_its_shortest_wave() {
+        let system = chain(0.3, 0.0);
+        let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+        for integrator in Integrator::ALL {
+            let at_end = critical_time_step_at(&system, integrator, &SVector::from_element(PI));
+            let step = critical_time_step(&system, integrator, &search);
+            assert!((step - at_end).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_step_of_kick_drift_kick_is_that_of_the_damped_oscillator() {
+        // trace and determinant of one step of u'' = -omega^2 u - c u', by hand.
+        let (omega_squared, c, dt) = (4.0, 0.7, 0.3);
+        let system = chain(0.0, c);
+        let wave = Amplification::new(&system, &SVector::from_element(PI));
+        let g = wave.matrix(Integrator::KickDriftKick, dt);
+        let h = 0.5 * dt;
+        let damped = 1.0 - h * c;
+        let half = [-h * omega_squared, damped];
+        let u = [1.0 + dt * half[0], dt * half[1]];
+        let v = [0, 1].map(|i| damped * half[i] - h * omega_squared * u[i]);
+        for (row, expected) in [u, v].iter().enumerate() {
+            for column in 0..2 {
+                assert!((g[(row, column)].re - expected[column]).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Verdicts on discretizations of any kind.
+
+use super::{MaterialAssessment, Phase, Probe, SurveyedState};
+use crate::bloch::{SpectrumSummary, Stability, WaveSystem, ZoneSearch};
+use crate::continuum::Stiffness;
+use crate::kinematics::DeformationGradient;
+use crate::material::{Hyperelastic, MaterialError};
+use crate::method::MethodError;
+use crate::scheme::Scheme;
+
+/// Modes whose scaled measure at rest is below this have no energy.
+const ZERO: f64 = 1e-9;
+
+/// A scheme and a material, ready to be asked about many states.
+pub struct SchemeSurvey<'a, const D: usize> {
+    scheme: &'a dyn Scheme<D>,
+    material: &'a dyn Hyperelastic,
+    search: ZoneSearch<D>,
+    /// The undeformed state, in which modes without energy are told from unstable ones.
+    reference: WaveSystem<D>,
+    speed_squared: f64,
+}
+
+impl<'a, const D: usize> SchemeSurvey<'a, D> {
+    /// Prepares a scheme.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or scheme cannot be evaluated in the undeformed state.
+    pub fn new(
+        scheme: &'a dyn Scheme<D>,
+        material: &'a dyn Hyperelastic,
+    ) -> Result<Self, MethodError> {
+        let identity = DeformationGradient::identity();
+        let eigenvalue = Stiffness::<D>::at(material, &identity)?.maximum_eigenvalue();
+        if !(eigenvalue > 0.0) {
+            return Err(MaterialError::NoWaves { eigenvalue }.into());
+        }
+        let speed_squared = eigenvalue / scheme.density();
+        Ok(Self {
+            scheme,
+            material,
+            search: ZoneSearch::of_lattice(*scheme.crystal().lattice(), speed_squared),
+            reference: scheme.waves(material, &identity)?,
+            speed_squared,
+        })
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> &'a dyn Scheme<D> {
+        self.scheme
+    }
+
+    /// The material.
+    pub fn material(&self) -> &'a dyn Hyperelastic {
+        self.material
+    }
+
+    /// The search over the zone.
+    pub fn search(&self) -> &ZoneSearch<D> {
+        &self.search
+    }
+
+    /// The equations of plane waves in the undeformed state.
+    pub fn reference(&self) -> &WaveSystem<D> {
+        &self.reference
+    }
+
+    /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the reference density.
+    /// Length^2/time^2.
+    pub fn speed_squared(&self) -> f64 {
+        self.speed_squared
+    }
+
+    /// The extremes of the spectrum at a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when scheme or material cannot be evaluated there.
+    pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
+        let system = self.scheme.waves(self.material, f)?;
+        Ok(self.search.summary_of(&system))
+    }
+
+    /// The verdict on a state, with numbers.
+    ///
+    /// # Errors
+    /// [`MethodError`] when scheme or material cannot be evaluated there.
+    pub fn state(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
+        let continuum = MaterialAssessment::<D>::new(self.material, f)?;
+        let spectrum = self.spectrum(f)?;
+        Ok(SurveyedState::of_spectrum(
+            continuum.is_elliptic,
+            continuum.minimum,
+            &spectrum,
+            self.has_zero_mode(&spectrum),
+        ))
+    }
+
+    /// The phase of the particles at a state, with the scaled measure of the softest wave.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain.
+    pub fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
+        let spectrum = match self.spectrum(f) {
+            Err(error) if error.leaves_undefined() => return Ok((Phase::Undefined, f64::NAN)),
+            other => other?,
+        };
+        let phase = match spectrum.stability() {
+            Stability::Stable => Phase::Stable,
+            Stability::Flutter => Phase::Flutter,
+            Stability::Divergence => Phase::Unstable,
+        };
+        Ok((phase, spectrum.softest.scaled))
+    }
+
+    /// Whether the softest mode has no energy, neither at the state nor at rest.
+    fn has_zero_mode(&self, spectrum: &SpectrumSummary<D>) -> bool {
+        let softest = &spectrum.softest;
+        if softest.is_long_wave || softest.scaled.abs() > spectrum.tolerance.max(ZERO) {
+            return false;
+        }
+        let k = &softest.wave_vector;
+        let lowest = self.reference.omega_squared(k)[0].re;
+        let laplacian = self.scheme.crystal().lattice().laplacian(k);
+        (lowest / (self.speed_squared * laplacian)).abs() <= ZERO
+    }
+}
