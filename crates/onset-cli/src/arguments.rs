@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand};
 use onset_study::audit::Convention;
 use onset_study::localization::PARAMETERS;
 use onset_study::notions::{Mode, Range as Stretches};
-use onset_study::settings::{KEYS, Key};
+use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -35,6 +35,24 @@ fn keys() -> String {
         of_laws.len(),
         "",
         lines(others)
+    )
+}
+
+/// The keys of comparisons, from the one table that defines them.
+fn comparison_keys() -> String {
+    let line = |key: &Key| {
+        format!(
+            "  {:<31} {}\n{:34}{}\n",
+            key.name,
+            key.meaning,
+            "",
+            key.expects()
+        )
+    };
+    format!(
+        "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
+         A method in [[methods]] has a name and keys of [discretization].\n",
+        COMPARISON_KEYS.iter().map(line).collect::<String>()
     )
 }
 
@@ -192,6 +210,18 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Several methods side by side for one material: spurious modes, errors of frequencies, onsets, fidelity, time step, cost.
+    #[command(after_help = comparison_keys())]
+    Compare(CompareArguments),
+    /// Which method for this material and these stretches? Methods ranked by rules that are printed.
+    #[command(after_help = comparison_keys())]
+    Recommend(RecommendArguments),
+    /// Which waves of the undeformed body does a method not resist? Zero-energy modes and weak ones, drawn, animated, exported.
+    #[command(after_help = keys())]
+    Modes(ModesArguments),
+    /// The smallest coefficient of a stabilization that removes the spurious modes and does not hide the material's instability.
+    #[command(after_help = keys())]
+    Tune(TuneArguments),
     /// Draw stored maps: verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
     Plot {
         /// Stores that `onset map` has written.
@@ -270,6 +300,113 @@ pub struct CardArguments {
     /// Folder for card.html, card.json, card.svg and card.png.
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
+}
+
+/// A comparison.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// The comparison: a material and [[methods]].
+    pub file: PathBuf,
+    /// Folder for compare.html, compare.csv, compare.svg and compare.png.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Show no progress, print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+    /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
+}
+
+/// A question for spurious modes.
+#[derive(Debug, Args)]
+pub struct ModesArguments {
+    /// The problem.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// List waves slower than this share of the material's slowest wave.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
+    pub weak: f64,
+    /// Cells of the patch that is drawn and exported, along each primitive vector.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
+    pub cells: u16,
+    /// Largest displacement of the exported fields, in distances of neighbors.
+    #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share)]
+    pub amplitude: f64,
+    /// Folder for modes.svg, modes.png, modes.html (moving), and mode-1.csv, mode-1.vtk, ...; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A coefficient to tune.
+#[derive(Debug, Args)]
+pub struct TuneArguments {
+    /// The coefficient, a key that takes a number, for example discretization.stress-point-weight.
+    pub key: String,
+    /// The problem.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// Smallest and largest value that is looked at.
+    #[arg(long, value_name = "LOW,HIGH", default_value = "0,1", value_parser = interval, allow_hyphen_values = true)]
+    pub range: (f64, f64),
+    /// Smallest and largest stretch of the states on which verdicts are compared.
+    #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = interval)]
+    pub stretches: (f64, f64),
+    /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Show no progress.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// A share as typed.
+fn share(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
+        _ => Err("expected a number above 0 and at most 1, for example 0.5".to_owned()),
+    }
+}
+
+/// An interval as typed.
+fn interval(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(',').and_then(|(low, high)| {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        Some((number(low)?, number(high)?))
+    });
+    ends.filter(|(low, high)| low < high)
+        .ok_or_else(|| "expected two numbers, the smaller one first, for example 0,1".to_owned())
+}
+
+/// A question for a method.
+#[derive(Debug, Args)]
+pub struct RecommendArguments {
+    /// The methods to choose from, as for `compare` [default: those that the program knows for the dimension].
+    pub file: Option<PathBuf>,
+    /// Number of space dimensions, where no file says it.
+    #[arg(long, value_name = "D", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "file")]
+    pub dimension: u8,
+    /// Smallest and largest stretch that the simulation will see, for example 0.8,1.6; short for compare.stretches.
+    #[arg(long, value_name = "LOW,HIGH")]
+    pub stretches: Option<String>,
+    /// The energy of a law of one's own; short for material.model=formula and material.energy.
+    #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
+    pub energy: Option<String>,
+    /// Folder for the whole comparison as compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Show no progress.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON document, numbers with 17 significant digits.
+    #[arg(long)]
+    pub json: bool,
+    /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub assignments: Vec<String>,
 }
 
 /// A map.

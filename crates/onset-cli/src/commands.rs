@@ -3,9 +3,12 @@
 mod audit;
 mod boundary;
 mod check;
+mod compare;
 mod localize;
+mod modes;
 mod notions;
 mod plot;
+mod tune;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
 use crate::map;
@@ -124,6 +127,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             };
             boundary::boundary(&file, &assignments, tracing, &out, json)
         }
+        Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Modes(arguments) => modes::modes(&arguments),
+        Command::Tune(arguments) => tune::tune(&arguments),
+        Command::Recommend(arguments) => compare::recommend(&arguments),
         Command::Plot {
             stores,
             field,

@@ -56,7 +56,9 @@ fn unknown_words_name_the_known_ones() {
         ("discretization.frame=3", "lagrangian | eulerian"),
         ("discretization.frame=", "lagrangian | eulerian"),
         ("discretization.kernel=cubic", "quartic-spline"),
-        ("discretization.quadrature=gauss", "nodal | stress-points"),
+        ("discretization.quadrature=gaus", "did you mean `gauss`"),
+        ("discretization.quadrature=3", "nodal | stress-points"),
+        ("discretization.approximation=mls-4", "`mls-3`"),
         ("discretization.support-size=scale", "`scaled`"),
         ("discretization.linearization=papr", "`paper`"),
         ("material.model=blatzko", "`blatz-ko`"),
@@ -391,5 +393,42 @@ fn wave_vectors_beyond_double_precision_are_refused() {
 fn deformations_beyond_double_precision_are_refused() {
     for stretches in ["1e150,1", "1e150,1e-150", "1,1,1e150"] {
         assert_line_refused(&format!("state --stretch {stretches}"), &["too extreme"]);
+    }
+}
+
+#[test]
+fn quadratures_that_are_none_are_refused() {
+    for (assignments, fact) in [
+        (
+            ["quadrature=points", "points=[0,0,0.5,0.5,0.5,0.4]"],
+            "must add up to 1",
+        ),
+        (
+            ["quadrature=points", "points=[0,0]"],
+            "2 lattice coordinate(s)",
+        ),
+        (["quadrature=points", "points=[]"], "has 0 number(s)"),
+        (
+            ["quadrature=points", "points=[0,0,1.5,0.5,0.5,-0.5]"],
+            "point 2 of discretization.points has -0.5 as its weight",
+        ),
+        (
+            ["quadrature=points", "points=half"],
+            "expected a list of numbers",
+        ),
+        (["quadrature=gauss", "gauss-points=5"], "from 1 to 4"),
+        (["quadrature=gauss", "gauss-points=1.5"], "from 1 to 4"),
+        (
+            ["quadrature=stress-points", "stress-point-weight=1.5"],
+            "above 0 and below 1",
+        ),
+        (
+            ["quadrature=nodal-stabilized", "frame=eulerian"],
+            "needs discretization.frame = \"lagrangian\"",
+        ),
+    ] {
+        let assignments = assignments.map(|assignment| format!("discretization.{assignment}"));
+        let assignments = assignments.each_ref().map(String::as_str);
+        assert_assignment_refused(&assignments, &[fact]);
     }
 }

@@ -9,7 +9,7 @@ mod rank;
 mod row;
 mod table;
 
-pub use rank::{RULES, Ranked, recommended};
+pub use rank::{RULES, Ranked, Recommendation, recommended};
 pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 
@@ -18,6 +18,40 @@ use crate::methods::scheme;
 use crate::settings::{Candidate, Comparison};
 use onset::method::MethodError;
 use rayon::prelude::*;
+use std::path::Path;
+use thiserror::Error;
+
+/// Names and texts of the comparisons of the methods that the program knows, by the number of dimensions less one.
+pub const PANELS: [(&str, &str); 3] = [
+    (
+        "comparisons/methods-1d.toml",
+        include_str!("../../../../comparisons/methods-1d.toml"),
+    ),
+    (
+        "comparisons/methods-2d.toml",
+        include_str!("../../../../comparisons/methods-2d.toml"),
+    ),
+    (
+        "comparisons/methods-3d.toml",
+        include_str!("../../../../comparisons/methods-3d.toml"),
+    ),
+];
+
+/// Why a table could not be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// A file.
+    #[error("cannot write {path}: {source}")]
+    File {
+        /// Which one.
+        path: String,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The figure.
+    #[error(transparent)]
+    Figure(#[from] crate::figure::FigureError),
+}
 
 impl Table {
     /// Asks all methods of a comparison, on all cores; `told` is called with the name of each when it is done.
@@ -48,6 +82,28 @@ impl Table {
             options: comparison.options.clone(),
             rows: comparison.candidates.par_iter().map(row).collect(),
         })
+    }
+}
+
+impl Table {
+    /// Writes `compare.html`, `compare.csv`, `compare.svg` and `compare.png`, and the folder if it is missing; their paths.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path that could not be written.
+    pub fn write(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
+        let figures = self.figure().write(folder, "compare")?;
+        let mut written: Vec<String> = Vec::new();
+        for (name, text) in [("compare.html", self.html()), ("compare.csv", self.csv())] {
+            let path = folder.join(name);
+            let shown = path.display().to_string();
+            std::fs::write(&path, text).map_err(|source| WriteError::File {
+                path: shown.clone(),
+                source,
+            })?;
+            written.push(shown);
+        }
+        written.extend(figures.iter().map(|path| path.display().to_string()));
+        Ok(written)
     }
 }
 

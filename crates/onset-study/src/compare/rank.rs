@@ -2,6 +2,7 @@
 
 use super::{Measured, Table};
 use serde::Serialize;
+use std::fmt;
 
 /// Largest share of the window on which a method may be wrong.
 const WRONG: f64 = 0.005;
@@ -35,6 +36,77 @@ pub struct Ranked {
     pub excluded: Option<(usize, String)>,
     /// The score of rule 6; the smaller the better.
     pub score: f64,
+}
+
+/// Which methods of a table to take, and why.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Recommendation {
+    /// The rules.
+    pub rules: [&'static str; 6],
+    /// The methods, the recommended ones first and best first.
+    pub ranking: Vec<Ranked>,
+    /// What was measured.
+    pub table: Table,
+}
+
+impl From<Table> for Recommendation {
+    fn from(table: Table) -> Self {
+        Self {
+            rules: RULES,
+            ranking: recommended(&table),
+            table,
+        }
+    }
+}
+
+impl fmt::Display for Recommendation {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [low, high] = self.table.options.stretches;
+        writeln!(
+            formatter,
+            "for {} and stretches from {low} to {high}, by these rules:\n",
+            self.table.material
+        )?;
+        for rule in self.rules {
+            writeln!(formatter, "  {rule}")?;
+        }
+        let names = self
+            .ranking
+            .iter()
+            .map(|ranked| ranked.name.chars().count());
+        let width = names.max().unwrap_or(0);
+        let (good, bad): (Vec<&Ranked>, Vec<&Ranked>) = self
+            .ranking
+            .iter()
+            .partition(|ranked| ranked.excluded.is_none());
+        writeln!(
+            formatter,
+            "\n{}",
+            if good.is_empty() {
+                "none of the methods can be recommended"
+            } else {
+                "recommended, best first"
+            }
+        )?;
+        for (n, ranked) in good.iter().enumerate() {
+            let (name, score) = (&ranked.name, ranked.score);
+            writeln!(formatter, "  {:>2}  {name:width$}  score {score:.4}", n + 1)?;
+        }
+        if !bad.is_empty() {
+            writeln!(formatter, "\nnot recommended")?;
+        }
+        for ranked in bad {
+            if let Some((rule, why)) = &ranked.excluded {
+                writeln!(
+                    formatter,
+                    "      {:width$}  rule {rule}: {why}",
+                    ranked.name
+                )?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The methods of a table, the recommended ones first and best first; then the others by the rule that excludes them, the last

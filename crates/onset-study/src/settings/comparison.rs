@@ -1,7 +1,7 @@
 //! A comparison: several methods for one material, from TOML.
 
 use super::key::key;
-use super::toml::{File, described, in_order, is_number, scalar, typed};
+use super::toml::{File, described, in_order, is_number, list, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, unknown_key};
 use onset::time_step::Integrator;
 use serde::Serialize;
@@ -107,11 +107,16 @@ const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    f
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
 
 impl Comparison {
-    /// Reads a comparison.
+    /// Reads a comparison, with what its methods have in common changed by assignments such as `material.model=blatz-ko` or
+    /// `compare.states=24`.
     ///
     /// # Errors
     /// [`SettingError`] with file, line and column of what is wrong.
-    pub fn parse(name: &str, text: &str) -> Result<Self, SettingError> {
+    pub fn parse<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+    ) -> Result<Self, SettingError> {
         let file = File { name, text };
         let table = file.table()?;
         let mut comparison = Self {
@@ -150,6 +155,9 @@ impl Comparison {
                 }
             }
         }
+        for assignment in assignments {
+            comparison.assign(assignment.as_ref())?;
+        }
         comparison.common.material.check()?;
         let Some((origin, items)) = methods.filter(|(_, items)| !items.is_empty()) else {
             let message = "the comparison has no methods; expected one or more";
@@ -174,6 +182,24 @@ impl Comparison {
         }
         comparison.check_dimensions()?;
         Ok(comparison)
+    }
+
+    /// Applies one assignment `key=value`.
+    fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
+        let Some((name, text)) = assignment.split_once('=') else {
+            return self.common.assign(assignment);
+        };
+        let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name.trim()) else {
+            return self.common.assign(assignment);
+        };
+        let value = Value::typed(text.trim(), Some(known.kind));
+        if known.kind.accepts(&value) && self.options.set(known.parts().1, &value) {
+            return Ok(());
+        }
+        let origin = Origin::CommandLine(format!("--set {assignment}"));
+        let message = format!("`{}` cannot be {value}", known.name);
+        let hint = format!("expected {} ({})", known.expects(), known.meaning);
+        Err(SettingError::new(origin, message).hint(hint))
     }
 
     /// The number of space dimensions of all methods.
@@ -261,7 +287,11 @@ impl Comparison {
 
 /// A value as told in a message, lists with their numbers.
 fn described_value(value: &DeValue<'_>) -> String {
-    scalar(value).map_or_else(|| described(value), |value| value.to_string())
+    match (scalar(value), list(value)) {
+        (Some(value), _) => value.to_string(),
+        (_, Some(numbers)) => format!("{numbers:?}"),
+        _ => described(value),
+    }
 }
 
 impl CompareSettings {

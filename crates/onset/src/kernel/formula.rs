@@ -131,7 +131,8 @@ impl Compiled {
         let [origin, rim] = [0.0, 1.0].map(|q| orders_at(scaled, q));
         let smoothness = Smoothness::measured(origin, &breaks, rim);
         let slope = function.at(variable(0.0)).gradient[0];
-        let is_cusped = !(slope.abs() <= NOTHING * peak);
+        // A slope that is not finite is none that vanishes.
+        let is_cusped = slope.is_nan() || slope.abs() > NOTHING * peak;
         let mut compiled = Self {
             text: text.to_owned(),
             function,

@@ -38,8 +38,9 @@ impl Smoothness {
     pub(super) fn measured(origin: [f64; 5], breaks: &[(f64, u32)], rim: [f64; 5]) -> Self {
         let scale = |orders: &[f64; 5]| 1e-7 * orders.iter().fold(1.0, |a: f64, b| a.max(b.abs()));
         let (odd, end) = (scale(&origin), scale(&rim));
-        let breaks_at = |n: &usize| !(origin[*n].abs() <= odd);
-        let ends_at = |n: &usize| !(rim[*n].abs() <= end);
+        let is_more = |x: f64, limit: f64| !x.is_finite() || x.abs() > limit;
+        let breaks_at = |n: &usize| is_more(origin[*n], odd);
+        let ends_at = |n: &usize| is_more(rim[*n], end);
         Self {
             origin: [1, 3].into_iter().find(breaks_at).map(|n| n as u32 - 1),
             inside: breaks

@@ -229,7 +229,7 @@ pub enum MethodError {
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \
-         a gradient in {dimension}D needs at least {needed}"
+         its shape functions in {dimension}D need at least {needed}"
     )]
     SupportTooSmall {
         /// `particle` or `stress point`.

@@ -4,6 +4,7 @@ mod choices;
 mod errors;
 mod lattices;
 mod mirror;
+mod quadratures;
 mod search;
 mod shape_functions;
 mod survey;

@@ -40,8 +40,11 @@ struct Point<const D: usize> {
     deformation: Matrix3<f64>,
     /// Shape functions at rest.
     shapes: Vec<Shape<D>>,
-    /// `phi_I,jt` at rest, beside `shapes`; only for the linearizations that freeze something.
+    /// `phi_I,jt` at rest, beside `shapes`; only for the linearizations that freeze something, and where strain is
+    /// expanded over the cell of a point.
     hessians: Vec<SMatrix<f64, D, D>>,
+    /// Second moments of that cell, a multiple of the identity.
+    second_moment: Option<f64>,
 }
 
 pub struct Patch<const D: usize> {
@@ -85,6 +88,67 @@ fn inverse<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
 
 fn counter<const D: usize>(index: usize, side: usize) -> SVector<f64, D> {
     SVector::from_fn(|i, _| (if i == 0 { index % side } else { index / side }) as f64)
+}
+
+/// Places in the cell, particles at the origin, and fractions of its volume.
+fn rule(choices: &Discretization, only_up: bool) -> Vec<([f64; 2], f64)> {
+    let equal = |places: &[f64]| -> Vec<([f64; 2], f64)> {
+        places
+            .iter()
+            .map(|&x| ([x, x], 1.0 / places.len() as f64))
+            .collect()
+    };
+    let centers: &[f64] = match choices.arrangement {
+        Arrangement::Hexagonal if only_up => &[1.0 / 3.0],
+        Arrangement::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
+        _ => &[0.5],
+    };
+    let both = [&[0.0], centers].concat();
+    let line: &[(f64, f64)] = match choices.gauss_points {
+        1 => &[(0.5, 1.0)],
+        2 => &[
+            (0.211_324_865_405_187_1, 0.5),
+            (0.788_675_134_594_812_9, 0.5),
+        ],
+        3 => &[
+            (0.112_701_665_379_258_3, 5.0 / 18.0),
+            (0.5, 4.0 / 9.0),
+            (0.887_298_334_620_741_7, 5.0 / 18.0),
+        ],
+        _ => &[
+            (0.069_431_844_202_973_7, 0.173_927_422_568_726_9),
+            (0.330_009_478_207_571_9, 0.326_072_577_431_273_1),
+            (0.669_990_521_792_428_1, 0.326_072_577_431_273_1),
+            (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
+        ],
+    };
+    let is_line = choices.arrangement == Arrangement::Chain;
+    match (choices.quadrature, choices.stress_point_weight) {
+        (Quadrature::Nodal | Quadrature::NodalStabilized, _) => equal(&[0.0]),
+        // All Voronoi cells are congruent: the union of the points is a Bravais lattice or a honeycomb.
+        (Quadrature::StressPoints, None) => equal(&both),
+        (Quadrature::StressPoints, Some(weight)) => both
+            .iter()
+            .map(|&x| match x {
+                0.0 => ([0.0; 2], 1.0 - weight),
+                x => ([x, x], weight / centers.len() as f64),
+            })
+            .collect(),
+        (Quadrature::StressPointsOnly, _) => equal(centers),
+        (Quadrature::Gauss, _) if is_line => line.iter().map(|&(x, w)| ([x, 0.0], w)).collect(),
+        (Quadrature::Gauss, _) => line
+            .iter()
+            .flat_map(|&(x, w)| line.iter().map(move |&(y, v)| ([x, y], w * v)))
+            .collect(),
+        (Quadrature::Points, _) if is_line => {
+            let points = choices.points.chunks(2);
+            points.map(|p| ([p[0], 0.0], p[1])).collect()
+        }
+        (Quadrature::Points, _) => {
+            let points = choices.points.chunks(3);
+            points.map(|p| ([p[0], p[1]], p[2])).collect()
+        }
+    }
 }
 
 impl<const D: usize> Patch<D> {
@@ -147,38 +211,33 @@ impl<const D: usize> Patch<D> {
             only_up,
         };
 
-        let centers: &[f64] = match choices.arrangement {
-            Arrangement::Hexagonal if only_up => &[1.0 / 3.0],
-            Arrangement::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
-            _ => &[0.5],
-        };
-        let (nodes, centers): (&[f64], &[f64]) = match choices.quadrature {
-            Quadrature::Nodal => (&[0.0], &[]),
-            Quadrature::StressPoints => (&[0.0], centers),
-            Quadrature::StressPointsOnly => (&[], centers),
-        };
-        // All Voronoi cells are congruent: the union of the points is a Bravais lattice or a honeycomb.
-        let volume = cell_volume / (nodes.len() + centers.len()) as f64;
+        let rule = rule(&choices, only_up);
+        let second_moment = (choices.quadrature == Quadrature::NodalStabilized).then(|| {
+            let volume = cell_volume;
+            match choices.arrangement {
+                Arrangement::Chain => volume.powi(3) / 12.0,
+                Arrangement::Square => volume * volume / 12.0,
+                Arrangement::Hexagonal => volume * volume * 5.0 / (36.0 * 3.0_f64.sqrt()),
+            }
+        });
         for (n, cell) in cells.iter().enumerate() {
-            for (particle, &along) in nodes
-                .iter()
-                .map(|x| (Some(n), x))
-                .chain(centers.iter().map(|x| (None, x)))
-            {
-                let fractional = cell.map(|x| x + along);
+            for &(along, fraction) in &rule {
+                let particle = (along == [0.0; 2]).then_some(n);
+                let fractional = cell + SVector::from_fn(|i, _| along[i]);
                 let place = vectors * fractional;
-                let shapes = patch.shapes(&patch.particles, &place);
+                let shapes = patch.shapes(&patch.particles, &place, particle);
                 let deformation = patch.carried(f, &shapes);
-                let hessians = patch.hessians(&place);
+                let hessians = patch.hessians(&place, particle);
                 let reference = reference_vectors * fractional;
                 let point = Point {
                     place,
                     reference,
                     particle,
-                    volume,
+                    volume: fraction * cell_volume,
                     deformation,
                     shapes,
                     hessians,
+                    second_moment,
                 };
                 patch.points.push(point);
             }
@@ -248,12 +307,23 @@ impl<const D: usize> Patch<D> {
         let weights: Vec<HyperDual64> = xi.iter().map(|xi| self.weight(xi)).collect();
         let one = HyperDual64::from(1.0);
         // The basis p(xi) and the coefficients alpha with (sum W p (x) p) alpha = e0.
-        let size = if self.choices.approximation == Approximation::Mls {
-            D + 1
-        } else {
-            1
+        let degree = match self.choices.approximation {
+            Approximation::Mls => 1,
+            Approximation::Mls2 => 2,
+            Approximation::Mls3 => 3,
+            _ => 0,
         };
-        let basis = |k: usize, b: usize| if b == 0 { one } else { xi[k][b - 1] };
+        let exponents: Vec<(i32, i32)> = (0..=degree)
+            .flat_map(|of_y| (0..=degree - of_y).map(move |of_x| (of_x, of_y)))
+            .filter(|(_, of_y)| D > 1 || *of_y == 0)
+            .collect();
+        let size = exponents.len();
+        let basis = |k: usize, b: usize| {
+            let power = |axis: usize, n: i32| {
+                (0..n).fold(one, |product, _| product * xi[k][axis] / self.radius)
+            };
+            power(0, exponents[b].0) * power(D - 1, exponents[b].1)
+        };
         let alpha = if self.choices.approximation == Approximation::Raw {
             vec![HyperDual64::from(self.raw_factor)]
         } else {
@@ -302,26 +372,100 @@ impl<const D: usize> Patch<D> {
         HyperDual64::from(1.0) - square * 6.0 + cube * 8.0 - square * square * 3.0
     }
 
-    fn shapes(&self, particles: &[SVector<f64, D>], x: &SVector<f64, D>) -> Vec<Shape<D>> {
+    fn shapes(
+        &self,
+        particles: &[SVector<f64, D>],
+        x: &SVector<f64, D>,
+        own: Option<usize>,
+    ) -> Vec<Shape<D>> {
         let shape = |(particle, relative, phi): (usize, SVector<f64, D>, HyperDual64)| Shape {
             particle,
             relative,
             value: phi.re,
             gradient: SVector::from_fn(|i, _| if i == 0 { phi.eps1 } else { phi.eps2 }),
         };
-        self.hyperdual(particles, x, (0, D - 1), false)
+        let mut shapes: Vec<Shape<D>> = self
+            .hyperdual(particles, x, (0, D - 1), false)
             .into_iter()
             .map(shape)
-            .collect()
+            .collect();
+        let own = match self.choices.approximation {
+            Approximation::RandlesLibersky => own,
+            Approximation::KrongauzBelytschko => None,
+            _ => return shapes,
+        };
+        // The gradient of a field f is C^T sum_K (f_K - f_0) g_K: that of the field which is one at I and zero elsewhere.
+        let slopes: Vec<SVector<f64, D>> = shapes.iter().map(|s| self.slope(s)).collect();
+        let at_point = |k: usize| match own {
+            Some(own) => f64::from(u8::from(
+                own == shapes[k].particle && shapes[k].relative.norm() < 0.1 * self.choices.spacing,
+            )),
+            None => shapes[k].value,
+        };
+        let gradient = |field: &dyn Fn(usize) -> f64| -> SVector<f64, D> {
+            let center: f64 = (0..shapes.len()).map(|k| at_point(k) * field(k)).sum();
+            (0..shapes.len())
+                .map(|k| slopes[k] * (field(k) - center))
+                .sum()
+        };
+        let mut seen = SMatrix::<f64, D, D>::zeros();
+        for axis in 0..D {
+            let of_coordinate = gradient(&|k| shapes[k].relative[axis]);
+            seen.set_row(axis, &of_coordinate.transpose());
+        }
+        let correction = inverse(&seen).transpose();
+        let gradients: Vec<SVector<f64, D>> = (0..shapes.len())
+            .map(|i| correction * gradient(&|k| if k == i { 1.0 } else { 0.0 }))
+            .collect();
+        for (shape, gradient) in shapes.iter_mut().zip(gradients) {
+            shape.gradient = gradient;
+        }
+        shapes
     }
 
-    fn hessians(&self, x: &SVector<f64, D>) -> Vec<SMatrix<f64, D, D>> {
+    /// The gradient of a weight with respect to the evaluation point.
+    fn slope(&self, shape: &Shape<D>) -> SVector<f64, D> {
+        let xi: [HyperDual64; D] = std::array::from_fn(|i| {
+            let along = |axis: usize| if i == axis { -1.0 } else { 0.0 };
+            HyperDual64::new(shape.relative[i], along(0), along(D - 1), 0.0)
+        });
+        let weight = self.weight(&xi);
+        SVector::from_fn(|i, _| if i == 0 { weight.eps1 } else { weight.eps2 })
+    }
+
+    fn hessians(&self, x: &SVector<f64, D>, own: Option<usize>) -> Vec<SMatrix<f64, D, D>> {
+        use Approximation::{KrongauzBelytschko, RandlesLibersky};
+        if let RandlesLibersky | KrongauzBelytschko = self.choices.approximation {
+            return self.differences(x, own);
+        }
         let frozen = self.choices.linearization == Linearization::FrozenNormalization;
         let component = |j: usize, t: usize| self.hyperdual(&self.particles, x, (j, t), frozen);
         let components: Vec<_> = (0..D * D).map(|n| component(n / D, n % D)).collect();
         (0..components[0].len())
             .map(|k| SMatrix::from_fn(|j, t| components[j * D + t][k].2.eps1eps2))
             .collect()
+    }
+
+    /// Corrected gradients differentiated by differences.
+    fn differences(&self, x: &SVector<f64, D>, own: Option<usize>) -> Vec<SMatrix<f64, D, D>> {
+        // Across a particle the second derivative of its weight has a kink: the formula is exact for x, x|x| and x^3.
+        let h = 1e-4 * self.choices.spacing;
+        let mut hessians =
+            vec![SMatrix::<f64, D, D>::zeros(); self.shapes(&self.particles, x, own).len()];
+        let ahead = [(1.0, 9.0), (2.0, -4.5), (3.0, 1.0)];
+        let behind = ahead.map(|(steps, factor)| (-steps, -factor));
+        for t in 0..D {
+            for (steps, factor) in ahead.into_iter().chain(behind) {
+                let mut moved = *x;
+                moved[t] += steps * h;
+                let shapes = self.shapes(&self.particles, &moved, own);
+                for (hessian, shape) in hessians.iter_mut().zip(shapes) {
+                    let column = hessian.column(t) + shape.gradient * (factor / (6.0 * h));
+                    hessian.set_column(t, &column);
+                }
+            }
+        }
+        hessians
     }
 
     // ---- forces --------------------------------------------------------------------------------
@@ -352,6 +496,9 @@ impl<const D: usize> Patch<D> {
                 for s in &point.shapes {
                     forces[s.particle] += leading(&stress) * s.gradient * point.volume;
                 }
+                if let Some(moment) = point.second_moment {
+                    self.add_stress_gradients(point, moment, &f, u, &mut forces);
+                }
                 continue;
             }
             // Fdot = L F with L at rest: to first order every update of F is this one.
@@ -370,7 +517,7 @@ impl<const D: usize> Patch<D> {
             };
             match self.choices.linearization {
                 Exact | ExactPlaneWave => {
-                    for s in self.shapes(&moved, &(point.place + shift)) {
+                    for s in self.shapes(&moved, &(point.place + shift), point.particle) {
                         forces[s.particle] += sigma * s.gradient;
                     }
                 }
@@ -384,6 +531,32 @@ impl<const D: usize> Patch<D> {
             }
         }
         forces
+    }
+
+    /// The forces of the second moments of a cell, `M P_,l : grad phi_I,l` with `P_,l = A : F_,l`, which is linear in the
+    /// strain gradient to second order.
+    fn add_stress_gradients(
+        &self,
+        point: &Point<D>,
+        moment: f64,
+        f: &Matrix3<f64>,
+        u: &[SVector<f64, D>],
+        forces: &mut [SVector<f64, D>],
+    ) {
+        for l in 0..D {
+            let mut slope = Matrix3::zeros();
+            for (s, hessian) in point.shapes.iter().zip(&point.hessians) {
+                let part = u[s.particle] * hessian.column(l).transpose();
+                slope
+                    .fixed_view_mut::<D, D>(0, 0)
+                    .zip_apply(&part, |a, b| *a += b);
+            }
+            let stress =
+                (self.law.first_piola(&(f + slope)) - self.law.first_piola(&(f - slope))) * 0.5;
+            for (s, hessian) in point.shapes.iter().zip(&point.hessians) {
+                forces[s.particle] += leading(&stress) * hessian.column(l) * moment;
+            }
+        }
     }
 
     /// The derivative of the forces per mass along a displacement, by central differences of fourth order.

@@ -180,3 +180,60 @@ fn the_power_sums_of_the_spectrum_are_those_of_the_commensurate_waves() {
         assert!(error < 1e-8, "power {exponent}: relative error {error:e}");
     }
 }
+
+#[test]
+fn every_order_and_every_corrected_derivative_agrees() {
+    for approximation in [
+        Approximation::Mls2,
+        Approximation::Mls3,
+        Approximation::RandlesLibersky,
+        Approximation::KrongauzBelytschko,
+    ] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+            let choices = Discretization {
+                approximation,
+                support: if approximation == Approximation::Mls3 {
+                    2.6
+                } else {
+                    2.2
+                },
+                ..eulerian(Arrangement::Hexagonal, quadrature)
+            };
+            assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
+        }
+    }
+}
+
+#[test]
+fn gauss_points_any_weights_and_points_of_ones_own_agree() {
+    let base = |quadrature| Discretization {
+        approximation: Approximation::KrongauzBelytschko,
+        ..eulerian(Arrangement::Square, quadrature)
+    };
+    let weighted = Discretization {
+        stress_point_weight: Some(0.8),
+        ..base(Quadrature::StressPoints)
+    };
+    let points = Discretization {
+        points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
+        ..base(Quadrature::Points)
+    };
+    for choices in [base(Quadrature::Gauss), weighted, points] {
+        assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
+    }
+}
+
+#[test]
+fn corrected_derivatives_agree_when_only_the_point_moves() {
+    for approximation in [
+        Approximation::RandlesLibersky,
+        Approximation::KrongauzBelytschko,
+    ] {
+        let choices = Discretization {
+            approximation,
+            linearization: Linearization::PaperInterpolated,
+            ..eulerian(Arrangement::Hexagonal, Quadrature::StressPoints)
+        };
+        assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
+    }
+}

@@ -133,3 +133,95 @@ fn the_spectrum_of_the_patch_is_the_union_over_the_commensurate_waves() {
         assert!((a - b).abs() < 1e-9 * largest, "{a} against {b}");
     }
 }
+
+const APPROXIMATIONS: [Approximation; 4] = [
+    Approximation::Mls2,
+    Approximation::Mls3,
+    Approximation::RandlesLibersky,
+    Approximation::KrongauzBelytschko,
+];
+
+/// Quadratures beyond particles and stress points with Voronoi volumes.
+fn quadratures(base: &Discretization) -> Vec<Discretization> {
+    let gauss = [1, 2, 3, 4].map(|gauss_points| Discretization {
+        quadrature: Quadrature::Gauss,
+        gauss_points,
+        ..base.clone()
+    });
+    let weighted = Discretization {
+        quadrature: Quadrature::StressPoints,
+        stress_point_weight: Some(0.3),
+        ..base.clone()
+    };
+    let stabilized = Discretization {
+        quadrature: Quadrature::NodalStabilized,
+        ..base.clone()
+    };
+    let points = Discretization {
+        quadrature: Quadrature::Points,
+        points: match base.arrangement {
+            Arrangement::Chain => vec![0.0, 0.4, 0.3, 0.6],
+            _ => vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.5, 0.8, 0.1, 0.25],
+        },
+        ..base.clone()
+    };
+    gauss
+        .into_iter()
+        .chain([weighted, stabilized, points])
+        .collect()
+}
+
+#[test]
+fn every_order_and_every_corrected_derivative_agrees() {
+    for approximation in APPROXIMATIONS {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+            let base = lagrangian(
+                Arrangement::Hexagonal,
+                quadrature,
+                approximation,
+                Background::Interpolated,
+            );
+            let choices = Discretization {
+                support: if approximation == Approximation::Mls3 {
+                    2.6
+                } else {
+                    2.2
+                },
+                ..base
+            };
+            assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
+        }
+    }
+}
+
+#[test]
+fn every_quadrature_agrees() {
+    for (arrangement, approximation) in [
+        (Arrangement::Hexagonal, Approximation::Shepard),
+        (Arrangement::Square, Approximation::Mls),
+        (Arrangement::Square, Approximation::KrongauzBelytschko),
+    ] {
+        let base = lagrangian(
+            arrangement,
+            Quadrature::Nodal,
+            approximation,
+            Background::Interpolated,
+        );
+        for choices in quadratures(&base) {
+            assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
+        }
+    }
+    let base = Discretization {
+        support: 2.3,
+        ..lagrangian(
+            Arrangement::Chain,
+            Quadrature::Nodal,
+            Approximation::Mls2,
+            Background::Imposed,
+        )
+    };
+    let f = DeformationGradient::from_stretches([1.3, 0.9, 1.1]).expect("a state");
+    for choices in quadratures(&base) {
+        assert_agrees::<1>(choices, Law::MooneyRivlin, &f);
+    }
+}

@@ -1,0 +1,32 @@
+//! `onset modes`: waves that a method does not resist.
+
+use super::{Failure, print_json, print_text};
+use crate::arguments::ModesArguments;
+use onset_study::modes::{ModesAnswer, ModesQuestion};
+use std::process::ExitCode;
+
+/// The spurious modes of a method.
+pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
+    let settings = arguments.problem.settings()?;
+    let question = ModesQuestion {
+        weak: arguments.weak,
+        cells: usize::from(arguments.cells),
+        amplitude: arguments.amplitude,
+    };
+    let answer = ModesAnswer::new(&settings, &question)?;
+    let written = match &arguments.out {
+        Some(out) => answer.write(out).map_err(Failure::machine)?,
+        None => Vec::new(),
+    };
+    if arguments.problem.json {
+        return print_json(&answer);
+    }
+    let mut text = answer.to_string();
+    if let [first, .., last] = &written[..] {
+        text.push_str(&format!(
+            "\nwrote {} files, {first} to {last}",
+            written.len()
+        ));
+    }
+    print_text(text.trim_end())
+}

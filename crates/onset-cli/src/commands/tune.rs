@@ -1,0 +1,38 @@
+//! `onset tune`: the smallest coefficient that cures a method and hides nothing.
+
+use super::{Failure, print_json, print_text};
+use crate::arguments::TuneArguments;
+use indicatif::{ProgressBar, ProgressStyle};
+use onset_study::tune::{TuneAnswer, TuneQuestion};
+use std::process::ExitCode;
+
+/// Tunes a coefficient.
+pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
+    let settings = arguments.problem.settings()?;
+    let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
+        .map_err(Failure::input)?;
+    let bar = if arguments.quiet {
+        ProgressBar::hidden()
+    } else {
+        ProgressBar::new(question.values().len() as u64)
+    };
+    let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let answer = TuneAnswer::new(&settings, &question, |value| {
+        bar.set_message(format!("{} = {value}", question.key()));
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    let written = match &arguments.out {
+        Some(out) => answer.write(out).map_err(Failure::machine)?,
+        None => Vec::new(),
+    };
+    if arguments.problem.json {
+        return print_json(&answer);
+    }
+    let mut text = answer.to_string();
+    if !written.is_empty() {
+        text.push_str(&format!("\nwrote {}", written.join(", ")));
+    }
+    print_text(text.trim_end())
+}

@@ -1,0 +1,230 @@
+//! The spurious modes of a method: told, drawn on the lattice, animated, and exported to seed a simulation.
+
+mod animation;
+mod export;
+mod figure;
+
+pub use export::ExportError;
+
+use crate::answers::ProblemError;
+use crate::methods::scheme;
+use crate::settings::Settings;
+use nalgebra::SVector;
+use onset::lattice::Crystal;
+use onset::measures::{SpuriousMode, spurious_modes};
+use onset::method::MethodError;
+use onset::scheme::PeriodicPatch;
+use onset::verdict::SchemeSurvey;
+use serde::Serialize;
+use std::fmt;
+
+/// What is shown of modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModesQuestion {
+    /// Waves slower than this share of the material's slowest wave are listed as weak.
+    pub weak: f64,
+    /// Cells of the patch along each primitive vector.
+    pub cells: usize,
+    /// The largest displacement of the exported fields, in distances of neighbors.
+    pub amplitude: f64,
+}
+
+impl Default for ModesQuestion {
+    fn default() -> Self {
+        Self {
+            weak: 0.5,
+            cells: 8,
+            amplitude: 0.2,
+        }
+    }
+}
+
+/// The spurious modes of a method.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct ModesAnswer {
+    /// Space dimensions.
+    pub dimension: usize,
+    /// The distance of neighbors; length.
+    pub spacing: f64,
+    /// The share of the wave vectors at which some mode has no energy.
+    pub zero_share: f64,
+    /// The lowest relative frequency anywhere.
+    pub weakest: f64,
+    /// The modes: those without energy first.
+    pub modes: Vec<ShownMode>,
+    /// The limit of weakness.
+    pub weak: f64,
+}
+
+/// A mode on a patch of particles.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct ShownMode {
+    /// The wave vector; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// The same in units of the reciprocal vectors.
+    pub fractional: Vec<f64>,
+    /// Its frequency over that of the material's slowest wave; `None` at `k = 0`.
+    pub relative_frequency: Option<f64>,
+    /// How many independent modes have no energy.
+    pub nullity: usize,
+    /// Positions of the particles of a patch, three coordinates each; length.
+    #[serde(skip)]
+    pub positions: Vec<[f64; 3]>,
+    /// Their displacements at the time at which the mode is largest; length.
+    #[serde(skip)]
+    pub displacements: Vec<[f64; 3]>,
+    /// Their displacements a quarter of a period later.
+    #[serde(skip)]
+    pub quarter: Vec<[f64; 3]>,
+}
+
+impl ModesAnswer {
+    /// The spurious modes of the discretization in the undeformed body.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when material or method are not admissible.
+    pub fn new(settings: &Settings, question: &ModesQuestion) -> Result<Self, ProblemError> {
+        match settings.dimension() {
+            1 => Self::of::<1>(settings, question),
+            2 => Self::of::<2>(settings, question),
+            _ => Self::of::<3>(settings, question),
+        }
+    }
+
+    fn of<const D: usize>(
+        settings: &Settings,
+        question: &ModesQuestion,
+    ) -> Result<Self, ProblemError> {
+        let material = settings.material.build().map_err(MethodError::from)?;
+        let scheme = scheme::<D>(settings)?;
+        let survey = SchemeSurvey::new(&*scheme, &*material)?;
+        let found = spurious_modes(&survey, question.weak)?;
+        let crystal = scheme.crystal();
+        let patch = PeriodicPatch::new(crystal, [question.cells; D]);
+        Ok(Self {
+            dimension: D,
+            spacing: crystal.nearest_distance(),
+            zero_share: found.zero_share,
+            weakest: found.weakest,
+            modes: found
+                .modes
+                .iter()
+                .map(|mode| ShownMode::new(mode, crystal, &patch, question.amplitude))
+                .collect(),
+            weak: question.weak,
+        })
+    }
+}
+
+impl ShownMode {
+    fn new<const D: usize>(
+        mode: &SpuriousMode<D>,
+        crystal: &Crystal<D>,
+        patch: &PeriodicPatch<D>,
+        amplitude: f64,
+    ) -> Self {
+        let k = mode.wave_vector;
+        let largest = mode
+            .displacements
+            .iter()
+            .map(|own| own.norm())
+            .fold(0.0, f64::max);
+        let scale = amplitude * crystal.nearest_distance() / largest.max(f64::MIN_POSITIVE);
+        let in_space =
+            |x: SVector<f64, D>| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0));
+        let particles = patch.particles();
+        // Re and -Im of g exp(i k.X): the mode now and a quarter of a period later.
+        let at = |is_quarter: bool| {
+            let displaced = |particle: &onset::lattice::Particle<D>| {
+                let phase = k.dot(&crystal.position(particle));
+                let turn = onset::algebra::Complex::new(phase.cos(), phase.sin());
+                let own = mode.displacements[particle.site] * turn;
+                in_space(own.map(|z| scale * if is_quarter { z.im } else { z.re }))
+            };
+            particles.iter().map(displaced).collect()
+        };
+        let fractional = crystal.lattice().vectors().transpose() * k / std::f64::consts::TAU;
+        Self {
+            wave_vector: k.iter().copied().collect(),
+            fractional: fractional.iter().copied().collect(),
+            relative_frequency: mode
+                .relative_frequency
+                .is_finite()
+                .then_some(mode.relative_frequency),
+            nullity: mode.nullity,
+            positions: particles
+                .iter()
+                .map(|particle| in_space(crystal.position(particle)))
+                .collect(),
+            displacements: at(false),
+            quarter: at(true),
+        }
+    }
+
+    /// The wave vector in units of the reciprocal vectors, as fractions where it is one.
+    pub fn place(&self) -> String {
+        let fraction = |x: &f64| {
+            for denominator in 1..=12_u32 {
+                let numerator = x * f64::from(denominator);
+                if (numerator - numerator.round()).abs() < 1e-6 {
+                    return match (numerator.round() as i64, denominator) {
+                        (n, 1) => n.to_string(),
+                        (n, d) => format!("{n}/{d}"),
+                    };
+                }
+            }
+            format!("{x:.4}")
+        };
+        let parts: Vec<String> = self.fractional.iter().map(fraction).collect();
+        format!("({})", parts.join(", "))
+    }
+
+    /// What it is, in words.
+    pub fn kind(&self) -> String {
+        match (self.nullity, self.relative_frequency) {
+            (0, Some(share)) => format!("weak, {:.1} % of the material's frequency", 100.0 * share),
+            (0, None) => "weak".to_owned(),
+            (1, _) => "no energy".to_owned(),
+            (count, _) => format!("no energy, {count} independent modes"),
+        }
+    }
+}
+
+impl fmt::Display for ModesAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.modes.is_empty() {
+            return writeln!(
+                formatter,
+                "no spurious modes: every wave of the undeformed body has at least {:.1} % of the frequency of the material's slowest wave",
+                100.0 * self.weakest
+            );
+        }
+        writeln!(
+            formatter,
+            "spurious modes of the undeformed body, wave vectors in units of the reciprocal vectors (of k and -k one)\n"
+        )?;
+        for (n, mode) in self.modes.iter().enumerate() {
+            writeln!(
+                formatter,
+                "  {:>2}  k = {:<24} {}",
+                n + 1,
+                mode.place(),
+                mode.kind()
+            )?;
+        }
+        if self.zero_share > 0.02 {
+            writeln!(
+                formatter,
+                "\nmodes without energy on {:.1} % of the zone, not only at single wave vectors: those above are some of them",
+                100.0 * self.zero_share
+            )?;
+        }
+        writeln!(
+            formatter,
+            "\nlisted are waves slower than {:.0} % of the material's slowest wave with the same wave vector",
+            100.0 * self.weak
+        )
+    }
+}

@@ -1,0 +1,97 @@
+//! The smallest coefficient that removes the spurious modes of a method without hiding the instability of the material.
+//!
+//! A stabilization has a coefficient. Too small, and modes without energy stay; too large, and the method stays stable where the
+//! material does not, or needs tiny time steps. The coefficient is looked at on a grid of values, and the end of the cure is
+//! refined by bisection.
+
+mod answer;
+
+pub use answer::{Tried, TuneAnswer};
+
+use crate::settings::{KEYS, Key, Settings, Value, unknown_key};
+use crate::settings::{Origin, SettingError};
+
+/// Values of the coefficient that are looked at.
+const VALUES: usize = 13;
+/// The smallest positive value over the largest, where the range begins at zero.
+const SMALLEST: f64 = 1e-4;
+
+/// Which coefficient, and over which range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TuneQuestion {
+    key: &'static Key,
+    range: [f64; 2],
+    stretches: [f64; 2],
+}
+
+impl TuneQuestion {
+    /// A coefficient by its key, the range of its values, and the stretches of the states on which verdicts are compared.
+    ///
+    /// # Errors
+    /// [`SettingError`] when there is no such key, or it takes no number.
+    pub fn new(name: &str, range: (f64, f64), stretches: (f64, f64)) -> Result<Self, SettingError> {
+        let origin = || Origin::CommandLine(name.to_owned());
+        let is_coefficient = |key: &&Key| key.parts().0 == "discretization" && key.unit().is_some();
+        let known = KEYS.iter().find(|key| key.name == name);
+        let Some(found) = known else {
+            let names = KEYS.iter().filter(is_coefficient).map(|key| key.name);
+            return Err(unknown_key(name, names, origin()));
+        };
+        let Some(key) = KEYS
+            .iter()
+            .filter(is_coefficient)
+            .find(|key| key.name == name)
+        else {
+            let message = format!("`{name}` is no coefficient: it takes {}", found.expects());
+            return Err(SettingError::new(origin(), message)
+                .hint("give a key of [discretization] that takes a number"));
+        };
+        if stretches.0 <= 0.0 {
+            let message = format!(
+                "--stretches begins at {}; stretches are positive",
+                stretches.0
+            );
+            return Err(
+                SettingError::new(origin(), message).hint("for example --stretches 0.7,1.5")
+            );
+        }
+        Ok(Self {
+            key,
+            range: [range.0, range.1],
+            stretches: [stretches.0, stretches.1],
+        })
+    }
+
+    /// The name of the coefficient.
+    pub fn key(&self) -> &'static str {
+        self.key.name
+    }
+
+    /// The values that are looked at: evenly in the logarithm, with zero where the range begins there.
+    pub fn values(&self) -> Vec<f64> {
+        let [low, high] = self.range;
+        let last = (VALUES - 1) as f64;
+        if low < 0.0 {
+            return (0..VALUES)
+                .map(|n| low + (high - low) * n as f64 / last)
+                .collect();
+        }
+        if low > 0.0 {
+            let ratio = (high / low).ln();
+            return (0..VALUES)
+                .map(|n| low * (ratio * n as f64 / last).exp())
+                .collect();
+        }
+        let ratio = SMALLEST.recip().ln();
+        let positive = (0..VALUES).map(|n| high * SMALLEST * (ratio * n as f64 / last).exp());
+        std::iter::once(0.0).chain(positive).collect()
+    }
+
+    /// The settings with a value of the coefficient.
+    fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, SettingError> {
+        let mut changed = settings.clone();
+        let origin = Origin::CommandLine(format!("{} = {value}", self.key.name));
+        changed.set(self.key.name, &Value::Number(value), origin)?;
+        Ok(changed)
+    }
+}
