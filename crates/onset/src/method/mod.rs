@@ -226,6 +226,16 @@ pub enum MethodError {
         /// What is admitted, in words.
         expected: &'static str,
     },
+    /// Two choices that exclude each other.
+    #[error("{choice} does not go with {other}; {hint}")]
+    Incompatible {
+        /// One of them.
+        choice: &'static str,
+        /// The other.
+        other: &'static str,
+        /// What goes instead.
+        hint: &'static str,
+    },
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \

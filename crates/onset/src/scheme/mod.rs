@@ -9,12 +9,17 @@
 mod classical;
 pub mod conforming;
 pub mod element;
+mod gradient_point;
+pub mod kernel;
 mod lagrangian;
+mod layout;
 mod linearized;
 mod material_point;
 mod patch;
 mod peridynamics;
 mod response;
+pub mod sph;
+pub mod stabilization;
 
 pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};

@@ -4,9 +4,12 @@ mod battery;
 mod classical;
 mod conforming;
 mod elements;
+mod kernels;
 mod material_point;
 mod peridynamics;
+mod sph;
 mod springs;
+mod stabilization;
 mod states;
 
 #[path = "../shared/random.rs"]

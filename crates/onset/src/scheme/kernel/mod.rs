@@ -1,0 +1,340 @@
+//! Kernel Galerkin discretizations of any crystal: shape functions of moving particles, forces integrated at points.
+//!
+//! On Bravais lattices these are the methods of [`crate::method`], computed another way: the derivatives of the shape functions
+//! with respect to the particles, which [`crate::bloch::dynamical_matrix`] has in closed form, come from dual numbers here. With
+//! several particles in a cell the homogeneous state `F X` need not be in equilibrium: where a particle is no center of
+//! symmetry, stresses may leave a force on it. The waves are those about `F X`, held there by dead loads if need be.
+
+mod point;
+mod shape;
+
+use super::gradient_point::GradientPoint;
+use super::layout::{Layout, assert_planar, assert_positive};
+use super::{
+    Interaction, Motion, PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses,
+    patch_forces,
+};
+use crate::approximation::Approximation;
+use crate::bloch::{Mass, WaveSystem};
+use crate::kernel::Kernel;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{Crystal, Fractional, Particle};
+use crate::material::Hyperelastic;
+use crate::method::{Frame, MethodError, SupportSize};
+use crate::real::Real;
+use nalgebra::SVector;
+use point::SpatialPoint;
+use shape::{Shape, ShapeValues};
+
+/// Points closer to a particle than this, in lattice coordinates, are that particle.
+const SAME_PLACE: f64 = 1e-12;
+
+/// The choices that define a kernel Galerkin method, arrangement and quadrature apart.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct KernelChoices {
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Weight function.
+    pub kernel: Kernel,
+    /// Support radius in the reference state; length.
+    pub radius: f64,
+    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not.
+    pub approximation: Approximation,
+    /// Coordinates of the kernel.
+    pub frame: Frame,
+    /// Eulerian kernels: size of the support at a state.
+    pub support_size: SupportSize,
+}
+
+impl Default for KernelChoices {
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            kernel: Kernel::QuarticSpline,
+            radius: 2.0,
+            approximation: Approximation::Shepard,
+            frame: Frame::Lagrangian,
+            support_size: SupportSize::Fixed,
+        }
+    }
+}
+
+/// Where the forces are integrated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CrystalQuadrature<const D: usize> {
+    /// At the particles, with their volumes.
+    Nodal,
+    /// At points of the cell, given by lattice coordinates and reference volumes (length^D). A point at the place of a particle
+    /// is that particle, and moves as such.
+    Points(Vec<(Fractional<D>, f64)>),
+}
+
+/// A kernel Galerkin method on a crystal. Every quadrature point carries the imposed `F`, linearization is exact.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::lattice::Crystal;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::{Scheme, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
+/// let honeycomb = Crystal::honeycomb(1.0)?;
+/// let choices = KernelChoices { radius: 2.5, ..KernelChoices::default() };
+/// let scheme = KernelScheme::new(honeycomb, CrystalQuadrature::Nodal, choices)?;
+/// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
+/// assert_eq!(waves.size(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct KernelScheme<const D: usize> {
+    crystal: Crystal<D>,
+    choices: KernelChoices,
+    points: Vec<Point<D>>,
+    neighbors: f64,
+}
+
+/// A quadrature point of the cell.
+#[derive(Clone, Debug)]
+struct Point<const D: usize> {
+    place: Fractional<D>,
+    volume: f64,
+    is_node: bool,
+}
+
+impl<const D: usize> Point<D> {
+    fn kind(&self) -> &'static str {
+        if self.is_node {
+            "particle"
+        } else {
+            "stress point"
+        }
+    }
+}
+
+/// What a point sees at a homogeneous state.
+struct Seen<const D: usize> {
+    particles: Vec<Particle<D>>,
+    /// Relative to the point.
+    positions: Vec<[f64; D]>,
+    volumes: Vec<f64>,
+    shape: ShapeValues<f64, D>,
+}
+
+impl<const D: usize> KernelScheme<D> {
+    /// Sets up a method.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is not positive and finite, or when a point sees too few or too many particles in the
+    /// reference state.
+    pub fn new(
+        crystal: Crystal<D>,
+        quadrature: CrystalQuadrature<D>,
+        choices: KernelChoices,
+    ) -> Result<Self, MethodError> {
+        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        let points = points_of(&crystal, quadrature)?;
+        let mut scheme = Self {
+            crystal,
+            choices,
+            points,
+            neighbors: 0.0,
+        };
+        let seen = scheme.seen(&scheme.reference_layout())?;
+        let total: usize = seen.iter().map(|seen| seen.particles.len()).sum();
+        scheme.neighbors = total as f64 / scheme.crystal.sites().len() as f64;
+        Ok(scheme)
+    }
+
+    /// The choices that define the method.
+    pub fn choices(&self) -> &KernelChoices {
+        &self.choices
+    }
+
+    fn reference_layout(&self) -> Layout<D> {
+        Layout::reference(self.choices.kernel, self.choices.radius)
+    }
+
+    fn layout(&self, f: &DeformationGradient) -> Result<Layout<D>, MethodError> {
+        assert_planar::<D>(f)?;
+        let KernelChoices {
+            kernel,
+            radius,
+            frame,
+            support_size,
+            ..
+        } = self.choices;
+        match frame {
+            Frame::Lagrangian => Ok(self.reference_layout()),
+            Frame::Eulerian => Layout::current(kernel, radius, support_size, f),
+        }
+    }
+
+    fn shape(&self, layout: &Layout<D>) -> Shape<D> {
+        Shape::new(self.choices.approximation, *layout.weight())
+    }
+
+    fn seen(&self, layout: &Layout<D>) -> Result<Vec<Seen<D>>, MethodError> {
+        let shape = self.shape(layout);
+        let seen = self.points.iter().map(|p| self.seen_by(p, layout, &shape));
+        seen.collect()
+    }
+
+    fn seen_by(
+        &self,
+        point: &Point<D>,
+        layout: &Layout<D>,
+        shape: &Shape<D>,
+    ) -> Result<Seen<D>, MethodError> {
+        let needed = self.choices.approximation.neighbors_needed(D);
+        let particles = layout.neighbors(&self.crystal, &point.place, point.kind(), needed)?;
+        let vector = |particle| layout.vector(&self.crystal, &point.place, particle);
+        let positions: Vec<[f64; D]> = particles.iter().map(vector).collect();
+        let volume = |particle: &Particle<D>| self.crystal.volumes()[particle.site];
+        let volumes: Vec<f64> = particles
+            .iter()
+            .map(|particle| layout.jacobian() * volume(particle))
+            .collect();
+        let singular = |source| MethodError::SingularMoment {
+            point: point.kind(),
+            neighbors: particles.len(),
+            source,
+        };
+        shape
+            .assert_regular(&positions, point.is_node)
+            .map_err(singular)?;
+        let shape = shape
+            .at(&positions, &volumes, point.is_node)
+            .ok_or(MethodError::NotFinite)?;
+        Ok(Seen {
+            particles,
+            positions,
+            volumes,
+            shape,
+        })
+    }
+
+    /// Does something with the quadrature points of a state.
+    fn with_points<T>(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        work: impl FnOnce(&[KernelPoint<'_, D>]) -> T,
+    ) -> Result<T, MethodError> {
+        let layout = self.layout(f)?;
+        let shape = self.shape(&layout);
+        let response = PointResponse::new(material, f)?;
+        let configured = |(point, seen): (&Point<D>, Seen<D>)| match self.choices.frame {
+            Frame::Lagrangian => KernelPoint::Material(GradientPoint {
+                particles: seen.particles,
+                gradients: seen.shape.gradients,
+                volume: point.volume,
+                response: &response,
+            }),
+            Frame::Eulerian => KernelPoint::Spatial(SpatialPoint {
+                is_node: point.is_node,
+                particles: seen.particles,
+                positions: seen.positions,
+                volumes: seen.volumes,
+                values: seen.shape.values,
+                gradients: seen.shape.gradients,
+                volume: point.volume,
+                shape: &shape,
+                response: &response,
+            }),
+        };
+        let seen = self.seen(&layout)?;
+        let points: Vec<_> = self.points.iter().zip(seen).map(configured).collect();
+        Ok(work(&points))
+    }
+}
+
+/// A quadrature point at a state, of kernels of either kind of coordinates.
+enum KernelPoint<'a, const D: usize> {
+    Material(GradientPoint<'a, D>),
+    Spatial(SpatialPoint<'a, D>),
+}
+
+impl<const D: usize> Interaction<D> for KernelPoint<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        match self {
+            Self::Material(point) => point.particles(),
+            Self::Spatial(point) => point.particles(),
+        }
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        match self {
+            Self::Material(point) => point.forces(motion),
+            Self::Spatial(point) => point.forces(motion),
+        }
+    }
+}
+
+impl<const D: usize> Scheme<D> for KernelScheme<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.choices.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let masses = lumped_masses(&self.crystal, self.choices.density);
+        self.with_points(material, f, |points| {
+            linearized(&self.crystal, Mass::Lumped(masses), points)
+        })?
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        self.with_points(material, f, |points| {
+            patch_forces(patch, points, displacements, &at_rest)
+        })
+    }
+
+    fn neighbors(&self) -> f64 {
+        self.neighbors
+    }
+}
+
+/// The quadrature points of a cell, those that are particles recognized.
+fn points_of<const D: usize>(
+    crystal: &Crystal<D>,
+    quadrature: CrystalQuadrature<D>,
+) -> Result<Vec<Point<D>>, MethodError> {
+    let points = match quadrature {
+        CrystalQuadrature::Nodal => {
+            let volumes = crystal.volumes().iter().copied();
+            crystal.sites().iter().copied().zip(volumes).collect()
+        }
+        CrystalQuadrature::Points(points) => points,
+    };
+    let named: Vec<_> = points.iter().map(|(_, v)| ("points.volume", *v)).collect();
+    assert_positive(&named)?;
+    let is_node = |place: &Fractional<D>| {
+        crystal.sites().iter().any(|site| {
+            let apart = place - site;
+            (apart - apart.map(f64::round)).amax() < SAME_PLACE
+        })
+    };
+    let point = |(place, volume)| Point {
+        is_node: is_node(&place),
+        place,
+        volume,
+    };
+    Ok(points.into_iter().map(point).collect())
+}

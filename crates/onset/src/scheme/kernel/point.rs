@@ -1,0 +1,69 @@
+//! Quadrature points of kernels of current coordinates.
+
+use super::super::gradient_point::{
+    displacement_gradient, times_transpose, times_vector, transported,
+};
+use super::super::{Interaction, Motion, PointResponse};
+use super::shape::Shape;
+use crate::lattice::Particle;
+use crate::real::Real;
+
+/// A quadrature point that moves through its neighbors: `f_K = -V_q P(F_q) F_q^T grad phi_K(x_q)`, which is the Cauchy stress
+/// times the current volume.
+///
+/// `F_q = (1 + sum_K u_K (x) grad phi_K^0) F` is one step of `Fdot = L F` from the homogeneous state; `grad phi_K` are those of
+/// the displaced particles, at the displaced point.
+pub(super) struct SpatialPoint<'a, const D: usize> {
+    pub(super) particles: Vec<Particle<D>>,
+    /// Positions in the homogeneous state relative to the point; length.
+    pub(super) positions: Vec<[f64; D]>,
+    /// Volumes of the particles in the homogeneous state; length^D.
+    pub(super) volumes: Vec<f64>,
+    /// Whether the point is the first of the particles; otherwise it moves with the interpolated displacement.
+    pub(super) is_node: bool,
+    /// `phi_K^0`.
+    pub(super) values: Vec<f64>,
+    /// `grad phi_K^0`; 1/length.
+    pub(super) gradients: Vec<[f64; D]>,
+    /// `V_q` in the reference state; length^D.
+    pub(super) volume: f64,
+    pub(super) shape: &'a Shape<D>,
+    pub(super) response: &'a PointResponse<'a, D>,
+}
+
+impl<const D: usize> SpatialPoint<'_, D> {
+    /// How far the point has moved.
+    fn shift<R: Real>(&self, displacements: &[[R; D]]) -> [R; D] {
+        if self.is_node {
+            return displacements[0];
+        }
+        let both = displacements.iter().zip(&self.values);
+        both.fold([R::constant(0.0); D], |sum, (u, value)| {
+            std::array::from_fn(|i| sum[i] + u[i] * *value)
+        })
+    }
+}
+
+impl<const D: usize> Interaction<D> for SpatialPoint<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let shift = self.shift(motion.displacements);
+        let both = self.positions.iter().zip(motion.displacements);
+        let positions: Vec<[R; D]> = both
+            .map(|(x, u)| std::array::from_fn(|i| u[i] - shift[i] + x[i]))
+            .collect();
+        let Some(shape) = self.shape.at(&positions, &self.volumes, self.is_node) else {
+            return vec![[R::constant(f64::NAN); D]; self.particles.len()];
+        };
+        let step = displacement_gradient(motion.displacements, &self.gradients);
+        let f = transported(&step, &self.response.leading());
+        let stress = times_transpose(&self.response.first_piola(&f), &f);
+        let force = |gradient: &[R; D]| {
+            times_vector(&stress, gradient).map(|component| component * -self.volume)
+        };
+        shape.gradients.iter().map(force).collect()
+    }
+}

@@ -1,0 +1,42 @@
+//! The interactions that SPH is made of, as one kind.
+
+use super::super::gradient_point::GradientPoint;
+use super::super::stabilization::{BondPenalty, ViscousBond};
+use super::super::{Interaction, Motion};
+use super::stress::StressOf;
+use crate::lattice::Particle;
+use crate::real::Real;
+
+/// An interaction of particles.
+pub(super) enum SphInteraction<'a, const D: usize> {
+    /// Stress of a particle that sees fixed neighbors.
+    Fixed(GradientPoint<'a, D>),
+    /// Stress of a particle that sees moving ones.
+    Moving(StressOf<'a, D>),
+    Penalty(BondPenalty<'a, D>),
+    Viscous(ViscousBond<D>),
+}
+
+impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        match self {
+            Self::Fixed(point) => point.particles(),
+            Self::Moving(stress) => stress.particles(),
+            Self::Penalty(penalty) => penalty.particles(),
+            Self::Viscous(bond) => bond.particles(),
+        }
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        match self {
+            Self::Fixed(point) => point.forces(motion),
+            Self::Moving(stress) => stress.forces(motion),
+            Self::Penalty(penalty) => penalty.forces(motion),
+            Self::Viscous(bond) => bond.forces(motion),
+        }
+    }
+
+    fn is_viscous(&self) -> bool {
+        matches!(self, Self::Viscous(_))
+    }
+}

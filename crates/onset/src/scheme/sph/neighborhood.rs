@@ -1,0 +1,116 @@
+//! What the particles of a cell see in a homogeneous state.
+
+use super::super::layout::{Layout, Weighed};
+use super::super::response::{determinant, inverse};
+use crate::approximation::SingularMoment;
+use crate::lattice::{Crystal, Particle};
+use crate::method::MethodError;
+
+/// Condition number of a correction matrix beyond which gradients are noise.
+const MAXIMUM_CONDITION: f64 = 1e12;
+
+/// A particle with its neighbors.
+#[derive(Clone, Debug)]
+pub(super) struct Neighborhood<const D: usize> {
+    /// The particle itself, then its neighbors, nearest first.
+    pub(super) particles: Vec<Particle<D>>,
+    /// `x_J - x_I`; length.
+    pub(super) vectors: Vec<[f64; D]>,
+    /// `W_IJ` with its gradient along `x_J - x_I`, minus that with respect to `x_I`.
+    pub(super) weights: Vec<Weighed<f64, D>>,
+}
+
+/// The neighborhoods of the particles of a cell; weights have the integral one.
+pub(super) fn neighborhoods<const D: usize>(
+    crystal: &Crystal<D>,
+    layout: &Layout<D>,
+) -> Result<Vec<Neighborhood<D>>, MethodError> {
+    let weight = layout.weight().normalized();
+    let of_site = |place| {
+        let particles = layout.neighbors(crystal, place, "particle", D + 1)?;
+        let vectors: Vec<[f64; D]> = particles
+            .iter()
+            .map(|particle| layout.vector(crystal, place, particle))
+            .collect();
+        Ok(Neighborhood {
+            weights: vectors.iter().map(|x| weight.at(x)).collect(),
+            particles,
+            vectors,
+        })
+    };
+    crystal.sites().iter().map(of_site).collect()
+}
+
+/// The mean number of particles in a neighborhood.
+pub(super) fn mean_size<const D: usize>(neighborhoods: &[Neighborhood<D>]) -> f64 {
+    let total: usize = neighborhoods.iter().map(|n| n.particles.len()).sum();
+    total as f64 / neighborhoods.len() as f64
+}
+
+impl<const D: usize> Neighborhood<D> {
+    /// The pairs that the particle makes with its neighbors, with their weights.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = ([Particle<D>; 2], f64)> {
+        let others = self.particles.iter().zip(&self.weights).skip(1);
+        others.map(|(other, weight)| ([self.particles[0], *other], weight.value))
+    }
+
+    /// `sum_J m_J W_IJ`, the particle itself included; from the masses of the sites.
+    pub(super) fn summed_density(&self, masses: &[f64]) -> f64 {
+        let pairs = self.particles.iter().zip(&self.weights);
+        pairs
+            .map(|(particle, weight)| masses[particle.site] * weight.value)
+            .sum()
+    }
+
+    /// The gradients `g_J` of the discrete displacement gradient `sum_J u_J (x) g_J`, the particle itself included:
+    /// `g_J = V_J K^-T grad W_IJ`, `g_I = -sum_J g_J`, with `K = sum_J V_J (x_J - x_I) (x) grad W_IJ` where gradients are
+    /// corrected to be exact for linear fields, otherwise `K = 1`. From the volumes of the sites.
+    pub(super) fn gradients(
+        &self,
+        volumes: &[f64],
+        is_corrected: bool,
+    ) -> Result<Vec<[f64; D]>, MethodError> {
+        let pairs = self.particles.iter().zip(&self.weights);
+        let mut gradients: Vec<[f64; D]> = pairs
+            .map(|(particle, weight)| weight.gradient.map(|slope| -slope * volumes[particle.site]))
+            .collect();
+        if is_corrected {
+            let inverse = self.correction(&gradients)?;
+            for g in &mut gradients {
+                let plain = *g;
+                *g = std::array::from_fn(|i| (0..D).map(|j| inverse[j][i] * plain[j]).sum());
+            }
+        }
+        gradients[0] = [0.0; D];
+        gradients[0] = std::array::from_fn(|i| -gradients.iter().map(|g| g[i]).sum::<f64>());
+        Ok(gradients)
+    }
+
+    /// `K^-1`.
+    fn correction(&self, gradients: &[[f64; D]]) -> Result<[[f64; D]; D], MethodError> {
+        let mut matrix = [[0.0; D]; D];
+        for (x, g) in self.vectors.iter().zip(gradients) {
+            for i in 0..D {
+                for j in 0..D {
+                    matrix[i][j] += x[i] * g[j];
+                }
+            }
+        }
+        let largest = |m: &[[f64; D]; D]| {
+            m.iter()
+                .flatten()
+                .fold(0.0, |most: f64, x| most.max(x.abs()))
+        };
+        let inverse = inverse(&matrix);
+        let condition = largest(&inverse) * largest(&matrix);
+        let is_regular = determinant(&matrix) != 0.0 && condition < MAXIMUM_CONDITION;
+        if is_regular {
+            return Ok(inverse);
+        }
+        Err(MethodError::SingularMoment {
+            point: "particle",
+            neighbors: self.particles.len(),
+            source: SingularMoment { condition },
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! The forces that the stress of one particle exerts on itself and on its neighbors, with kernels that move.
+
+use super::super::gradient_point::{
+    displacement_gradient, times_transpose, times_vector, transported,
+};
+use super::super::layout::MovingWeight;
+use super::super::response::determinant;
+use super::super::stabilization::Repulsion;
+use super::super::{Interaction, Motion, PointResponse};
+use super::updated::{DensityEvolution, MomentumForm};
+use crate::lattice::Particle;
+use crate::real::Real;
+
+/// What the particles of a state have in common.
+pub(super) struct Surroundings<'a, const D: usize> {
+    pub(super) response: &'a PointResponse<'a, D>,
+    /// With the integral one.
+    pub(super) weight: MovingWeight<D>,
+    pub(super) momentum: MomentumForm,
+    pub(super) density_evolution: DensityEvolution,
+    pub(super) reference_density: f64,
+    pub(super) repulsion: Option<Repulsion>,
+}
+
+/// What a particle sees of the others of its interaction, by their numbers in it: itself first.
+pub(super) struct Circle<const D: usize> {
+    pub(super) members: Vec<usize>,
+    /// Of the discrete displacement gradient; 1/length.
+    pub(super) gradients: Vec<[f64; D]>,
+}
+
+/// The part of the forces that is linear in the stress `s_I` of a particle `I`:
+///
+/// `f_I = +- sum_J c_IJ s_I grad W_IJ`, `f_J = -c_IJ s_I grad W_IJ`; the sums of these over all `I` are the pairwise forms.
+/// `s = P F^T / det F` within the dimensions of the lattice.
+pub(super) struct StressOf<'a, const D: usize> {
+    pub(super) surroundings: &'a Surroundings<'a, D>,
+    /// The particle, its neighbors, and those that only the densities of its neighbors see.
+    pub(super) particles: Vec<Particle<D>>,
+    /// Positions in the homogeneous state relative to the particle; length.
+    pub(super) positions: Vec<[f64; D]>,
+    pub(super) masses: Vec<f64>,
+    /// Of the particle, and of its neighbors too where their densities count.
+    pub(super) circles: Vec<Circle<D>>,
+}
+
+/// Displacements, and the positions that come of them.
+struct Moved<'a, R, const D: usize> {
+    displacements: &'a [[R; D]],
+    positions: Vec<[R; D]>,
+}
+
+impl<const D: usize> StressOf<'_, D> {
+    /// The deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
+    fn deformation<R: Real>(&self, displacements: &[[R; D]], circle: &Circle<D>) -> [[R; D]; D] {
+        let seen: Vec<[R; D]> = circle.members.iter().map(|n| displacements[*n]).collect();
+        let step = displacement_gradient(&seen, &circle.gradients);
+        transported(&step, &self.surroundings.response.leading())
+    }
+
+    /// The density of the particle with a number.
+    fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
+        let circle = &self.circles[number];
+        match self.surroundings.density_evolution {
+            DensityEvolution::Summation => {
+                let members = circle.members.iter();
+                members.fold(R::constant(0.0), |sum, member| {
+                    let x = between(&moved.positions[number], &moved.positions[*member]);
+                    sum + self.surroundings.weight.at(&x).value * self.masses[*member]
+                })
+            }
+            DensityEvolution::Continuity => {
+                let f = self.deformation(moved.displacements, circle);
+                determinant(&f).recip() * self.surroundings.reference_density
+            }
+        }
+    }
+}
+
+impl<const D: usize> Interaction<D> for StressOf<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let surroundings = self.surroundings;
+        let displaced = self.positions.iter().zip(motion.displacements);
+        let moved = Moved {
+            displacements: motion.displacements,
+            positions: displaced
+                .map(|(x, u)| std::array::from_fn(|i| u[i] + x[i]))
+                .collect(),
+        };
+        let circle = &self.circles[0];
+        let f = self.deformation(motion.displacements, circle);
+        let stress = over(
+            &times_transpose(&surroundings.response.first_piola(&f), &f),
+            determinant(&f),
+        );
+        let tensile = surroundings.repulsion.map(|r| r.tensile_part(&stress));
+        let density = self.density(0, &moved);
+        let mut forces = vec![[R::constant(0.0); D]; self.particles.len()];
+        for &other in &circle.members[1..] {
+            let x = between(&moved.positions[0], &moved.positions[other]);
+            let weight = surroundings.weight.at(&x);
+            let other_density = match surroundings.momentum {
+                MomentumForm::Symmetric => density,
+                MomentumForm::Mean | MomentumForm::Difference => self.density(other, &moved),
+            };
+            let coefficient =
+                (density * other_density).recip() * (self.masses[0] * self.masses[other]);
+            // grad W_IJ with respect to x_I is minus that along x_J - x_I.
+            let gradient = weight.gradient.map(|slope| -slope * coefficient);
+            let mut traction = times_vector(&stress, &gradient);
+            if let (Some(repulsion), Some(tensile)) = (&surroundings.repulsion, &tensile) {
+                let factor = repulsion.factor(weight.value);
+                let less = times_vector(tensile, &gradient);
+                traction = std::array::from_fn(|i| traction[i] - less[i] * factor);
+            }
+            for i in 0..D {
+                forces[other][i] = forces[other][i] - traction[i];
+                forces[0][i] = match surroundings.momentum {
+                    MomentumForm::Difference => forces[0][i] - traction[i],
+                    MomentumForm::Symmetric | MomentumForm::Mean => forces[0][i] + traction[i],
+                };
+            }
+        }
+        forces
+    }
+}
+
+fn between<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> [R; D] {
+    std::array::from_fn(|i| to[i] - from[i])
+}
+
+fn over<R: Real, const D: usize>(matrix: &[[R; D]; D], divisor: R) -> [[R; D]; D] {
+    let factor = divisor.recip();
+    matrix.map(|row| row.map(|entry| entry * factor))
+}

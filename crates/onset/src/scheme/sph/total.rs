@@ -1,0 +1,241 @@
+//! Total-Lagrangian SPH.
+
+use super::super::gradient_point::GradientPoint;
+use super::super::layout::{Layout, assert_planar, assert_positive};
+use super::super::stabilization::{
+    ArtificialViscosity, BondPenalty, Slope, ViscousBond, assert_coefficients, smoothed_velocities,
+    viscous_bonds, young_modulus,
+};
+use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses, patch_forces};
+use super::interaction::SphInteraction;
+use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
+use crate::bloch::{Mass, WaveSystem};
+use crate::kernel::Kernel;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Crystal;
+use crate::material::Hyperelastic;
+use crate::method::MethodError;
+use nalgebra::SVector;
+
+/// The choices that define total-Lagrangian SPH.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct TotalLagrangianChoices {
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Weight function.
+    pub kernel: Kernel,
+    /// Support radius in the reference state; length.
+    pub radius: f64,
+    /// Whether gradients are corrected to be exact for linear fields.
+    pub corrected: bool,
+    /// The coefficient `alpha` of the zero-energy-mode penalty; zero without.
+    pub penalty: f64,
+    /// Artificial viscosity.
+    pub viscosity: Option<ArtificialViscosity>,
+    /// The coefficient `epsilon` of XSPH; zero without.
+    pub velocity_smoothing: f64,
+}
+
+impl Default for TotalLagrangianChoices {
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            kernel: Kernel::QuarticSpline,
+            radius: 2.0,
+            corrected: true,
+            penalty: 0.0,
+            viscosity: None,
+            velocity_smoothing: 0.0,
+        }
+    }
+}
+
+/// SPH with kernels of material coordinates.
+///
+/// `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and
+/// `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T) grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`:
+/// minus the derivative of the energy `sum_I V_I W(F_I)`. The state is imposed, every particle carries `F`.
+///
+/// Source: Vignjevic, Reveles, Campbell, CMES 14 (2006) 181; Bonet and Lok, Comput. Methods Appl. Mech. Engrg. 180 (1999) 97.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::{Scheme, sph::{TotalLagrangianChoices, TotalLagrangianSph}};
+/// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0)?);
+/// let sph = TotalLagrangianSph::new(square, TotalLagrangianChoices::default())?;
+/// let waves = sph.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
+/// // Nodes that alternate strain no particle.
+/// let pi = std::f64::consts::PI;
+/// assert!(waves.omega_squared(&[pi, pi].into())[1].re.abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TotalLagrangianSph<const D: usize> {
+    crystal: Crystal<D>,
+    choices: TotalLagrangianChoices,
+    neighborhoods: Vec<Neighborhood<D>>,
+    /// Gradients of the discrete deformation gradient, a list for each site.
+    gradients: Vec<Vec<[f64; D]>>,
+}
+
+impl<const D: usize> TotalLagrangianSph<D> {
+    /// Sets up the method.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is out of range, or when a particle sees too few or too many others.
+    pub fn new(crystal: Crystal<D>, choices: TotalLagrangianChoices) -> Result<Self, MethodError> {
+        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        assert_coefficients(&[
+            ("penalty", choices.penalty),
+            ("velocity-smoothing", choices.velocity_smoothing),
+        ])?;
+        choices
+            .viscosity
+            .iter()
+            .try_for_each(|v| v.assert_admissible())?;
+        let layout = Layout::reference(choices.kernel, choices.radius);
+        let neighborhoods = neighborhoods(&crystal, &layout)?;
+        let gradients = neighborhoods
+            .iter()
+            .map(|n| n.gradients(crystal.volumes(), choices.corrected))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            crystal,
+            choices,
+            neighborhoods,
+            gradients,
+        })
+    }
+
+    /// The choices that define the method.
+    pub fn choices(&self) -> &TotalLagrangianChoices {
+        &self.choices
+    }
+
+    /// Does something with the interactions of a state.
+    fn with_interactions<T>(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        work: impl FnOnce(&[SphInteraction<'_, D>]) -> T,
+    ) -> Result<T, MethodError> {
+        assert_planar::<D>(f)?;
+        let response = PointResponse::new(material, f)?;
+        let modulus = match self.choices.penalty {
+            0.0 => 0.0,
+            _ => young_modulus(material)?,
+        };
+        let mut interactions = Vec::new();
+        for (site, neighborhood) in self.neighborhoods.iter().enumerate() {
+            let gradients = &self.gradients[site];
+            let volumes = self.crystal.volumes();
+            interactions.push(SphInteraction::Fixed(GradientPoint {
+                particles: neighborhood.particles.clone(),
+                gradients: gradients.clone(),
+                volume: volumes[site],
+                response: &response,
+            }));
+            if self.choices.penalty > 0.0 {
+                let factor = 0.5 * self.choices.penalty * modulus * volumes[site];
+                let bonds = neighborhood.particles.iter().zip(&neighborhood.weights);
+                let stiffness = bonds.map(|(j, w)| factor * volumes[j.site] * w.value);
+                interactions.push(SphInteraction::Penalty(BondPenalty::new(
+                    neighborhood.particles.clone(),
+                    neighborhood.vectors.clone(),
+                    gradients.clone(),
+                    stiffness.collect(),
+                    &response,
+                )));
+            }
+        }
+        if let Some(viscosity) = &self.choices.viscosity {
+            let bonds = self.viscous_bonds(viscosity, material, f)?;
+            interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
+        }
+        Ok(work(&interactions))
+    }
+
+    fn viscous_bonds(
+        &self,
+        viscosity: &ArtificialViscosity,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Vec<ViscousBond<D>>, MethodError> {
+        let masses = lumped_masses(&self.crystal, self.choices.density);
+        let densities = vec![self.choices.density; masses.len()];
+        let map = f.leading::<D>();
+        let bonds = self.neighborhoods.iter().flat_map(|neighborhood| {
+            let pairs = neighborhood.particles.iter().zip(&neighborhood.vectors);
+            let pairs = pairs.zip(&neighborhood.weights).skip(1);
+            pairs.map(|((other, vector), weight)| {
+                let reference = SVector::from(*vector);
+                // The slope along the bond.
+                let slope = SVector::from(weight.gradient).dot(&reference) / reference.norm();
+                let current: SVector<f64, D> = map * reference;
+                let ends = [neighborhood.particles[0], *other];
+                (ends, current.into(), Slope::Fixed(slope))
+            })
+        });
+        let scales = (self.choices.density, self.choices.radius);
+        viscous_bonds(viscosity, material, scales, &masses, &densities, bonds)
+    }
+}
+
+impl<const D: usize> Scheme<D> for TotalLagrangianSph<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.choices.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let masses = lumped_masses(&self.crystal, self.choices.density);
+        let mass = Mass::Lumped(masses.clone());
+        let system = self.with_interactions(material, f, |interactions| {
+            linearized(&self.crystal, mass, interactions)
+        })??;
+        let epsilon = self.choices.velocity_smoothing;
+        if epsilon == 0.0 {
+            return Ok(system);
+        }
+        let densities = vec![self.choices.density; masses.len()];
+        let weights = self.neighborhoods.iter().flat_map(Neighborhood::pairs);
+        Ok(system.with_drift(smoothed_velocities(
+            &self.crystal,
+            epsilon,
+            &masses,
+            &densities,
+            weights,
+        )))
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        self.with_interactions(material, f, |interactions| {
+            patch_forces(patch, interactions, displacements, &at_rest)
+        })
+    }
+
+    fn neighbors(&self) -> f64 {
+        mean_size(&self.neighborhoods)
+    }
+}

@@ -1,0 +1,367 @@
+//! SPH with kernels of current coordinates.
+
+use super::super::layout::{Layout, assert_planar, assert_positive};
+use super::super::stabilization::{
+    ArtificialStress, ArtificialViscosity, Repulsion, Slope, ViscousBond, assert_coefficients,
+    smoothed_velocities, viscous_bonds,
+};
+use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses, patch_forces};
+use super::interaction::SphInteraction;
+use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
+use super::stress::{Circle, StressOf, Surroundings};
+use crate::bloch::{Mass, WaveSystem};
+use crate::kernel::Kernel;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{Crystal, Particle};
+use crate::material::Hyperelastic;
+use crate::method::{MethodError, SupportSize};
+use nalgebra::SVector;
+use std::collections::BTreeMap;
+
+/// How the stresses of two particles become a force between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum MomentumForm {
+    /// `m_I sum_J m_J (sigma_I / rho_I^2 + sigma_J / rho_J^2) grad W_IJ`: conserves momentum.
+    Symmetric,
+    /// `m_I sum_J m_J (sigma_I + sigma_J) / (rho_I rho_J) grad W_IJ`: conserves momentum.
+    Mean,
+    /// `m_I sum_J m_J (sigma_J - sigma_I) / (rho_I rho_J) grad W_IJ`: a constant stress leaves no force, whatever the particles
+    /// do; momentum is not conserved.
+    Difference,
+}
+
+/// How the density of a particle follows the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum DensityEvolution {
+    /// `rho_I = sum_J m_J W_IJ`, the particle itself included.
+    Summation,
+    /// `rho_I = rho_0 / det F_I`: `d rho = -rho div u` with the divergence of the particles.
+    Continuity,
+}
+
+/// The choices that define SPH with kernels of current coordinates.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct UpdatedSphChoices {
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Weight function.
+    pub kernel: Kernel,
+    /// Support radius in the reference state; length.
+    pub radius: f64,
+    /// Size of the support at a state.
+    pub support_size: SupportSize,
+    /// Form of the forces.
+    pub momentum: MomentumForm,
+    /// Rule of the densities.
+    pub density_evolution: DensityEvolution,
+    /// Whether the velocity gradient is corrected to be exact for linear fields.
+    pub corrected: bool,
+    /// Artificial stress; for the forms that conserve momentum.
+    pub artificial_stress: Option<ArtificialStress>,
+    /// Artificial viscosity.
+    pub viscosity: Option<ArtificialViscosity>,
+    /// The coefficient `epsilon` of XSPH; zero without.
+    pub velocity_smoothing: f64,
+}
+
+impl Default for UpdatedSphChoices {
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            kernel: Kernel::QuarticSpline,
+            radius: 2.0,
+            support_size: SupportSize::Fixed,
+            momentum: MomentumForm::Symmetric,
+            density_evolution: DensityEvolution::Continuity,
+            corrected: false,
+            artificial_stress: None,
+            viscosity: None,
+            velocity_smoothing: 0.0,
+        }
+    }
+}
+
+/// SPH with kernels of current coordinates, particles at `F X` in the homogeneous state.
+///
+/// The stress is that of the law at the deformation gradient that a particle carries along, `Fdot = L F` with
+/// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. Forces are
+/// those of [`MomentumForm`] and are linearized exactly: kernels, densities and volumes move.
+///
+/// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
+/// Mech. Engrg. 139 (1996) 375.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::{Scheme, sph::{UpdatedSph, UpdatedSphChoices}};
+/// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
+/// let sph = UpdatedSph::new(chain, UpdatedSphChoices { radius: 1.5, ..UpdatedSphChoices::default() })?;
+/// // Beyond the inflection of the kernel tension is unstable.
+/// let stretched = DeformationGradient::from_stretches([1.05, 1.0, 1.0])?;
+/// let waves = sph.waves(&ModifiedMooneyRivlin::default(), &stretched)?;
+/// assert!(waves.omega_squared(&[std::f64::consts::PI].into())[0].re < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct UpdatedSph<const D: usize> {
+    crystal: Crystal<D>,
+    choices: UpdatedSphChoices,
+    masses: Vec<f64>,
+    neighbors: f64,
+}
+
+/// The particles of the cell at a homogeneous state.
+struct State<const D: usize> {
+    layout: Layout<D>,
+    neighborhoods: Vec<Neighborhood<D>>,
+    densities: Vec<f64>,
+    gradients: Vec<Vec<[f64; D]>>,
+}
+
+impl<const D: usize> UpdatedSph<D> {
+    /// Sets up the method.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is out of range, when a particle sees too few or too many others in the reference state,
+    /// or when an artificial stress is asked for with a form that takes differences of stresses.
+    pub fn new(crystal: Crystal<D>, choices: UpdatedSphChoices) -> Result<Self, MethodError> {
+        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        assert_coefficients(&[("velocity-smoothing", choices.velocity_smoothing)])?;
+        choices
+            .viscosity
+            .iter()
+            .try_for_each(|v| v.assert_admissible())?;
+        if let Some(artificial_stress) = &choices.artificial_stress {
+            artificial_stress.assert_admissible()?;
+            if choices.momentum == MomentumForm::Difference {
+                return Err(MethodError::Incompatible {
+                    choice: "an artificial stress",
+                    other: "the momentum form \"difference\"",
+                    hint: "take the form \"symmetric\" or \"mean\", whose tensile instability it is for",
+                });
+            }
+        }
+        let layout = Layout::reference(choices.kernel, choices.radius);
+        let neighbors = mean_size(&neighborhoods(&crystal, &layout)?);
+        Ok(Self {
+            masses: lumped_masses(&crystal, choices.density),
+            crystal,
+            choices,
+            neighbors,
+        })
+    }
+
+    /// The choices that define the method.
+    pub fn choices(&self) -> &UpdatedSphChoices {
+        &self.choices
+    }
+
+    fn state(&self, f: &DeformationGradient) -> Result<State<D>, MethodError> {
+        assert_planar::<D>(f)?;
+        let UpdatedSphChoices {
+            kernel,
+            radius,
+            support_size,
+            ..
+        } = self.choices;
+        let layout = Layout::current(kernel, radius, support_size, f)?;
+        let neighborhoods = neighborhoods(&self.crystal, &layout)?;
+        let density = |neighborhood: &Neighborhood<D>| match self.choices.density_evolution {
+            DensityEvolution::Summation => neighborhood.summed_density(&self.masses),
+            DensityEvolution::Continuity => self.choices.density / layout.jacobian(),
+        };
+        let densities: Vec<f64> = neighborhoods.iter().map(density).collect();
+        let shares = self.masses.iter().zip(&densities);
+        let volumes: Vec<f64> = shares.map(|(mass, density)| mass / density).collect();
+        let gradients = neighborhoods
+            .iter()
+            .map(|n| n.gradients(&volumes, self.choices.corrected))
+            .collect::<Result<_, _>>()?;
+        Ok(State {
+            layout,
+            neighborhoods,
+            densities,
+            gradients,
+        })
+    }
+
+    /// Does something with the interactions of a state.
+    fn with_interactions<T>(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        work: impl FnOnce(&State<D>, &[SphInteraction<'_, D>]) -> T,
+    ) -> Result<T, MethodError> {
+        let state = self.state(f)?;
+        let response = PointResponse::new(material, f)?;
+        let surroundings = Surroundings {
+            response: &response,
+            weight: state.layout.weight().normalized(),
+            momentum: self.choices.momentum,
+            density_evolution: self.choices.density_evolution,
+            reference_density: self.choices.density,
+            repulsion: self.repulsion(&state.layout, &response),
+        };
+        let sites = 0..self.crystal.sites().len();
+        let mut interactions: Vec<SphInteraction<'_, D>> = sites
+            .map(|site| SphInteraction::Moving(self.stress_of(site, &state, &surroundings)))
+            .collect();
+        if let Some(viscosity) = &self.choices.viscosity {
+            let bonds = self.viscous_bonds(viscosity, material, &state)?;
+            interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
+        }
+        Ok(work(&state, &interactions))
+    }
+
+    fn repulsion(&self, layout: &Layout<D>, response: &PointResponse<'_, D>) -> Option<Repulsion> {
+        let choice = self.choices.artificial_stress.as_ref()?;
+        let mut apart = [0.0; D];
+        apart[0] = choice.spacing;
+        let tangent = response.base_tangent().as_flattened().as_flattened();
+        let stiffest = tangent
+            .as_flattened()
+            .iter()
+            .fold(0.0, |most: f64, a| most.max(a.abs()));
+        let reference = Layout::reference(self.choices.kernel, layout.weight().radius());
+        Some(Repulsion {
+            epsilon: choice.epsilon,
+            exponent: choice.exponent,
+            weight_at_spacing: reference.weight().normalized().at(&apart).value,
+            threshold: TENSIONLESS * stiffest,
+        })
+    }
+
+    /// The forces of the stress of a particle of the cell.
+    fn stress_of<'a>(
+        &self,
+        site: usize,
+        state: &State<D>,
+        surroundings: &'a Surroundings<'a, D>,
+    ) -> StressOf<'a, D> {
+        let own = &state.neighborhoods[site].particles;
+        // Whose densities count.
+        let seeing = match self.choices.momentum {
+            MomentumForm::Symmetric => &own[..1],
+            MomentumForm::Mean | MomentumForm::Difference => &own[..],
+        };
+        let mut numbers: BTreeMap<Particle<D>, usize> = BTreeMap::new();
+        let mut particles = Vec::new();
+        let mut number = |particle: Particle<D>| {
+            *numbers.entry(particle).or_insert_with(|| {
+                particles.push(particle);
+                particles.len() - 1
+            })
+        };
+        own.iter().for_each(|particle| _ = number(*particle));
+        let circles = seeing
+            .iter()
+            .map(|center| Circle {
+                members: state.neighborhoods[center.site]
+                    .particles
+                    .iter()
+                    .map(|particle| number(particle.moved(&center.cell)))
+                    .collect(),
+                gradients: state.gradients[center.site].clone(),
+            })
+            .collect();
+        let place = &self.crystal.sites()[site];
+        let vector = |particle| state.layout.vector(&self.crystal, place, particle);
+        StressOf {
+            surroundings,
+            positions: particles.iter().map(vector).collect(),
+            masses: particles.iter().map(|p| self.masses[p.site]).collect(),
+            particles,
+            circles,
+        }
+    }
+
+    fn viscous_bonds(
+        &self,
+        viscosity: &ArtificialViscosity,
+        material: &dyn Hyperelastic,
+        state: &State<D>,
+    ) -> Result<Vec<ViscousBond<D>>, MethodError> {
+        let slope = Slope::Moving(state.layout.weight().normalized());
+        let bonds = state.neighborhoods.iter().flat_map(|neighborhood| {
+            let others = neighborhood.particles.iter().zip(&neighborhood.vectors);
+            let own = neighborhood.particles[0];
+            others
+                .skip(1)
+                .map(move |(other, vector)| ([own, *other], *vector, slope))
+        });
+        let scales = (self.choices.density, self.choices.radius);
+        viscous_bonds(
+            viscosity,
+            material,
+            scales,
+            &self.masses,
+            &state.densities,
+            bonds,
+        )
+    }
+}
+
+/// Principal stresses below this fraction of the stiffness are rounding.
+const TENSIONLESS: f64 = 1e-12;
+
+impl<const D: usize> Scheme<D> for UpdatedSph<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.choices.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let epsilon = self.choices.velocity_smoothing;
+        self.with_interactions(material, f, |state, interactions| {
+            let mass = Mass::Lumped(self.masses.clone());
+            let system = linearized(&self.crystal, mass, interactions)?;
+            if epsilon == 0.0 {
+                return Ok(system);
+            }
+            let pairs = state.neighborhoods.iter().flat_map(Neighborhood::pairs);
+            let (masses, densities) = (&self.masses, &state.densities);
+            let drift = smoothed_velocities(&self.crystal, epsilon, masses, densities, pairs);
+            Ok(system.with_drift(drift))
+        })?
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        self.with_interactions(material, f, |_, interactions| {
+            patch_forces(patch, interactions, displacements, &at_rest)
+        })
+    }
+
+    fn neighbors(&self) -> f64 {
+        self.neighbors
+    }
+}

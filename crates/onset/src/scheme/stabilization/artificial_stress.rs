@@ -1,0 +1,173 @@
+//! Artificial stress.
+
+use crate::algebra::MAXIMUM_ITERATIONS;
+use crate::method::MethodError;
+use crate::real::Real;
+use nalgebra::DMatrix;
+
+use super::super::layout::assert_positive;
+use super::assert_coefficients;
+
+/// The artificial stress of Gray, Monaghan and Swift: to the stress of each particle of a pair is added
+/// `-epsilon (W_IJ / W(spacing))^n` times its tensile part, `[sigma]_+ = sum_a max(sigma_a, 0) n_a (x) n_a` by principal stresses.
+///
+/// Where a principal stress is zero to rounding it counts as none: the linearization is that of the side of compression.
+///
+/// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, who take `epsilon = 0.3`, `n = 4`.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct ArtificialStress {
+    /// `epsilon`.
+    pub epsilon: f64,
+    /// `n`.
+    pub exponent: f64,
+    /// The distance at which the factor is one, usually that of neighbors in the reference state; length.
+    pub spacing: f64,
+}
+
+impl Default for ArtificialStress {
+    fn default() -> Self {
+        Self {
+            epsilon: 0.3,
+            exponent: 4.0,
+            spacing: 1.0,
+        }
+    }
+}
+
+impl ArtificialStress {
+    /// Refuses coefficients that are out of range.
+    pub(in super::super) fn assert_admissible(&self) -> Result<(), MethodError> {
+        assert_coefficients(&[
+            ("artificial-stress.epsilon", self.epsilon),
+            ("artificial-stress.exponent", self.exponent),
+        ])?;
+        assert_positive(&[("artificial-stress.spacing", self.spacing)])
+    }
+}
+
+/// The artificial stress of the particles of a state.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Repulsion {
+    pub(in super::super) epsilon: f64,
+    pub(in super::super) exponent: f64,
+    /// `W(spacing)`.
+    pub(in super::super) weight_at_spacing: f64,
+    /// Principal stresses below this are none.
+    pub(in super::super) threshold: f64,
+}
+
+impl Repulsion {
+    /// `epsilon (W / W(spacing))^n`; zero out of the support.
+    pub(in super::super) fn factor<R: Real>(&self, weight: R) -> R {
+        if weight.value() <= 0.0 {
+            return R::constant(0.0);
+        }
+        (weight / self.weight_at_spacing).powf(self.exponent) * self.epsilon
+    }
+
+    /// `[sigma]_+`.
+    ///
+    /// The derivative in the directions of principal stresses `a`, `b` is that of `[.]_+` where they are equal, and its
+    /// difference quotient where they are not (Daleckii and Krein).
+    pub(in super::super) fn tensile_part<R: Real, const D: usize>(
+        &self,
+        stress: &[[R; D]; D],
+    ) -> [[R; D]; D] {
+        let not_a_number = [[R::constant(f64::NAN); D]; D];
+        let value = DMatrix::from_fn(D, D, |i, j| {
+            0.5 * (stress[i][j].value() + stress[j][i].value())
+        });
+        if value.iter().any(|entry| !entry.is_finite()) {
+            return not_a_number;
+        }
+        let Some(eigen) = value.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS) else {
+            return not_a_number;
+        };
+        let (principal, axes) = (eigen.eigenvalues, eigen.eigenvectors);
+        let tension = |a: usize| {
+            if principal[a] > self.threshold {
+                principal[a]
+            } else {
+                0.0
+            }
+        };
+        let slope = |a: usize, b: usize| {
+            let apart = principal[a] - principal[b];
+            if apart.abs() > self.threshold {
+                (tension(a) - tension(b)) / apart
+            } else {
+                f64::from(u8::from(principal[a] > self.threshold))
+            }
+        };
+        // The change has the value zero, and derivatives; here along the principal axes.
+        let rotated = |a: usize, b: usize| {
+            let mut sum = R::constant(if a == b { tension(a) } else { 0.0 });
+            for (i, row) in stress.iter().enumerate() {
+                for (j, entry) in row.iter().enumerate() {
+                    let factor = axes[(i, a)] * axes[(j, b)] * slope(a, b);
+                    sum = sum + (*entry - entry.value()) * factor;
+                }
+            }
+            sum
+        };
+        let along: [[R; D]; D] = std::array::from_fn(|a| std::array::from_fn(|b| rotated(a, b)));
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let mut sum = R::constant(0.0);
+                for (a, row) in along.iter().enumerate() {
+                    for (b, entry) in row.iter().enumerate() {
+                        sum = sum + *entry * (axes[(i, a)] * axes[(j, b)]);
+                    }
+                }
+                sum
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Repulsion;
+    use crate::real::Dual;
+
+    #[test]
+    fn the_tensile_part_and_its_derivative_are_those_of_principal_stresses() {
+        let repulsion = Repulsion {
+            epsilon: 1.0,
+            exponent: 4.0,
+            weight_at_spacing: 1.0,
+            threshold: 1e-12,
+        };
+        let at = |[a, b, c]: [f64; 3]| repulsion.tensile_part(&[[a, c], [c, b]]);
+        let state = [1.3, -0.4, 0.6];
+        let dual = {
+            let [a, b, c] = Dual::<3>::variables(state);
+            repulsion.tensile_part(&[[a, c], [c, b]])
+        };
+        let part = at(state);
+        // The tensile and the compressive part add up, and do not overlap.
+        let opposite = at(state.map(|x| -x));
+        assert!((part[0][1] - opposite[0][1] - 0.6).abs() < 1e-14);
+        let product = part[0][0] * opposite[0][0] + part[0][1] * opposite[0][1];
+        assert!(product.abs() < 1e-14);
+        for n in 0..3 {
+            let shifted = |h: f64| {
+                let mut moved = state;
+                moved[n] += h;
+                at(moved)
+            };
+            let (plus, minus) = (shifted(1e-6), shifted(-1e-6));
+            for i in 0..2 {
+                for j in 0..2 {
+                    let slope = (plus[i][j] - minus[i][j]) / 2e-6;
+                    assert!((dual[i][j].gradient[n] - slope).abs() < 1e-9);
+                }
+            }
+        }
+    }
+}

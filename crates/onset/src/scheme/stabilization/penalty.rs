@@ -1,0 +1,88 @@
+//! The zero-energy-mode penalty of total-Lagrangian SPH.
+
+use super::super::gradient_point::{displacement_gradient, times_vector};
+use super::super::{Interaction, Motion, PointResponse};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Particle;
+use crate::material::{Hyperelastic, MaterialError};
+use crate::real::Real;
+use nalgebra::Matrix3;
+
+/// The forces along the bonds of a particle by which its deformation gradient misses them:
+///
+/// `f_J = -f_I = c_J delta_J x_IJ / |x_IJ|`, `delta_J = (F_I X_IJ - x_IJ) . x_IJ / |x_IJ|`, `c_J = alpha/2 E V_I V_J W_IJ / |X_IJ|^2`;
+/// the neighbors add their own half of each bond.
+///
+/// Source: Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87.
+pub(in super::super) struct BondPenalty<'a, const D: usize> {
+    particles: Vec<Particle<D>>,
+    /// `X_IJ`, the particle itself first.
+    vectors: Vec<[f64; D]>,
+    /// Those of the deformation gradient.
+    gradients: Vec<[f64; D]>,
+    /// `c_J`; force/length.
+    stiffness: Vec<f64>,
+    response: &'a PointResponse<'a, D>,
+}
+
+impl<'a, const D: usize> BondPenalty<'a, D> {
+    /// From reference vectors to the neighbors, the gradients of the deformation gradient, and `alpha/2 E V_I V_J W_IJ`.
+    pub(in super::super) fn new(
+        particles: Vec<Particle<D>>,
+        vectors: Vec<[f64; D]>,
+        gradients: Vec<[f64; D]>,
+        weights: Vec<f64>,
+        response: &'a PointResponse<'a, D>,
+    ) -> Self {
+        let squared = |x: &[f64; D]| x.iter().map(|component| component * component).sum::<f64>();
+        let both = weights.iter().zip(&vectors);
+        Self {
+            stiffness: both.map(|(weight, x)| weight / squared(x)).collect(),
+            particles,
+            vectors,
+            gradients,
+            response,
+        }
+    }
+}
+
+impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let u = motion.displacements;
+        let change = displacement_gradient(u, &self.gradients);
+        let base = self.response.leading::<R>();
+        let mut forces = vec![[R::constant(0.0); D]; u.len()];
+        for j in 1..u.len() {
+            let reference = self.vectors[j].map(R::constant);
+            let homogeneous = times_vector(&base, &reference);
+            let missed = times_vector(&change, &reference);
+            let relative: [R; D] = std::array::from_fn(|i| u[j][i] - u[0][i]);
+            let x: [R; D] = std::array::from_fn(|i| homogeneous[i] + relative[i]);
+            let dot =
+                |a: &[R; D], b: &[R; D]| (0..D).fold(R::constant(0.0), |sum, i| sum + a[i] * b[i]);
+            // F_I X_IJ - x_IJ, without the homogeneous part that both have.
+            let error: [R; D] = std::array::from_fn(|i| missed[i] - relative[i]);
+            let along = dot(&error, &x) / dot(&x, &x) * self.stiffness[j];
+            for i in 0..D {
+                let force = x[i] * along;
+                forces[j][i] = forces[j][i] + force;
+                forces[0][i] = forces[0][i] - force;
+            }
+        }
+        forces
+    }
+}
+
+/// Young's modulus of the undeformed material along the first axis, sideways free of stress; stress.
+pub(in super::super) fn young_modulus(material: &dyn Hyperelastic) -> Result<f64, MaterialError> {
+    let tangent = material.response(&DeformationGradient::identity())?.tangent;
+    let normal = Matrix3::from_fn(|i, k| tangent[(i, i, k, k)]);
+    let compliance = normal
+        .try_inverse()
+        .ok_or(MaterialError::NotFinite { jacobian: 1.0 })?;
+    Ok(compliance[(0, 0)].recip())
+}

@@ -1,0 +1,391 @@
+//! Smoothed particle hydrodynamics: what its forms share, where they differ, and Swegle's criterion.
+
+use crate::battery::{
+    assert_long_waves_are_those_of_the_material, assert_scheme, assert_translations_are_free,
+    assert_waves_are_those_of_a_patch,
+};
+use crate::random::Random;
+use nalgebra::{Matrix3, SMatrix, SVector};
+use onset::approximation::Approximation;
+use onset::bloch::{WaveSystem, dynamical_matrix};
+use onset::kernel::Kernel;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::method::{Discretization, Method, MethodError, SupportSize};
+use onset::quadrature::Quadrature;
+use onset::scheme::Scheme;
+use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
+use onset::scheme::sph::{
+    DensityEvolution, MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph,
+    UpdatedSphChoices,
+};
+use onset::scheme::stabilization::ArtificialStress;
+use std::f64::consts::PI;
+
+const FORMS: [MomentumForm; 3] = [
+    MomentumForm::Symmetric,
+    MomentumForm::Mean,
+    MomentumForm::Difference,
+];
+const DENSITIES: [DensityEvolution; 2] =
+    [DensityEvolution::Summation, DensityEvolution::Continuity];
+
+pub fn crystal<const D: usize>(arrangement: Arrangement) -> Crystal<D> {
+    Crystal::of_lattice(arrangement.lattice(1.0).expect("a lattice"))
+}
+
+pub fn stretched(stretches: [f64; 3]) -> DeformationGradient {
+    DeformationGradient::from_stretches(stretches).expect("a deformation")
+}
+
+fn sheared() -> DeformationGradient {
+    DeformationGradient::plane_strain([[1.1, 0.2], [0.0, 0.95]], 1.0).expect("a deformation")
+}
+
+fn total<const D: usize>(
+    crystal: Crystal<D>,
+    choices: TotalLagrangianChoices,
+) -> TotalLagrangianSph<D> {
+    TotalLagrangianSph::new(crystal, choices).expect("a scheme")
+}
+
+pub fn updated<const D: usize>(crystal: Crystal<D>, choices: UpdatedSphChoices) -> UpdatedSph<D> {
+    UpdatedSph::new(crystal, choices).expect("a scheme")
+}
+
+pub fn waves<const D: usize>(scheme: &dyn Scheme<D>, f: &DeformationGradient) -> WaveSystem<D> {
+    scheme
+        .waves(&ModifiedMooneyRivlin::default(), f)
+        .expect("a state")
+}
+
+/// All forms, with all densities, with and without the correction.
+fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
+    let mut all = Vec::new();
+    for momentum in FORMS {
+        for density_evolution in DENSITIES {
+            for corrected in [false, true] {
+                all.push(UpdatedSphChoices {
+                    density: 1.3,
+                    radius,
+                    momentum,
+                    density_evolution,
+                    corrected,
+                    ..UpdatedSphChoices::default()
+                });
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn the_battery_accepts_total_lagrangian_sph() {
+    let material = ModifiedMooneyRivlin::default();
+    for corrected in [false, true] {
+        for penalty in [0.0, 10.0] {
+            let choices = TotalLagrangianChoices {
+                corrected,
+                penalty,
+                radius: 1.6,
+                ..TotalLagrangianChoices::default()
+            };
+            let f = stretched([1.1, 0.9, 1.05]);
+            assert_scheme(
+                &total(crystal::<1>(Arrangement::Chain), choices.clone()),
+                &material,
+                &f,
+            );
+            let square = crystal::<2>(Arrangement::Square);
+            assert_scheme(&total(square, choices.clone()), &material, &sheared());
+            let cubic = BravaisLattice::new(Matrix3::identity()).expect("a lattice");
+            assert_scheme(&total(Crystal::of_lattice(cubic), choices), &material, &f);
+        }
+    }
+}
+
+#[test]
+fn the_battery_accepts_every_form_of_updated_sph() {
+    let material = ModifiedMooneyRivlin::default();
+    for choices in all_updated(2.3) {
+        let f = stretched([1.1, 0.9, 1.05]);
+        assert_scheme(
+            &updated(crystal::<1>(Arrangement::Chain), choices),
+            &material,
+            &f,
+        );
+    }
+    for choices in all_updated(1.3) {
+        let hexagonal = crystal::<2>(Arrangement::Hexagonal);
+        assert_scheme(&updated(hexagonal, choices), &material, &sheared());
+    }
+    let cubic = BravaisLattice::new(Matrix3::identity()).expect("a lattice");
+    let choices = UpdatedSphChoices {
+        radius: 1.3,
+        support_size: SupportSize::Convected,
+        density_evolution: DensityEvolution::Summation,
+        ..UpdatedSphChoices::default()
+    };
+    let f = stretched([1.1, 0.9, 1.05]);
+    assert_scheme(&updated(Crystal::of_lattice(cubic), choices), &material, &f);
+}
+
+#[test]
+fn particles_of_different_volumes_have_the_waves_of_their_patch() {
+    let material = ModifiedMooneyRivlin::default();
+    let square = crystal::<2>(Arrangement::Square);
+    let irregular = square
+        .supercell([3, 1])
+        .and_then(|large| large.perturbed(0.15, 4));
+    let irregular = irregular.expect("a crystal");
+    assert!((irregular.volumes()[0] - irregular.volumes()[1]).abs() > 0.01);
+    let choices = TotalLagrangianChoices {
+        penalty: 3.0,
+        radius: 1.7,
+        ..TotalLagrangianChoices::default()
+    };
+    let scheme = total(irregular.clone(), choices);
+    assert_waves_are_those_of_a_patch(&scheme, &material, &sheared());
+    assert_translations_are_free(&scheme, &material, &sheared());
+    for choices in all_updated(1.7) {
+        let is_conservative = choices.momentum != MomentumForm::Difference;
+        let scheme = updated(irregular.clone(), choices);
+        assert_waves_are_those_of_a_patch(&scheme, &material, &sheared());
+        if is_conservative {
+            assert_translations_are_free(&scheme, &material, &sheared());
+        }
+    }
+}
+
+#[track_caller]
+fn assert_same<const D: usize>(
+    one: impl Fn(&SVector<f64, D>) -> nalgebra::DMatrix<onset::algebra::Complex>,
+    other: impl Fn(&SVector<f64, D>) -> nalgebra::DMatrix<onset::algebra::Complex>,
+) {
+    let mut random = Random::new(2);
+    for _ in 0..5 {
+        let k = SVector::<f64, D>::from_fn(|_, _| 4.0 * random.number());
+        let (one, other) = (one(&k), other(&k));
+        let scale = one.map(|z| z.norm()).max();
+        let apart = (&one - &other).map(|z| z.norm()).max();
+        assert!(apart < 1e-12 * scale, "{one} {other}");
+    }
+}
+
+#[test]
+fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels() {
+    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+        let discretization = Discretization {
+            arrangement,
+            approximation: Approximation::Raw,
+            quadrature: Quadrature::Nodal,
+            support: 2.3,
+            ..Discretization::default()
+        };
+        let method = Method::<2>::new(discretization).expect("a method");
+        let material = ModifiedMooneyRivlin::default();
+        let closed = dynamical_matrix(&method, &material, &sheared()).expect("a state");
+        let choices = TotalLagrangianChoices {
+            corrected: false,
+            radius: 2.3,
+            ..TotalLagrangianChoices::default()
+        };
+        let system = waves(&total(crystal::<2>(arrangement), choices), &sheared());
+        assert_same::<2>(
+            |k| system.dynamical_matrix_at(k),
+            |k| {
+                let matrix = closed.at(k);
+                nalgebra::DMatrix::from_fn(2, 2, |i, j| matrix[(i, j)])
+            },
+        );
+    }
+}
+
+#[test]
+fn corrected_total_lagrangian_sph_has_the_long_waves_of_the_material_with_any_penalty() {
+    let material = ModifiedMooneyRivlin::default();
+    for penalty in [0.0, 50.0] {
+        let choices = TotalLagrangianChoices {
+            penalty,
+            ..TotalLagrangianChoices::default()
+        };
+        let f = sheared();
+        let hexagonal = total(crystal::<2>(Arrangement::Hexagonal), choices.clone());
+        assert_long_waves_are_those_of_the_material(&hexagonal, &material, &f, 1e-10);
+        let chain = total(crystal::<1>(Arrangement::Chain), choices);
+        let f = stretched([0.9, 1.0, 1.0]);
+        assert_long_waves_are_those_of_the_material(&chain, &material, &f, 1e-10);
+    }
+}
+
+#[test]
+fn free_of_stress_all_forms_are_one() {
+    // Nothing but the stress itself moves, and its divergence is the same.
+    let rest = DeformationGradient::identity();
+    let reference = TotalLagrangianChoices {
+        corrected: false,
+        ..TotalLagrangianChoices::default()
+    };
+    let square = crystal::<2>(Arrangement::Square);
+    let reference = waves(&total(square.clone(), reference), &rest);
+    for momentum in FORMS {
+        let choices = UpdatedSphChoices {
+            momentum,
+            ..UpdatedSphChoices::default()
+        };
+        let system = waves(&updated(square.clone(), choices), &rest);
+        assert_same::<2>(
+            |k| system.dynamical_matrix_at(k),
+            |k| reference.dynamical_matrix_at(k),
+        );
+    }
+}
+
+/// `W''` of the normalized kernel at a distance in one dimension.
+fn curvature(kernel: Kernel, radius: f64, distance: f64) -> f64 {
+    let x = SVector::<f64, 1>::new(distance);
+    let weight = kernel.weight(&x, radius, &SMatrix::identity());
+    weight.map_or(0.0, |w| w.hessian[(0, 0)]) / kernel.integral::<1>(radius)
+}
+
+#[test]
+fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
+    // Their strain and density do not change, only the kernel moves: omega^2 = -8 sigma a / rho sum over odd n of W''(n a),
+    // with the nearest neighbors alone -8 sigma a W''(a) / rho: unstable where W'' sigma > 0.
+    let material = ModifiedMooneyRivlin::default();
+    let kernel = Kernel::QuarticSpline;
+    for (radius, stretch) in [
+        (1.5, 1.05),
+        (1.5, 0.93),
+        (2.6, 1.05),
+        (2.6, 0.93),
+        (3.4, 1.1),
+    ] {
+        let f = stretched([stretch, 1.0, 1.0]);
+        let stress = material.response(&f).expect("a state").cauchy()[(0, 0)];
+        let density = 1.3 / stretch;
+        let curvatures = [1.0, 3.0].map(|n| curvature(kernel, radius, n * stretch));
+        let expected = -8.0 * stress * stretch / density * curvatures.iter().sum::<f64>();
+        let at_the_end = |scheme: &dyn Scheme<1>| {
+            waves(scheme, &f).omega_squared(&SVector::from_element(PI))[0].re
+        };
+        for density_evolution in DENSITIES {
+            for (momentum, factor) in FORMS.into_iter().zip([1.0, 1.0, 0.0]) {
+                let choices = UpdatedSphChoices {
+                    density: 1.3,
+                    kernel,
+                    radius,
+                    momentum,
+                    density_evolution,
+                    ..UpdatedSphChoices::default()
+                };
+                let found = at_the_end(&updated(crystal::<1>(Arrangement::Chain), choices));
+                // A density by summation is that of the sum.
+                let ratio = match density_evolution {
+                    DensityEvolution::Continuity => 1.0,
+                    DensityEvolution::Summation => density / summed_density(radius, stretch),
+                };
+                let expected = factor * expected * ratio * ratio;
+                let difference = (found - expected).abs();
+                assert!(
+                    difference < 1e-10 * (1.0 + expected.abs()),
+                    "{momentum:?} {found} {expected}"
+                );
+            }
+        }
+        // Galerkin's forces have the motion of the quadrature points only: half of it.
+        let choices = KernelChoices {
+            density: 1.3,
+            kernel,
+            radius,
+            approximation: Approximation::Raw,
+            frame: onset::method::Frame::Eulerian,
+            ..KernelChoices::default()
+        };
+        let chain = crystal::<1>(Arrangement::Chain);
+        let galerkin = KernelScheme::new(chain, CrystalQuadrature::Nodal, choices);
+        let found = at_the_end(&galerkin.expect("a scheme"));
+        assert!((found - 0.5 * expected).abs() < 1e-10 * (1.0 + expected.abs()));
+    }
+}
+
+fn summed_density(radius: f64, stretch: f64) -> f64 {
+    let kernel = Kernel::QuarticSpline;
+    let weight = |n: i32| {
+        let x = SVector::<f64, 1>::new(f64::from(n) * stretch);
+        let weight = kernel.weight(&x, radius, &SMatrix::identity());
+        weight.map_or(0.0, |w| w.value) / kernel.integral::<1>(radius)
+    };
+    1.3 * (-4..=4).map(weight).sum::<f64>()
+}
+
+#[test]
+fn alternating_particles_are_unstable_in_tension_at_any_support_and_stable_in_compression() {
+    // Also where the nearest neighbors are short of the inflection, a third of the radius: the others outweigh them.
+    for radius in [1.2, 1.7, 2.4, 2.9, 3.3, 3.9, 4.5] {
+        let choices = UpdatedSphChoices {
+            radius,
+            ..UpdatedSphChoices::default()
+        };
+        let chain = updated(crystal::<1>(Arrangement::Chain), choices);
+        for (stretch, is_stable) in [(1.02, false), (0.98, true)] {
+            let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
+            let found = system.omega_squared(&SVector::from_element(PI))[0].re;
+            assert_eq!(
+                found > 0.0,
+                is_stable,
+                "radius {radius}, stretch {stretch}: {found}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_artificial_stress_is_refused_with_differences_of_stress() {
+    let choices = UpdatedSphChoices {
+        momentum: MomentumForm::Difference,
+        artificial_stress: Some(ArtificialStress::default()),
+        ..UpdatedSphChoices::default()
+    };
+    let refused = UpdatedSph::new(crystal::<1>(Arrangement::Chain), choices);
+    assert!(matches!(refused, Err(MethodError::Incompatible { .. })));
+    let choices = TotalLagrangianChoices {
+        penalty: -1.0,
+        ..TotalLagrangianChoices::default()
+    };
+    let refused = TotalLagrangianSph::new(crystal::<1>(Arrangement::Chain), choices);
+    assert!(matches!(
+        refused,
+        Err(MethodError::Setting {
+            name: "penalty",
+            ..
+        })
+    ));
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn choices_are_written_with_the_words_of_the_documentation() {
+    let choices = UpdatedSphChoices {
+        momentum: MomentumForm::Difference,
+        density_evolution: DensityEvolution::Summation,
+        artificial_stress: Some(ArtificialStress::default()),
+        ..UpdatedSphChoices::default()
+    };
+    let written = serde_json::to_value(&choices).expect("a value");
+    assert_eq!(written["momentum"], "difference");
+    assert_eq!(written["density-evolution"], "summation");
+    assert_eq!(written["artificial-stress"]["exponent"], 4.0);
+    assert_eq!(written["velocity-smoothing"], 0.0);
+    let read: UpdatedSphChoices = serde_json::from_value(written).expect("choices");
+    assert_eq!(read, choices);
+    let unknown = serde_json::json!({ "penality": 1.0 });
+    assert!(serde_json::from_value::<TotalLagrangianChoices>(unknown).is_err());
+    let short = serde_json::json!({ "penalty": 2.0, "corrected": false });
+    let read: TotalLagrangianChoices = serde_json::from_value(short).expect("choices");
+    assert_eq!(
+        (read.penalty, read.corrected, read.radius),
+        (2.0, false, 2.0)
+    );
+}

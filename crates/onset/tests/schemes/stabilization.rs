@@ -1,0 +1,328 @@
+//! What each remedy does to plane waves, and what it does not.
+
+use crate::battery::assert_scheme;
+use crate::sph::{crystal, stretched, updated, waves};
+use nalgebra::{SMatrix, SVector, Vector2};
+use onset::bloch::ZoneSearch;
+use onset::continuum::Stiffness;
+use onset::kernel::Kernel;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::scheme::Scheme;
+use onset::scheme::sph::{
+    MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
+};
+use onset::scheme::stabilization::{ArtificialStress, ArtificialViscosity, ViscositySwitch};
+use std::f64::consts::PI;
+
+const KERNEL: Kernel = Kernel::QuarticSpline;
+
+/// `W`, `W'`, `W''` of the normalized kernel at a distance in one dimension.
+fn kernel(radius: f64, distance: f64) -> [f64; 3] {
+    let x = SVector::<f64, 1>::new(distance);
+    let weight = KERNEL.weight(&x, radius, &SMatrix::identity());
+    let integral = KERNEL.integral::<1>(radius);
+    weight.map_or([0.0; 3], |w| {
+        [w.value, w.gradient[0], w.hessian[(0, 0)]].map(|x| x / integral)
+    })
+}
+
+fn rest() -> DeformationGradient {
+    DeformationGradient::identity()
+}
+
+fn total<const D: usize>(
+    arrangement: Arrangement,
+    choices: TotalLagrangianChoices,
+) -> TotalLagrangianSph<D> {
+    TotalLagrangianSph::new(crystal(arrangement), choices).expect("a scheme")
+}
+
+fn young_modulus(material: &dyn Hyperelastic) -> f64 {
+    // Isotropic: mu (3 lambda + 2 mu) / (lambda + mu).
+    let tangent = material.response(&rest()).expect("a state").tangent;
+    let (lambda, mu) = (tangent[(0, 0, 1, 1)], tangent[(0, 1, 0, 1)]);
+    mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
+}
+
+#[test]
+fn the_penalty_lifts_alternating_particles_in_proportion_to_its_coefficient() {
+    // Alternating particles strain nothing, so that the whole bond is missed: omega^2 = 4 alpha E a / rho sum over odd n of
+    // W(n a) / (n a)^2.
+    let modulus = young_modulus(&ModifiedMooneyRivlin::default());
+    for (radius, alpha) in [(1.5, 1.0), (1.5, 20.0), (3.4, 20.0)] {
+        let choices = TotalLagrangianChoices {
+            penalty: alpha,
+            radius,
+            density: 1.3,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = total::<1>(Arrangement::Chain, choices);
+        let found = waves(&scheme, &rest()).omega_squared(&SVector::from_element(PI))[0].re;
+        let sum = kernel(radius, 1.0)[0] + kernel(radius, 3.0)[0] / 9.0;
+        let expected = 4.0 * alpha * modulus / 1.3 * sum;
+        assert!(
+            (found - expected).abs() < 1e-10 * expected,
+            "{found} {expected}"
+        );
+    }
+}
+
+#[test]
+fn the_penalty_lifts_the_zero_energy_modes_of_the_square_and_the_hexagonal_lattice() {
+    let corners = [
+        (Arrangement::Square, Vector2::new(PI, PI)),
+        (Arrangement::Square, Vector2::new(PI, 0.0)),
+        (
+            Arrangement::Hexagonal,
+            Vector2::new(0.0, 2.0 * PI / 3.0_f64.sqrt()),
+        ),
+    ];
+    for (arrangement, k) in corners {
+        let lowest = |penalty: f64| {
+            let choices = TotalLagrangianChoices {
+                penalty,
+                ..TotalLagrangianChoices::default()
+            };
+            waves(&total::<2>(arrangement, choices), &rest()).omega_squared(&k)[0].re
+        };
+        assert!(lowest(0.0).abs() < 1e-10);
+        let unit = lowest(1.0);
+        assert!(unit > 1e-3, "{arrangement:?}: {unit}");
+        for alpha in [0.1, 50.0] {
+            assert!((lowest(alpha) - alpha * unit).abs() < 1e-10 * alpha.max(1.0));
+        }
+    }
+}
+
+fn with_artificial_stress(radius: f64, epsilon: f64) -> UpdatedSphChoices {
+    UpdatedSphChoices {
+        radius,
+        artificial_stress: Some(ArtificialStress {
+            epsilon,
+            ..ArtificialStress::default()
+        }),
+        ..UpdatedSphChoices::default()
+    }
+}
+
+#[test]
+fn the_battery_accepts_artificial_stress() {
+    let material = ModifiedMooneyRivlin::default();
+    for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
+        let choices = UpdatedSphChoices {
+            momentum,
+            ..with_artificial_stress(1.7, 0.3)
+        };
+        // Tension along one axis, compression along the other.
+        let f = DeformationGradient::plane_strain([[1.1, 0.1], [-0.1, 0.9]], 1.0).expect("a state");
+        let principal = material.response(&f).expect("a state").cauchy();
+        assert!(principal.fixed_view::<2, 2>(0, 0).determinant() < 0.0);
+        let square = updated(crystal::<2>(Arrangement::Square), choices.clone());
+        assert_scheme(&square, &material, &f);
+        let chain = updated(crystal::<1>(Arrangement::Chain), choices);
+        assert_scheme(&chain, &material, &stretched([1.1, 1.0, 1.0]));
+    }
+}
+
+#[test]
+fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
+    // With f = W / W(spacing): omega^2 = -8 sigma a / rho ((1 - epsilon f^n) W'' - epsilon n f^n W'^2 / W).
+    let radius = 1.5;
+    let material = ModifiedMooneyRivlin::default();
+    let at_the_end = |epsilon: f64, stretch: f64| {
+        let chain = updated(
+            crystal::<1>(Arrangement::Chain),
+            with_artificial_stress(radius, epsilon),
+        );
+        let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
+        system.omega_squared(&SVector::from_element(PI))[0].re
+    };
+    for (epsilon, stretch) in [(0.0, 1.05), (0.1, 1.05), (0.3, 1.1), (0.3, 0.9)] {
+        let stress = material
+            .response(&stretched([stretch, 1.0, 1.0]))
+            .expect("a state")
+            .cauchy()[(0, 0)];
+        let [w, slope, curvature] = kernel(radius, stretch);
+        let factor = if stress > 0.0 { epsilon } else { 0.0 };
+        let factor = factor * (w / kernel(radius, 1.0)[0]).powi(4);
+        let kernels = (1.0 - factor) * curvature - 4.0 * factor * slope * slope / w;
+        let expected = -8.0 * stress * stretch * stretch * kernels;
+        let found = at_the_end(epsilon, stretch);
+        assert!(
+            (found - expected).abs() < 1e-10 * (1.0 + expected.abs()),
+            "{found} {expected}"
+        );
+    }
+    // Near the undeformed state the smallest coefficient that helps is W'' / (W'' + n W'^2 / W).
+    let [w, slope, curvature] = kernel(radius, 1.0);
+    let critical = curvature / (curvature + 4.0 * slope * slope / w);
+    assert!((critical - 9.0 / 73.0).abs() < 1e-12, "{critical}");
+    let slightly = 1.0 + 1e-6;
+    assert!(at_the_end(critical - 1e-3, slightly) < 0.0);
+    assert!(at_the_end(critical + 1e-3, slightly) > 0.0);
+}
+
+fn search(arrangement: Arrangement) -> ZoneSearch<2> {
+    let undeformed =
+        Stiffness::<2>::at(&ModifiedMooneyRivlin::default(), &rest()).expect("a tangent");
+    let lattice = arrangement.lattice(1.0).expect("a lattice");
+    ZoneSearch::of_lattice(lattice, undeformed.maximum_eigenvalue())
+}
+
+#[test]
+fn the_published_artificial_stress_moves_the_tensile_onset_and_does_not_remove_it() {
+    let search = search(Arrangement::Hexagonal);
+    let is_stable = |radius: f64, epsilon: f64, stretch: f64| {
+        let choices = with_artificial_stress(radius, epsilon);
+        let hexagonal = updated(crystal::<2>(Arrangement::Hexagonal), choices);
+        let f = stretched([stretch, stretch, 1.0]);
+        search.summary_of(&waves(&hexagonal, &f)).is_stable()
+    };
+    // Equibiaxial tension, support radius, onset with epsilon = 0.3 and n = 4: its factor fades as the particles part.
+    for (radius, stable, unstable) in [(1.3, 1.02, 1.05), (1.6, 1.05, 1.1), (2.0, 1.1, 1.2)] {
+        assert!(!is_stable(radius, 0.0, 1.001), "radius {radius}");
+        assert!(is_stable(radius, 0.3, 1.001), "radius {radius}");
+        assert!(is_stable(radius, 0.3, stable), "radius {radius}");
+        assert!(!is_stable(radius, 0.3, unstable), "radius {radius}");
+    }
+    // Too much of it is an instability of its own.
+    assert!(is_stable(2.6, 0.3, 1.001) && !is_stable(2.6, 0.5, 1.001));
+}
+
+#[test]
+fn artificial_stress_leaves_compression_as_it_is() {
+    let at = |epsilon: f64| {
+        let hexagonal = updated(
+            crystal::<2>(Arrangement::Hexagonal),
+            with_artificial_stress(2.0, epsilon),
+        );
+        let system = waves(&hexagonal, &stretched([0.98, 0.98, 1.0]));
+        search(Arrangement::Hexagonal).summary_of(&system)
+    };
+    let (without, with) = (at(0.0), at(0.3));
+    assert!(!without.is_stable());
+    assert!((without.softest.scaled - with.softest.scaled).abs() < 1e-14);
+}
+
+#[test]
+fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest() {
+    let smoothed = |epsilon: f64| {
+        let choices = UpdatedSphChoices {
+            radius: 2.6,
+            velocity_smoothing: epsilon,
+            ..UpdatedSphChoices::default()
+        };
+        waves(&updated(crystal::<1>(Arrangement::Chain), choices), &rest())
+    };
+    let (plain, smooth) = (smoothed(0.0), smoothed(0.5));
+    for k in [0.3, 1.7, 2.9] {
+        // T = 1 - epsilon sum V W (1 - cos k x).
+        let sum: f64 = [1.0, 2.0]
+            .iter()
+            .map(|x| 2.0 * kernel(2.6, *x)[0] * (1.0 - (k * x).cos()))
+            .sum();
+        let k = SVector::from_element(k);
+        let (plain, smooth) = (
+            plain.omega_squared(&k)[0].re,
+            smooth.omega_squared(&k)[0].re,
+        );
+        assert!((smooth - (1.0 - 0.5 * sum) * plain).abs() < 1e-12 * plain.abs());
+    }
+    let lattice = Arrangement::Chain.lattice(1.0).expect("a lattice");
+    let search = ZoneSearch::<1>::of_lattice(lattice, 1.0);
+    let largest = [&plain, &smooth].map(|system| search.summary_of(system).maximum_omega);
+    assert!(largest[1] < 0.95 * largest[0], "{largest:?}");
+}
+
+fn viscous(alpha: f64, switch: ViscositySwitch) -> UpdatedSphChoices {
+    UpdatedSphChoices {
+        density: 1.3,
+        radius: 2.6,
+        viscosity: Some(ArtificialViscosity {
+            alpha,
+            switch,
+            ..ArtificialViscosity::default()
+        }),
+        ..UpdatedSphChoices::default()
+    }
+}
+
+#[test]
+fn viscosity_damps_a_chain_by_the_sum_over_its_bonds() {
+    let material = ModifiedMooneyRivlin::default();
+    let modulus = Stiffness::<1>::at(&material, &rest())
+        .expect("a tangent")
+        .maximum_eigenvalue();
+    let speed = (modulus / 1.3).sqrt();
+    let length = 1.3;
+    for (switch, share) in [
+        (ViscositySwitch::Always, 1.0),
+        (ViscositySwitch::Averaged, 0.5),
+    ] {
+        let system = waves(
+            &updated(crystal::<1>(Arrangement::Chain), viscous(0.7, switch)),
+            &rest(),
+        );
+        let total = total::<1>(
+            Arrangement::Chain,
+            TotalLagrangianChoices {
+                density: 1.3,
+                radius: 2.6,
+                viscosity: viscous(0.7, switch).viscosity,
+                ..TotalLagrangianChoices::default()
+            },
+        );
+        let k = 1.1;
+        let bond = |x: f64| {
+            let [_, slope, _] = kernel(2.6, x);
+            2.0 * (1.0 - (k * x).cos()) * x * -slope / (x * x + 0.01 * length * length)
+        };
+        let expected = share * 0.7 * speed * length * 1.3 * (bond(1.0) + bond(2.0));
+        for system in [system, waves(&total, &rest())] {
+            let damping = system
+                .damping()
+                .expect("a damping")
+                .at(&SVector::from_element(k));
+            assert!((damping[(0, 0)].re - expected).abs() < 1e-12 * expected);
+        }
+    }
+}
+
+#[test]
+fn viscosity_damps_every_wave_of_a_stable_state_and_moves_no_onset() {
+    let plain = UpdatedSphChoices {
+        viscosity: None,
+        ..viscous(0.0, ViscositySwitch::Always)
+    };
+    let viscous = viscous(0.5, ViscositySwitch::Always);
+    let of = |choices: &UpdatedSphChoices| -> UpdatedSph<2> {
+        updated(crystal::<2>(Arrangement::Hexagonal), choices.clone())
+    };
+    let (plain, viscous) = (of(&plain), of(&viscous));
+    for stretch in [0.96, 0.99, 1.01, 1.05] {
+        let f = stretched([stretch, stretch, 1.0]);
+        let (plain, viscous) = (waves(&plain, &f), waves(&viscous, &f));
+        for k in [[0.7, 0.2], [2.0, 2.5], [0.0, 3.6]].map(SVector::from) {
+            let is_stable = plain.omega_squared(&k).iter().all(|z| z.re > 0.0);
+            let fastest = viscous.frequencies(&k)[0].im;
+            assert_eq!(
+                fastest < 0.0,
+                is_stable,
+                "stretch {stretch}, k {k}: {fastest}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_battery_accepts_viscous_and_smoothed_particles() {
+    let material = ModifiedMooneyRivlin::default();
+    let chain = updated(
+        crystal::<1>(Arrangement::Chain),
+        viscous(0.7, ViscositySwitch::Averaged),
+    );
+    assert_scheme(&chain, &material, &stretched([1.1, 1.0, 1.0]));
+    assert!((chain.neighbors() - 5.0).abs() < 1e-15);
+}
