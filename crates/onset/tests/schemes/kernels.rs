@@ -180,7 +180,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
                 frame,
                 ..KernelChoices::default()
             };
-            let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+            let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
             let scheme = KernelScheme::new(honeycomb, quadrature, choices).expect("a scheme");
             // Three-fold axes through all particles: an equibiaxial stress leaves no force.
             assert_equilibrium(&scheme, &material, &plane([[1.1, 0.0], [0.0, 1.1]]));

@@ -78,10 +78,10 @@ pub enum CrystalQuadrature<const D: usize> {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::Crystal;
+/// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Scheme, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
-/// let honeycomb = Crystal::honeycomb(1.0)?;
+/// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
 /// let choices = KernelChoices { radius: 2.5, ..KernelChoices::default() };
 /// let scheme = KernelScheme::new(honeycomb, CrystalQuadrature::Nodal, choices)?;
 /// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
