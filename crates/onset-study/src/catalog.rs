@@ -171,16 +171,52 @@ const ROWS: &[Row] = &[
         "arrangements",
         "discretization.arrangement",
         &[
-            ("square", "a1 = h (1, 0), a2 = h (0, 1)", "the paper"),
             (
-                "hexagonal",
-                "a1 = h (1, 0), a2 = h (1/2, sqrt(3)/2)",
+                "chain",
+                "1D: a1 = h; 2 neighbors, cell h",
+                "Belytschko and Xiao, Comput. Math. Appl. 43 (2002) 329",
+            ),
+            (
+                "square",
+                "2D: a1 = h (1, 0), a2 = h (0, 1); 4 neighbors, cell h^2",
                 "the paper",
             ),
             (
-                "chain",
-                "a1 = h, one dimension",
-                "Belytschko and Xiao, Comput. Math. Appl. 43 (2002) 329",
+                "rectangular",
+                "2D: a1 = h (1, 0), a2 = h (0, discretization.aspect); 2 neighbors, cell aspect h^2",
+                "a Bravais lattice",
+            ),
+            (
+                "hexagonal",
+                "2D: a1 = h (1, 0), a2 = h (1/2, sqrt(3)/2); 6 neighbors, cell sqrt(3)/2 h^2",
+                "the paper",
+            ),
+            (
+                "oblique",
+                "2D: a1, a2 = h times the four numbers of discretization.vectors",
+                "a Bravais lattice",
+            ),
+            (
+                "simple-cubic",
+                "3D: a1 = h (1, 0, 0), a2 = h (0, 1, 0), a3 = h (0, 0, 1); 6 neighbors, cell h^3",
+                "a Bravais lattice",
+            ),
+            (
+                "body-centered-cubic",
+                "3D: a1 = h/sqrt(3) (-1, 1, 1), a2 = h/sqrt(3) (1, -1, 1), a3 = h/sqrt(3) (1, 1, -1); 8 neighbors, \
+                 cell 4/sqrt(27) h^3",
+                "a Bravais lattice",
+            ),
+            (
+                "face-centered-cubic",
+                "3D: a1 = h/sqrt(2) (0, 1, 1), a2 = h/sqrt(2) (1, 0, 1), a3 = h/sqrt(2) (1, 1, 0); 12 neighbors, \
+                 cell h^3/sqrt(2)",
+                "a Bravais lattice, the closest packing",
+            ),
+            (
+                "triclinic",
+                "3D: a1, a2, a3 = h times the nine numbers of discretization.vectors",
+                "a Bravais lattice",
             ),
         ],
     ),

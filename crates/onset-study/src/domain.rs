@@ -1,6 +1,6 @@
 //! The verdict on every state of a window with two axes.
 
-use crate::answers::{Problem, ProblemError};
+use crate::answers::{Problem, ProblemError, in_dimension_of};
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use onset::bloch::Stability;
@@ -75,24 +75,7 @@ impl Domain {
     /// [`Class::Undefined`].
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
-        let method = problem.method::<2>()?;
-        let of_state = |index: usize| {
-            let coordinates = study.coordinates(index);
-            let f = study.deformation_at(&coordinates)?;
-            if !study.varies_settings() {
-                return class(&problem, &method, &f);
-            }
-            let problem = Problem::new(study.settings_at(&coordinates)?)?;
-            class(&problem, &problem.method::<2>()?, &f)
-        };
-        let classes = (0..study.states())
-            .into_par_iter()
-            .map(of_state)
-            .collect::<Result<_, ProblemError>>()?;
-        Ok(Self {
-            study: study.clone(),
-            classes,
-        })
+        in_dimension_of!(problem, evaluated(study, &problem))
     }
 
     /// The map as a layer of a figure.
@@ -143,10 +126,32 @@ impl Domain {
     }
 }
 
+/// All states, on all cores.
+fn evaluated<const D: usize>(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
+    let method = problem.method::<D>()?;
+    let of_state = |index: usize| {
+        let coordinates = study.coordinates(index);
+        let f = study.deformation_at(&coordinates)?;
+        if !study.varies_settings() {
+            return class(problem, &method, &f);
+        }
+        let problem = Problem::new(study.settings_at(&coordinates)?)?;
+        class(&problem, &problem.method::<D>()?, &f)
+    };
+    let classes = (0..study.states())
+        .into_par_iter()
+        .map(of_state)
+        .collect::<Result<_, ProblemError>>()?;
+    Ok(Domain {
+        study: study.clone(),
+        classes,
+    })
+}
+
 /// The class of one state.
-fn class(
+fn class<const D: usize>(
     problem: &Problem,
-    method: &Method<2>,
+    method: &Method<D>,
     f: &DeformationGradient,
 ) -> Result<Class, ProblemError> {
     match judge(method, &*problem.material, f) {

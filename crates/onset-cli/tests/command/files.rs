@@ -21,11 +21,11 @@ fn unwritable() -> std::path::PathBuf {
 #[test]
 fn a_diagram_is_written_as_svg_and_png() {
     let folder = fresh_place("diagram").join("inner");
-    for arrangement in ["hexagonal", "square", "chain"] {
-        let stretches = if arrangement == "chain" {
-            "1.2"
-        } else {
-            "1.2,0.9"
+    for arrangement in ["hexagonal", "square", "chain", "simple-cubic"] {
+        let stretches = match arrangement {
+            "chain" => "1.2",
+            "simple-cubic" => "1.2,0.9,1",
+            _ => "1.2,0.9",
         };
         let answer = onset(&[
             "dispersion",

@@ -19,6 +19,7 @@ mod notions;
 mod numbers;
 mod plot;
 mod refusals;
+mod space;
 #[cfg(unix)]
 mod umat;
 

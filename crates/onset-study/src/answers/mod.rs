@@ -21,7 +21,8 @@ macro_rules! in_dimension_of {
     ($problem:expr, $function:ident($($argument:expr),*)) => {
         match $problem.settings.discretization.arrangement.dimension() {
             1 => $function::<1>($($argument),*),
-            _ => $function::<2>($($argument),*),
+            2 => $function::<2>($($argument),*),
+            _ => $function::<3>($($argument),*),
         }
     };
 }

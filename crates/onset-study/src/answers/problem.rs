@@ -2,6 +2,7 @@
 
 use crate::settings::{SettingError, Settings};
 use onset::kinematics::{DeformationGradient, KinematicsError};
+use onset::lattice::LatticeError;
 use onset::material::{Hyperelastic, MaterialError};
 use onset::method::{Method, MethodError};
 use onset::verdict::PathError;
@@ -78,7 +79,16 @@ fn hint(error: &MethodError) -> &'static str {
             "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual); the support of an Eulerian kernel can \
              also follow the particles, discretization.support-size=scaled or convected"
         }
-        MethodError::NotPlanar { .. } => "\n  hint: give in-plane components only",
+        MethodError::NotPlanar { .. } => {
+            "\n  hint: give in-plane components only, or choose an arrangement in space, for example \
+             discretization.arrangement=face-centered-cubic"
+        }
+        MethodError::Lattice(LatticeError::Vectors { .. }) => {
+            "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique arrangement"
+        }
+        MethodError::Lattice(LatticeError::Dependent { .. }) => {
+            "\n  hint: give discretization.vectors that are linearly independent"
+        }
         MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
             "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
              density are not that large or small"
@@ -114,7 +124,10 @@ impl Strain {
             return Err(ProblemError::Numbers {
                 what,
                 given: numbers.len(),
-                expected: format!("{dimension} (one for each dimension of the arrangement) to 3"),
+                expected: match dimension {
+                    3 => "3 (one for each dimension of the arrangement)".to_owned(),
+                    _ => format!("{dimension} (one for each dimension of the arrangement) to 3"),
+                },
             });
         }
         let mut stretches = [1.0; 3];
@@ -122,7 +135,7 @@ impl Strain {
         Ok(Self(DeformationGradient::from_stretches(stretches)?))
     }
 
-    /// The components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine.
+    /// The components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine; in three dimensions all nine.
     ///
     /// # Errors
     /// [`ProblemError`] when their number is another, or `det F` is not positive.
@@ -138,6 +151,7 @@ impl Strain {
             given => {
                 let expected = match dimension {
                     2 => "4 (F11,F12,F21,F22) or 9".to_owned(),
+                    3 => "9 (F11,F12,F13,F21,...)".to_owned(),
                     other => format!("{} or 9", other * other),
                 };
                 return Err(ProblemError::Numbers {
@@ -205,7 +219,8 @@ impl Problem {
         let problem = Self { settings, material };
         match problem.dimension() {
             1 => problem.method::<1>().map(drop)?,
-            _ => problem.method::<2>().map(drop)?,
+            2 => problem.method::<2>().map(drop)?,
+            _ => problem.method::<3>().map(drop)?,
         }
         Ok(problem)
     }

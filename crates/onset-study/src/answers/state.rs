@@ -291,7 +291,7 @@ impl std::fmt::Display for StateAnswer {
             material.model,
             parameters(material)
         )?;
-        writeln!(
+        write!(
             formatter,
             "  Cauchy stress         s11 {:.6}, s22 {:.6}, s12 {:.6}, s33 {:.6}",
             stress(0, 0),
@@ -299,6 +299,15 @@ impl std::fmt::Display for StateAnswer {
             stress(0, 1),
             stress(2, 2)
         )?;
+        if stress(0, 2) != 0.0 || stress(1, 2) != 0.0 {
+            write!(
+                formatter,
+                ", s13 {:.6}, s23 {:.6}",
+                stress(0, 2),
+                stress(1, 2)
+            )?;
+        }
+        writeln!(formatter)?;
         writeln!(
             formatter,
             "  strongly elliptic     {}",

@@ -108,7 +108,8 @@ impl Boundaries {
         };
         let traced = match study.settings.discretization.arrangement.dimension() {
             1 => Self::traced::<1>(study, window, tracing, watch),
-            _ => Self::traced::<2>(study, window, tracing, watch),
+            2 => Self::traced::<2>(study, window, tracing, watch),
+            _ => Self::traced::<3>(study, window, tracing, watch),
         };
         Ok(traced?)
     }

@@ -22,6 +22,7 @@ pub struct Evaluator {
 enum AnyMethod {
     Chain(Box<Prepared<1>>),
     Planar(Box<Prepared<2>>),
+    Spatial(Box<Prepared<3>>),
 }
 
 /// Method and material, and what is proved of them before any state if proofs are asked for.
@@ -42,9 +43,13 @@ impl Evaluator {
                 let (prepared, stiffness) = prepared::<1>(&settings, map, many)?;
                 (prepared.map(AnyMethod::Chain), stiffness)
             }
-            _ => {
+            2 => {
                 let (prepared, stiffness) = prepared::<2>(&settings, map, many)?;
                 (prepared.map(AnyMethod::Planar), stiffness)
+            }
+            _ => {
+                let (prepared, stiffness) = prepared::<3>(&settings, map, many)?;
+                (prepared.map(AnyMethod::Spatial), stiffness)
             }
         };
         Ok(Self {
@@ -64,6 +69,7 @@ impl Evaluator {
             None => states.iter().map(|_| Ok(Record::UNDEFINED)).collect(),
             Some(AnyMethod::Chain(method)) => self.evaluate(method, states),
             Some(AnyMethod::Planar(method)) => self.evaluate(method, states),
+            Some(AnyMethod::Spatial(method)) => self.evaluate(method, states),
         }
     }
 

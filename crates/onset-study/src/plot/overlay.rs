@@ -100,7 +100,8 @@ fn domain(study: &Study) -> Result<Regions, PlotError> {
         let asked = |problem: &Problem| -> Result<Probe, ProblemError> {
             let probe = match problem.dimension() {
                 1 => probe_material::<1>(&*problem.material, &f),
-                _ => probe_material::<2>(&*problem.material, &f),
+                2 => probe_material::<2>(&*problem.material, &f),
+                _ => probe_material::<3>(&*problem.material, &f),
             };
             Ok(probe.map_err(MethodError::from)?)
         };

@@ -94,7 +94,7 @@ pub struct Key {
     pub kind: Kind,
     /// What it means.
     pub meaning: &'static str,
-    /// The key and the word (or `true`) without which it has no effect.
+    /// The key and the word (or `true`) without which it has no effect; several words with ` | ` between them.
     pub only_with: Option<(&'static str, &'static str)>,
 }
 
@@ -178,9 +178,31 @@ const KERNELS: &[&str] = &[
 const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.arrangement",
-        Kind::Words(&["square", "hexagonal", "chain"]),
+        Kind::Words(&[
+            "chain",
+            "square",
+            "rectangular",
+            "hexagonal",
+            "oblique",
+            "simple-cubic",
+            "body-centered-cubic",
+            "face-centered-cubic",
+            "triclinic",
+        ]),
         "arrangement of the particles",
     ),
+    key(
+        "discretization.aspect",
+        Kind::Positive("1"),
+        "rectangular arrangement: the second side over the first",
+    )
+    .only_with(("discretization.arrangement", "rectangular")),
+    key(
+        "discretization.vectors",
+        Kind::Numbers,
+        "oblique and triclinic arrangement: components of the primitive vectors in spacings, one vector after the other",
+    )
+    .only_with(("discretization.arrangement", "oblique | triclinic")),
     key(
         "discretization.spacing",
         Kind::Positive("length"),
@@ -296,7 +318,7 @@ pub const STATE_KEYS: &[Key] = &[
     key(
         "state.stretch-3",
         Kind::Positive("1"),
-        "stretch out of the plane, where no axis varies it",
+        "third stretch (in two dimensions out of the plane), where no axis varies it",
     ),
     key(
         "state.shear",
@@ -306,7 +328,7 @@ pub const STATE_KEYS: &[Key] = &[
     key(
         "state.rotation",
         Kind::Number("rad"),
-        "angle of the lattice against the load, where no axis varies it",
+        "angle of the lattice against the load about the third axis, where no axis varies it",
     ),
 ];
 

@@ -101,6 +101,14 @@ impl Settings {
         let number = value.number();
         let discretization = &mut self.discretization;
         let done = match name {
+            "discretization.aspect" => assign(&mut discretization.aspect, number),
+            "discretization.vectors" => assign(
+                &mut discretization.vectors,
+                match value {
+                    Value::Numbers(numbers) => Some(numbers.clone()),
+                    _ => None,
+                },
+            ),
             "discretization.spacing" => assign(&mut discretization.spacing, number),
             "discretization.density" => assign(&mut discretization.density, number),
             "discretization.support" => assign(&mut discretization.support, number),

@@ -164,7 +164,9 @@ impl Study {
         }
         key.only_with.is_none_or(|(needed, word)| {
             self.value(needed).is_some_and(|value| {
-                value == Value::Word(word.to_owned()) || value.to_string() == word
+                let is =
+                    |word: &str| value == Value::Word(word.to_owned()) || value.to_string() == word;
+                word.split(" | ").any(is)
             })
         })
     }

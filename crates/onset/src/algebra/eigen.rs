@@ -1,7 +1,7 @@
 //! Eigenvalues and eigenvectors of complex matrices of one to three rows.
 
-use super::Complex;
-use nalgebra::{SMatrix, SVector};
+use super::{Complex, symmetric_eigen};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
 pub(crate) const MAXIMUM_ITERATIONS: usize = 200;
@@ -59,6 +59,15 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
             values[0] = mean - root;
             values[1] = mean + root;
         }
+        3 if matrix.iter().all(|entry| entry.im == 0.0) => {
+            let real = Matrix3::from_fn(|i, j| matrix[(i, j)].re);
+            if let Some(found) = of_three_real(&real, noise) {
+                values
+                    .iter_mut()
+                    .zip(found)
+                    .for_each(|(value, known)| *value = known);
+            }
+        }
         _ => {
             let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
             let schur = nalgebra::Schur::try_new(dynamic, f64::EPSILON, MAXIMUM_ITERATIONS);
@@ -74,6 +83,30 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
     }
     values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
     values
+}
+
+/// The eigenvalues of a real matrix of three rows: by rotations where it is symmetric to rounding, otherwise those of the
+/// blocks of its Schur form, so that what holds for two rows holds here.
+fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
+    if (matrix - matrix.transpose()).amax() <= noise {
+        let mean = |i: usize, j: usize| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
+        let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| mean(i, j)));
+        return Some(
+            symmetric_eigen(&rows)
+                .0
+                .map(|value| Complex::new(value, 0.0)),
+        );
+    }
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let schur = nalgebra::Schur::try_new(*matrix, f64::EPSILON, MAXIMUM_ITERATIONS)?;
+    let (_, form) = schur.unpack();
+    // The place of the two rows that may be coupled, and of the third.
+    let (start, alone) = if form[(1, 0)] == 0.0 { (1, 0) } else { (0, 2) };
+    let block: Matrix2<f64> = form.fixed_view::<2, 2>(start, start).into_owned();
+    let [first, second] = eigenvalues(&block.map(|entry| Complex::new(entry, 0.0)), noise);
+    Some([first, second, Complex::new(form[(alone, alone)], 0.0)])
 }
 
 /// The two values in an array that is known to have two places.

@@ -6,16 +6,36 @@
 use super::dynamical_matrix::Expansion;
 use crate::algebra::Complex;
 use nalgebra::{SMatrix, SVector};
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Products of the distances of an eigenvalue from the two others below this fraction of the largest entry's square are
+/// those of a double eigenvalue.
+const DOUBLE: f64 = 1e-9;
 
 /// Real and complex numbers.
 pub trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Mul<f64, Output = Self>
 {
+    /// The absolute value.
+    fn magnitude(self) -> f64;
 }
 
-impl Number for f64 {}
-impl Number for Complex {}
+impl Number for f64 {
+    fn magnitude(self) -> f64 {
+        self.abs()
+    }
+}
+
+impl Number for Complex {
+    fn magnitude(self) -> f64 {
+        self.norm()
+    }
+}
 
 /// A function of the wave vector with its first and second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,6 +147,57 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
         }
     }
 
+    /// The branch through a simple eigenvalue, in three dimensions: the root near zero of
+    /// `e^3 - t e^2 + m e - d`, with the invariants `t`, `m`, `d` of `D(k) - lambda`. Not finite where the eigenvalue is double.
+    pub(super) fn branch_through(&self, eigenvalue: T) -> Taylor<T, D> {
+        let entry = |i: usize, j: usize| {
+            let mut entry = self.entry(i, j);
+            if i == j {
+                entry.value = entry.value - eigenvalue;
+            }
+            entry
+        };
+        let m: [[Taylor<T, D>; 3]; 3] =
+            std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        let sum = |x: &Taylor<T, D>, y: &Taylor<T, D>| x.zip(y, |x, y| x + y);
+        let minor = |i: usize, j: usize, k: usize, l: usize| {
+            m[i][k]
+                .times(&m[j][l])
+                .zip(&m[i][l].times(&m[j][k]), |x, y| x - y)
+        };
+        let trace = m[0][0].value + m[1][1].value + m[2][2].value;
+        let lower = minor(1, 2, 1, 2);
+        let minors = sum(&sum(&minor(0, 1, 0, 1), &minor(0, 2, 0, 2)), &lower);
+        let determinant = sum(
+            &m[0][0].times(&lower),
+            &m[0][2]
+                .times(&minor(1, 2, 0, 1))
+                .zip(&m[0][1].times(&minor(1, 2, 0, 2)), |x, y| x - y),
+        );
+        let largest = m
+            .as_flattened()
+            .iter()
+            .map(|x| x.value.magnitude())
+            .fold(0.0, f64::max);
+        // The product of the distances to the other two.
+        let mut product = minors.value;
+        if product.magnitude() <= DOUBLE * largest * largest {
+            product = product * 0.0;
+        }
+        let slope = determinant.gradient.map(|x| x / product);
+        Taylor {
+            value: eigenvalue,
+            gradient: slope,
+            hessian: std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    let turning = minors.gradient[a] * slope[b] + minors.gradient[b] * slope[a];
+                    (determinant.hessian[a][b] - turning + trace * slope[a] * slope[b] * 2.0)
+                        / product
+                })
+            }),
+        }
+    }
+
     /// Half of the trace. Planar only.
     fn half_trace(&self) -> Taylor<T, D> {
         self.entry(0, 0)
@@ -158,13 +229,65 @@ impl<const D: usize> Expansion<Complex, D> {
     /// The growth rate `Im omega` of the growing root of a complex branch. Planar only.
     pub(super) fn growth(&self) -> Taylor<f64, D> {
         let root = self.discriminant().root();
-        let frequency = self.half_trace().zip(&root, |x, y| x + y).root();
+        self.half_trace().zip(&root, |x, y| x + y).growth()
+    }
+}
+
+impl<const D: usize> Taylor<Complex, D> {
+    /// The growth rate `Im omega` of the growing root of `omega^2`.
+    pub(super) fn growth(&self) -> Taylor<f64, D> {
+        let frequency = self.root();
         let sign = frequency.value.im.signum();
         frequency.map(|x| sign * x.im)
     }
 }
 
 impl<const D: usize> Expansion<f64, D> {
+    /// `a^3 - h^2`, negative where two eigenvalues are complex, in three dimensions; see [`super::spatial`].
+    pub(super) fn spatial_discriminant(&self) -> Taylor<f64, D> {
+        let third = |x: f64, y: f64| x + y / 3.0;
+        let zero = self.entry(0, 0).map(|_| 0.0);
+        let mean = (0..3).fold(zero, |sum, i| sum.zip(&self.entry(i, i), third));
+        let k: [[Taylor<f64, D>; 3]; 3] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let entry = self.entry(i, j);
+                if i == j {
+                    entry.zip(&mean, |x, y| x - y)
+                } else {
+                    entry
+                }
+            })
+        });
+        let minor = |i: usize, j: usize| {
+            let (m, n) = ((i + 1) % 3, (i + 2) % 3);
+            let (p, q) = ((j + 1) % 3, (j + 2) % 3);
+            k[m][p]
+                .times(&k[n][q])
+                .zip(&k[m][q].times(&k[n][p]), |x, y| x - y)
+        };
+        // tr K^2 = -2 times the sum of the principal minors.
+        let a = (0..3)
+            .fold(zero, |sum, i| sum.zip(&minor(i, i), third))
+            .map(|x| -x);
+        let h = (0..3).fold(zero, |sum, j| {
+            sum.zip(&k[0][j].times(&minor(0, j)), |x, y| x + 0.5 * y)
+        });
+        a.times(&a).times(&a).zip(&h.times(&h), |x, y| x - y)
+    }
+
+    /// The same matrix as one of complex numbers.
+    pub(super) fn complex(&self) -> Expansion<Complex, D> {
+        let complex = |m: &SMatrix<f64, D, D>| m.map(|x| Complex::new(x, 0.0));
+        Expansion {
+            value: complex(&self.value),
+            gradient: self.gradient.each_ref().map(complex),
+            hessian: self
+                .hessian
+                .each_ref()
+                .map(|row| row.each_ref().map(complex)),
+        }
+    }
+
     /// Minus the square of the growth rate of a complex pair, `(h - sqrt(det D)) / 2`; as smooth where branches are real, and
     /// positive there. Planar only.
     pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {

@@ -320,6 +320,21 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
     }
 
+    /// The same in real numbers, where `D(k)` is real.
+    pub(super) fn real_expansion_at(&self, k: &SVector<f64, D>) -> Option<Expansion<f64, D>> {
+        if !self.centrosymmetric {
+            return None;
+        }
+        let mut real = Expansion::starting_at(self.rigid);
+        let phases = HalfPhases::new(self, k);
+        for term in &self.terms {
+            let half = phases.of(term);
+            let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
+            real.add(&term.even, [-versine, -sine, versine - 1.0], &term.vector);
+        }
+        Some(real.finished())
+    }
+
     /// The eigenvalues `omega^2` at a reference wave vector, by increasing real part.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> [Complex; D] {
         eigenvalues(&self.at(k), self.noise)

@@ -68,6 +68,25 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
+    /// A lattice with particles of given volumes (length^D) at places given in lattice coordinates.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoSites`] when there is none, or not as many volumes as places.
+    pub fn with_volumes(
+        lattice: BravaisLattice<D>,
+        sites: Vec<Fractional<D>>,
+        volumes: Vec<f64>,
+    ) -> Result<Self, LatticeError> {
+        if sites.is_empty() || sites.len() != volumes.len() {
+            return Err(LatticeError::NoSites);
+        }
+        Ok(Self {
+            lattice,
+            sites,
+            volumes,
+        })
+    }
+
     /// One particle in each cell of a lattice.
     pub fn of_lattice(lattice: BravaisLattice<D>) -> Self {
         Self {

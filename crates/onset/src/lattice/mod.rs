@@ -2,14 +2,20 @@
 //!
 //! A lattice knows nothing of stress.
 
+mod arrangement;
+mod cell;
 mod crystal;
+mod delaunay;
 mod mirror;
+mod reduction;
 mod voronoi;
 mod wave_vectors;
 mod zone;
 
+pub use arrangement::Arrangement;
 pub(crate) use crystal::cells_between;
 pub use crystal::{Crystal, Particle};
+pub use delaunay::delaunay_centers;
 pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
@@ -44,9 +50,36 @@ pub enum LatticeError {
         /// The dimension asked for.
         requested: usize,
     },
-    /// Voronoi volumes are computed in one and two dimensions.
+    /// The ratio of the sides of a rectangle is not a positive finite number.
+    #[error("the aspect ratio of the rectangles is {value:?}; it must be a positive finite number")]
+    Aspect {
+        /// Its value.
+        value: f64,
+    },
+    /// The primitive vectors are not as many numbers as the arrangement needs.
     #[error(
-        "Voronoi volumes of a periodic point set are available in 1 and 2 dimensions, not in {dimension}"
+        "the {arrangement} arrangement needs {expected} numbers for its primitive vectors, one vector after the other \
+         in units of the spacing; {given} are given"
+    )]
+    Vectors {
+        /// The arrangement's name.
+        arrangement: &'static str,
+        /// How many are needed.
+        expected: usize,
+        /// How many there are.
+        given: usize,
+    },
+    /// The primitive vectors do not span space.
+    #[error(
+        "the primitive vectors {vectors:?} do not span space, or not within the range of numbers"
+    )]
+    Dependent {
+        /// Their components, one vector after the other.
+        vectors: Vec<f64>,
+    },
+    /// Voronoi cells are computed in one to three dimensions.
+    #[error(
+        "Voronoi cells of a periodic point set are available in 1 to 3 dimensions, not in {dimension}"
     )]
     VoronoiDimension {
         /// The dimension asked for.
@@ -155,101 +188,5 @@ pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
         1 => m[(0, 0)],
         2 => m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)],
         _ => nalgebra::DMatrix::from_fn(D, D, |i, j| m[(i, j)]).determinant(),
-    }
-}
-
-/// How the particles are arranged: one at each point of a Bravais lattice. The centers of the
-/// Delaunay cells are the basis on which stress points may sit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Arrangement {
-    /// One dimension: particles at equal distances.
-    Chain,
-    /// Two dimensions: squares with sides along the axes.
-    Square,
-    /// Two dimensions: equilateral triangles with rows along the first axis.
-    Hexagonal,
-}
-
-impl Arrangement {
-    /// The number of space dimensions.
-    pub fn dimension(self) -> usize {
-        match self {
-            Self::Chain => 1,
-            Self::Square | Self::Hexagonal => 2,
-        }
-    }
-
-    /// The name used in study files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Chain => "chain",
-            Self::Square => "square",
-            Self::Hexagonal => "hexagonal",
-        }
-    }
-
-    /// The lattice with the given distance between nearest particles.
-    ///
-    /// # Errors
-    /// [`LatticeError`] when the spacing is not positive and finite or `D` is not the arrangement's.
-    pub fn lattice<const D: usize>(self, spacing: f64) -> Result<BravaisLattice<D>, LatticeError> {
-        if self.dimension() != D {
-            return Err(LatticeError::Dimension {
-                arrangement: self.name(),
-                actual: self.dimension(),
-                requested: D,
-            });
-        }
-        let vectors = SMatrix::from_fn(|i, j| match (self, i, j) {
-            (Self::Hexagonal, 0, 1) => 0.5 * spacing,
-            (Self::Hexagonal, 1, 1) => 0.5 * 3.0_f64.sqrt() * spacing,
-            _ if i == j => spacing,
-            _ => 0.0,
-        });
-        // A spacing whose powers leave the range of numbers is as useless as a negative one.
-        (spacing > 0.0 && spacing.is_finite())
-            .then(|| BravaisLattice::new(vectors))
-            .flatten()
-            .filter(|lattice| lattice.cell_volume().is_normal())
-            .ok_or(LatticeError::Spacing { value: spacing })
-    }
-
-    /// The centers of the Delaunay cells, in lattice coordinates: midpoints, square centers,
-    /// centroids of the triangles.
-    pub fn cell_centers<const D: usize>(self) -> Vec<Fractional<D>> {
-        let along: &[f64] = match self {
-            Self::Chain | Self::Square => &[0.5],
-            Self::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
-        };
-        along.iter().map(|&t| SVector::repeat(t)).collect()
-    }
-
-    /// Named points of the zone's boundary and the path through them that is usual for
-    /// dispersion diagrams, as wave vectors in units of the reciprocal vectors.
-    pub fn zone_path<const D: usize>(self) -> Vec<(&'static str, Fractional<D>)> {
-        let points: &[(&str, [f64; 2])] = match self {
-            Self::Chain => &[("Γ", [0.0, 0.0]), ("X", [0.5, 0.0])],
-            Self::Square => &[
-                ("Γ", [0.0, 0.0]),
-                ("X", [0.5, 0.0]),
-                ("M", [0.5, 0.5]),
-                ("Γ", [0.0, 0.0]),
-            ],
-            Self::Hexagonal => &[
-                ("Γ", [0.0, 0.0]),
-                ("M", [0.5, 0.0]),
-                ("K", [2.0 / 3.0, 1.0 / 3.0]),
-                ("Γ", [0.0, 0.0]),
-            ],
-        };
-        points
-            .iter()
-            .map(|(name, k)| (*name, SVector::from_fn(|i, _| k[i])))
-            .collect()
     }
 }

@@ -1,5 +1,6 @@
 //! The first Brillouin zone: the wave vectors nearer to zero than to any reciprocal vector.
 
+use super::cell::{cell_among, face};
 use super::{BravaisLattice, Fractional};
 use nalgebra::SVector;
 
@@ -93,52 +94,27 @@ impl<const D: usize> BrillouinZone<D> {
         self.lattice.reciprocal() * fractional
     }
 
-    /// The corners of the zone in two dimensions, counterclockwise; in one dimension its two ends.
+    /// The corners of the zone: in two dimensions counterclockwise, in one dimension its two ends.
     pub fn corners(&self) -> Vec<SVector<f64, D>> {
-        let farthest = self.reciprocal.iter().map(|g| g.norm()).fold(0.0, f64::max);
-        if D != 2 {
-            let end = self
-                .reciprocal
-                .iter()
-                .map(|g| 0.5 * g[0].abs())
-                .fold(farthest, f64::min);
-            return if D == 1 {
-                vec![SVector::repeat(-end), SVector::repeat(end)]
-            } else {
-                Vec::new()
-            };
+        cell_among(&self.reciprocal).corners
+    }
+
+    /// The faces of the zone in three dimensions, each by its corners in turn; one of each pair of opposite ones. None in
+    /// one and two dimensions.
+    pub(crate) fn faces(&self) -> Vec<Vec<SVector<f64, D>>> {
+        if D != 3 {
+            return Vec::new();
         }
-        let mut polygon: Vec<[f64; 2]> = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-            .map(|p| p.map(|x| x * farthest))
-            .to_vec();
-        for g in &self.reciprocal {
-            polygon = clipped(&polygon, [g[0], g[1]], 0.5 * g.norm_squared());
-        }
-        polygon.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9 * farthest);
-        polygon
-            .into_iter()
-            .map(|p| SVector::from_fn(|i, _| p[i]))
+        let is_first = |g: &&SVector<f64, D>| {
+            g.iter()
+                .find(|x| x.abs() > 1e-9 * g.amax())
+                .is_some_and(|x| *x > 0.0)
+        };
+        self.reciprocal
+            .iter()
+            .filter(is_first)
+            .map(|g| face(g, &self.reciprocal))
+            .filter(|face| !face.is_empty())
             .collect()
     }
-}
-
-/// The part of a convex polygon in the half plane `normal . x <= offset`.
-pub(super) fn clipped(polygon: &[[f64; 2]], normal: [f64; 2], offset: f64) -> Vec<[f64; 2]> {
-    let excess = |p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1] - offset;
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for n in 0..polygon.len() {
-        let (from, to) = (polygon[n], polygon[(n + 1) % polygon.len()]);
-        let (start, end) = (excess(from), excess(to));
-        if start <= 0.0 {
-            kept.push(from);
-        }
-        if (start < 0.0 && end > 0.0) || (start > 0.0 && end < 0.0) {
-            let t = start / (start - end);
-            kept.push([
-                from[0] + t * (to[0] - from[0]),
-                from[1] + t * (to[1] - from[1]),
-            ]);
-        }
-    }
-    kept
 }

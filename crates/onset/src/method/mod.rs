@@ -15,6 +15,7 @@ use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
+use crate::scheme::element::MeshError;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -145,7 +146,12 @@ impl Linearization {
 pub struct Discretization {
     /// Arrangement of the particles.
     pub arrangement: Arrangement,
-    /// Distance of nearest particles in the reference state; length.
+    /// Rectangular arrangement: the second side over the first.
+    pub aspect: f64,
+    /// Oblique and triclinic arrangement: the components of the primitive vectors in units of the spacing, one vector after
+    /// the other.
+    pub vectors: Vec<f64>,
+    /// Distance of nearest particles in the reference state, or what takes its place as the unit of `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
@@ -179,6 +185,8 @@ impl Default for Discretization {
     fn default() -> Self {
         Self {
             arrangement: Arrangement::Hexagonal,
+            aspect: 1.0,
+            vectors: Vec::new(),
             spacing: 1.0,
             density: 1.0,
             kernel: Kernel::QuarticSpline,
@@ -208,13 +216,15 @@ pub enum MethodError {
         /// Its value.
         value: f64,
     },
-    /// A coefficient is not a finite number from zero on.
-    #[error("discretization.{name} is {value:?}; it must be zero or a positive finite number")]
-    Negative {
+    /// A setting is not one of the numbers that are admitted.
+    #[error("discretization.{name} is {value:?}; expected {expected}")]
+    Setting {
         /// The setting's name.
         name: &'static str,
         /// Its value.
         value: f64,
+        /// What is admitted, in words.
+        expected: &'static str,
     },
     /// Two choices that exclude each other.
     #[error("{choice} does not go with {other}; {hint}")]
@@ -294,6 +304,21 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// A number is out of its range.
+    #[error("{name} is {value:?}; expected a number {}", range(*.least, *.most))]
+    OutOfRange {
+        /// The setting's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least that it may be.
+        least: f64,
+        /// The most that it may be.
+        most: f64,
+    },
+    /// Elements that cannot be set up.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// Natural stabilization expands the strain of material coordinates.
     #[error(
         "discretization.quadrature \"nodal-stabilized\" expands the strain over the reference cells of the particles and \
@@ -311,7 +336,40 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
+/// A range in words.
+fn range(least: f64, most: f64) -> String {
+    if most == f64::MAX {
+        format!("of {least} or more")
+    } else {
+        format!("from {least} to {most}")
+    }
+}
+
 impl MethodError {
+    /// A number that must be positive and finite.
+    pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
+        let is_positive = value > 0.0 && value.is_finite();
+        is_positive
+            .then_some(())
+            .ok_or(Self::NotPositive { name, value })
+    }
+
+    /// A number that must be in a range.
+    pub(crate) fn within(
+        name: &'static str,
+        value: f64,
+        least: f64,
+        most: f64,
+    ) -> Result<(), Self> {
+        let is_within = (least..=most).contains(&value);
+        is_within.then_some(()).ok_or(Self::OutOfRange {
+            name,
+            value,
+            least,
+            most,
+        })
+    }
+
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
     /// one.
     pub fn is_about_support(&self) -> bool {
@@ -353,6 +411,8 @@ impl<const D: usize> Method<D> {
     pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
         let Discretization {
             arrangement,
+            aspect,
+            ref vectors,
             spacing,
             density,
             support,
@@ -372,13 +432,13 @@ impl<const D: usize> Method<D> {
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);
         }
-        let lattice = arrangement.lattice(spacing)?;
+        let lattice = arrangement.lattice_with(spacing, aspect, vectors)?;
         let rule = CellRule {
             stress_point_weight: discretization.stress_point_weight,
             gauss_points: discretization.gauss_points,
             points: discretization.points.clone(),
         };
-        let points = quadrature.points(arrangement, &lattice, &rule)?;
+        let points = quadrature.points(&lattice, &rule)?;
         Ok(Self {
             discretization,
             crystal: Crystal::of_lattice(lattice),

@@ -6,7 +6,7 @@ mod moments;
 pub use cell::{CellRule, gauss_points, own_points};
 pub use moments::second_moments;
 
-use crate::lattice::{Arrangement, BravaisLattice, Fractional, LatticeError, voronoi_volumes};
+use crate::lattice::{BravaisLattice, Fractional, LatticeError, delaunay_centers, voronoi_volumes};
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
@@ -138,7 +138,6 @@ impl Quadrature {
     /// [`QuadratureError`] where the rule is not admissible or Voronoi volumes are not available.
     pub fn points<const D: usize>(
         self,
-        arrangement: Arrangement,
         lattice: &BravaisLattice<D>,
         rule: &CellRule,
     ) -> Result<Vec<QuadraturePoint<D>>, QuadratureError> {
@@ -150,10 +149,10 @@ impl Quadrature {
                 second_moments: Some(second_moments(lattice)),
                 ..QuadraturePoint::new(node, volume)
             }]),
-            Self::StressPointsOnly => of_voronoi(lattice, arrangement.cell_centers()),
+            Self::StressPointsOnly => of_voronoi(lattice, delaunay_centers(lattice, &[node])?),
             Self::StressPoints => {
                 let nodes = std::iter::once(node);
-                let places = nodes.chain(arrangement.cell_centers()).collect();
+                let places = nodes.chain(delaunay_centers(lattice, &[node])?).collect();
                 let points = of_voronoi(lattice, places)?;
                 match rule.stress_point_weight {
                     Some(weight) => weighted(points, volume, weight),

@@ -7,17 +7,30 @@
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
 mod classical;
+pub mod conforming;
+pub mod element;
 mod gradient_point;
 pub mod kernel;
+mod lagrangian;
 mod layout;
 mod linearized;
+mod material_point;
 mod patch;
+mod peridynamics;
 mod response;
 pub mod sph;
 pub mod stabilization;
 
+pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
+pub use material_point::{
+    Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
+};
 pub use patch::{PeriodicPatch, patch_forces};
+pub use peridynamics::{
+    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
+    ZeroEnergyControl,
+};
 pub use response::PointResponse;
 
 use crate::bloch::WaveSystem;

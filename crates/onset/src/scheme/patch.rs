@@ -21,6 +21,11 @@ impl<const D: usize> PeriodicPatch<D> {
         }
     }
 
+    /// The numbers of cells along the primitive vectors.
+    pub fn cells(&self) -> [usize; D] {
+        self.cells
+    }
+
     /// The number of particles.
     pub fn len(&self) -> usize {
         self.sites * self.cells.iter().product::<usize>()

@@ -1,5 +1,6 @@
 //! Lattices, shape functions and dynamical matrices by their properties, on any admissible input.
 
+mod cells;
 mod choices;
 mod errors;
 mod lattices;

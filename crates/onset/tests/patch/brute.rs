@@ -170,6 +170,7 @@ impl<const D: usize> Patch<D> {
             Arrangement::Hexagonal => {
                 SMatrix::from_fn(|i, j| [[1.0, 0.5], [0.0, 0.75_f64.sqrt()]][i][j] * h)
             }
+            other => panic!("the patch has no arrangement {other:?}"),
         };
         let leading: SMatrix<f64, D, D> = SMatrix::from_fn(|i, j| f.components()[i][j]);
         let eulerian = choices.frame == Frame::Eulerian;
@@ -218,6 +219,7 @@ impl<const D: usize> Patch<D> {
                 Arrangement::Chain => volume.powi(3) / 12.0,
                 Arrangement::Square => volume * volume / 12.0,
                 Arrangement::Hexagonal => volume * volume * 5.0 / (36.0 * 3.0_f64.sqrt()),
+                other => panic!("the patch has no arrangement {other:?}"),
             }
         });
         for (n, cell) in cells.iter().enumerate() {

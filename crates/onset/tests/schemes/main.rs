@@ -2,10 +2,15 @@
 
 mod battery;
 mod classical;
+mod conforming;
+mod elements;
 mod kernels;
+mod material_point;
+mod peridynamics;
 mod sph;
 mod springs;
 mod stabilization;
+mod states;
 
 #[path = "../shared/random.rs"]
 mod random;

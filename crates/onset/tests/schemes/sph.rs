@@ -357,7 +357,7 @@ fn an_artificial_stress_is_refused_with_differences_of_stress() {
     let refused = TotalLagrangianSph::new(crystal::<1>(Arrangement::Chain), choices);
     assert!(matches!(
         refused,
-        Err(MethodError::Negative {
+        Err(MethodError::Setting {
             name: "penalty",
             ..
         })

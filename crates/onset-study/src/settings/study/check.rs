@@ -86,7 +86,7 @@ impl Study {
         }
     }
 
-    /// Whether all states are the same in all directions of the plane.
+    /// Whether all states are the same in all directions of the plane in which the lattice is turned.
     fn is_isotropic(&self) -> bool {
         let is_varied = [Quantity::Stretch(1), Quantity::Stretch(2), Quantity::Shear]
             .into_iter()
@@ -209,6 +209,17 @@ impl Study {
             MethodError::NotPositive { name, .. } => {
                 self.origin_of(&format!("discretization.{name}"))
             }
+            MethodError::Lattice(LatticeError::Aspect { .. }) => {
+                self.origin_of("discretization.aspect")
+            }
+            MethodError::Lattice(LatticeError::Vectors { .. }) => {
+                let set = self.origins.keys.get("discretization.vectors");
+                set.cloned()
+                    .unwrap_or_else(|| self.origin_of("discretization.arrangement"))
+            }
+            MethodError::Lattice(LatticeError::Dependent { .. }) => {
+                self.origin_of("discretization.vectors")
+            }
             MethodError::Lattice(LatticeError::Spacing { .. }) => {
                 self.origin_of("discretization.spacing")
             }
@@ -253,6 +264,7 @@ fn built(settings: &Settings) -> Result<(), MethodError> {
     settings.material.build()?;
     match settings.discretization.arrangement.dimension() {
         1 => Method::<1>::new(settings.discretization.clone()).map(drop),
-        _ => Method::<2>::new(settings.discretization.clone()).map(drop),
+        2 => Method::<2>::new(settings.discretization.clone()).map(drop),
+        _ => Method::<3>::new(settings.discretization.clone()).map(drop),
     }
 }

@@ -2,11 +2,11 @@
 
 use super::grid::Grid;
 use super::{Candidate, Objective, ZoneSearch};
-use crate::algebra::{Complex, GoldenSection, eigenvalues, eigenvector, left_eigenvector};
-use crate::bloch::DynamicalMatrix;
+use crate::algebra::{Complex, GoldenSection, eigenvalues, symmetric_eigen};
 use crate::bloch::branches::Taylor;
+use crate::bloch::{DynamicalMatrix, growth_rate};
 use crate::lattice::grid_coordinates;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector2};
 use std::convert::Infallible;
 
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
@@ -120,6 +120,10 @@ impl<const D: usize> ZoneSearch<D> {
             (self.value_at(matrix, objective, &k), k)
         };
         let mut minima: Vec<Candidate<D>> = corners.iter().map(at).collect();
+        if D == 3 {
+            let faces = self.zone().faces();
+            minima.extend(faces.iter().map(|face| minimum_on_face(face, &at)));
+        }
         if D != 2 {
             return minima;
         }
@@ -212,16 +216,16 @@ impl<const D: usize> ZoneSearch<D> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Where a descent from a wave vector ends.
+    /// Where a descent from a wave vector ends; one that is not going to reach below `floor` is left early.
     pub(super) fn settled(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         start: SVector<f64, D>,
+        floor: f64,
     ) -> SVector<f64, D> {
         let value = self.value_at(matrix, objective, &start);
-        self.descend(matrix, objective, (value, start), f64::INFINITY)
-            .1
+        self.descend(matrix, objective, (value, start), floor).1
     }
 
     /// Whether the objective is sought at a wave vector: the limit of long waves is taken exactly elsewhere, and a zone
@@ -285,7 +289,7 @@ impl<const D: usize> ZoneSearch<D> {
         ((value, k), false)
     }
 
-    /// The objective with its derivatives. Planar in closed form.
+    /// The objective with its derivatives.
     fn expansion(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -293,7 +297,7 @@ impl<const D: usize> ZoneSearch<D> {
         k: &SVector<f64, D>,
     ) -> Taylor<f64, D> {
         if D == 3 {
-            return self.differenced(matrix, objective, k);
+            return self.spatial_expansion(matrix, objective, k);
         }
         let real = matrix.planar_expansion(k);
         if let Some(expansion) = real.filter(|_| objective != Objective::Growth) {
@@ -330,68 +334,54 @@ impl<const D: usize> ZoneSearch<D> {
         })
     }
 
-    /// In three dimensions: the second derivatives as differences of exact first ones.
-    fn differenced(
+    /// The objective with its derivatives in three dimensions, by the branch through the eigenvalue.
+    fn spatial_expansion(
         &self,
         matrix: &DynamicalMatrix<D>,
         objective: Objective,
         k: &SVector<f64, D>,
     ) -> Taylor<f64, D> {
-        let h = 1e-5 * self.longest();
-        let rows: [SVector<f64, D>; D] = std::array::from_fn(|a| {
-            let mut shift = SVector::<f64, D>::zeros();
-            shift[a] = h;
-            (self.gradient(matrix, objective, &(k + shift))
-                - self.gradient(matrix, objective, &(k - shift)))
-                / (2.0 * h)
-        });
-        let slope = self.gradient(matrix, objective, k);
-        Taylor {
-            value: self.value_at(matrix, objective, k),
-            gradient: std::array::from_fn(|a| slope[a]),
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| 0.5 * (rows[a][b] + rows[b][a]))
-            }),
+        let real = matrix.real_expansion_at(k);
+        let is_discriminant = objective == Objective::Discriminant;
+        if let Some(real) = real.filter(|_| is_discriminant) {
+            return real.spatial_discriminant();
         }
-    }
-
-    /// The gradient of the objective: `d lambda = y^T dD x / (y^T x)` with left and right eigenvectors.
-    fn gradient(
-        &self,
-        matrix: &DynamicalMatrix<D>,
-        objective: Objective,
-        k: &SVector<f64, D>,
-    ) -> SVector<f64, D> {
-        let d = matrix.at(k);
-        let derivatives = matrix.gradient_at(k);
-        let branch = if objective == Objective::Highest {
-            D - 1
-        } else {
-            0
+        let whole = || match &real {
+            Some(real) => real.complex(),
+            None => matrix.expansion_at(k),
         };
-        let eigenvalue = eigenvalues(&d, matrix.noise())[branch];
-        let (right, left) = (
-            eigenvector(&d, eigenvalue),
-            left_eigenvector(&d, eigenvalue),
-        );
-        let product = |a: &SVector<Complex, D>, b: &SVector<Complex, D>| {
-            a.iter().zip(b.iter()).map(|(a, b)| a * b).sum::<Complex>()
+        let value = match &real {
+            Some(real) => real.value.map(|entry| Complex::new(entry, 0.0)),
+            None => matrix.at(k),
         };
-        let norm = product(&left, &right);
-        let slope = SVector::<f64, D>::from_fn(|a, _| {
-            let image = derivatives[a] * right;
-            (product(&left, &image) / norm).re
-        });
-        match objective {
-            Objective::Lowest => slope,
-            Objective::Highest => -slope,
-            Objective::Discriminant | Objective::Growth => SVector::repeat(f64::NAN),
-            Objective::Scaled => {
-                let laplacian = self.reference().laplacian(k);
-                let quotient = eigenvalue.re / laplacian;
-                (slope - self.reference().laplacian_gradient(k) * quotient)
-                    / (self.speed_squared * laplacian)
+        let eigenvalues = eigenvalues(&value, matrix.noise());
+        let growing = eigenvalues.iter().filter(|value| value.im != 0.0);
+        let chosen = match objective {
+            Objective::Highest => Some(&eigenvalues[D - 1]),
+            Objective::Lowest | Objective::Scaled => Some(&eigenvalues[0]),
+            Objective::Growth | Objective::Discriminant => {
+                growing.max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b)))
             }
+        };
+        let Some(chosen) = chosen else {
+            // Nothing grows here, and nothing tells where it would.
+            return Taylor {
+                value: 0.0,
+                gradient: [f64::NAN; D],
+                hessian: [[f64::NAN; D]; D],
+            };
+        };
+        if matches!(objective, Objective::Growth | Objective::Discriminant) {
+            return whole().branch_through(*chosen).growth().map(|x| -x);
+        }
+        let branch = match &real {
+            Some(real) if chosen.im == 0.0 => real.branch_through(chosen.re),
+            _ => whole().branch_through(*chosen).map(|x| x.re),
+        };
+        match objective {
+            Objective::Highest => branch.map(|x| -x),
+            Objective::Scaled => self.scaled(&branch, k),
+            _ => branch,
         }
     }
 }
@@ -435,14 +425,19 @@ pub(super) fn newton_step<const D: usize>(
     }
 }
 
-/// Principal values and axes of a symmetric matrix of up to two rows; of three rows, the axes of the components with
-/// the diagonal, which is good enough to go down.
+/// Principal values and axes of a symmetric matrix of up to three rows.
 pub(super) fn principal<const D: usize>(
     m: &SMatrix<f64, D, D>,
 ) -> ([f64; D], [SVector<f64, D>; D]) {
     let mut values: [f64; D] = std::array::from_fn(|i| m[(i, i)]);
     let mut axes: [SVector<f64, D>; D] =
         std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));
+    if D == 3 && m.iter().all(|entry| entry.is_finite()) {
+        let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
+        let (known, vectors) = symmetric_eigen(&rows);
+        values = std::array::from_fn(|n| known[n]);
+        axes = std::array::from_fn(|n| SVector::from_fn(|i, _| vectors[n][i]));
+    }
     if D == 2 && m[(0, 1)] != 0.0 {
         let (mean, half) = (0.5 * (m[(0, 0)] + m[(1, 1)]), 0.5 * (m[(0, 0)] - m[(1, 1)]));
         let radius = (half * half + m[(0, 1)] * m[(0, 1)]).sqrt();
@@ -458,6 +453,45 @@ pub(super) fn principal<const D: usize>(
         axes[1] = SVector::from_fn(|i, _| [-y, x][i] / length);
     }
     (values, axes)
+}
+
+/// The minimum of a function on a convex face in space, given by its corners in turn: the lowest of points between the middle
+/// and the rim, and from there along the face.
+fn minimum_on_face<const D: usize>(
+    corners: &[SVector<f64, D>],
+    at: &impl Fn(&SVector<f64, D>) -> Candidate<D>,
+) -> Candidate<D> {
+    const RINGS: usize = 6;
+    let count = corners.len();
+    let middle: SVector<f64, D> = corners.iter().sum::<SVector<f64, D>>() / count.max(1) as f64;
+    // Sector by sector: weights of the middle, of a corner and of the next one.
+    let place = |sector: usize, weights: &Vector2<f64>| {
+        let (next, rim) = (weights[0], weights[1]);
+        let (from, to) = (corners[sector], corners[(sector + 1) % count]);
+        middle + ((from - middle) * (1.0 - next) + (to - middle) * next) * rim
+    };
+    let mut best = (at(&middle).0, 0, Vector2::zeros());
+    for sector in 0..count {
+        for ring in 1..=RINGS {
+            for step in 0..ring {
+                let weights = Vector2::new(step as f64 / ring as f64, ring as f64 / RINGS as f64);
+                let value = at(&place(sector, &weights)).0;
+                if value < best.0 {
+                    best = (value, sector, weights);
+                }
+            }
+        }
+    }
+    let (_, sector, weights) = best;
+    let along = |weights: &Vector2<f64>| {
+        if weights.iter().all(|x| (0.0..=1.0).contains(x)) {
+            at(&place(sector, weights)).0
+        } else {
+            f64::INFINITY
+        }
+    };
+    let (_, weights) = coordinate_search(&along, weights, 0.5 / RINGS as f64);
+    at(&place(sector, &weights))
 }
 
 /// The minimum of a unimodal function between two arguments.

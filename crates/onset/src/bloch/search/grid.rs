@@ -5,6 +5,7 @@ use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
+use crate::bloch::spatial::SpatialSpectrum;
 use crate::lattice::{WaveGrid, opposite};
 use nalgebra::SVector;
 use pulp::{Arch, NullaryFnOnce};
@@ -36,6 +37,8 @@ struct GridSpectrum {
     lowest: Vec<f64>,
     highest: Vec<f64>,
     discriminant: Vec<f64>,
+    /// Minus the growth rate of complex branches; only in three dimensions.
+    slowness: Vec<f64>,
 }
 
 impl GridSpectrum {
@@ -47,6 +50,7 @@ impl GridSpectrum {
             lowest: zeros(),
             highest: zeros(),
             discriminant: zeros(),
+            slowness: Vec::new(),
         }
     }
 
@@ -92,12 +96,30 @@ impl GridSpectrum {
         spectrum
     }
 
+    /// From the spectra of half of the grid.
+    fn of_spatial(spectra: &[SpatialSpectrum], laplacian: &[f64], speed_squared: f64) -> Self {
+        let half = spectra.len();
+        let mut spectrum = Self::zeros(laplacian.len(), half);
+        spectrum.slowness = vec![0.0; laplacian.len()];
+        for (n, there) in spectra.iter().enumerate() {
+            spectrum.lowest[n] = there.lowest;
+            spectrum.highest[n] = -there.highest;
+            spectrum.scaled[n] = there.lowest / (speed_squared * laplacian[n]);
+            spectrum.discriminant[n] = there.discriminant;
+            if there.discriminant < 0.0 {
+                let pair = Complex::new(there.pair, there.imaginary_squared.sqrt());
+                spectrum.slowness[n] = -growth_rate(pair);
+            }
+        }
+        spectrum
+    }
+
     /// Copies what is known of `k` to `-k`, `D(-k) = conj D(k)`, as far as points of the known half have neighbors there.
     fn mirrored<const D: usize>(&mut self, n: usize) {
-        let lines = if D == 2 {
-            vec![n / 2 + 1, n - 1]
-        } else {
+        let lines = if D == 1 {
             (n / 2 + 1..n).collect()
+        } else {
+            vec![n / 2 + 1, n - 1]
         };
         let width = self.lowest.len() / n;
         let all = [
@@ -105,8 +127,9 @@ impl GridSpectrum {
             &mut self.lowest,
             &mut self.highest,
             &mut self.discriminant,
+            &mut self.slowness,
         ];
-        for values in all {
+        for values in all.into_iter().filter(|values| !values.is_empty()) {
             for index in lines
                 .iter()
                 .flat_map(|line| line * width..(line + 1) * width)
@@ -124,6 +147,12 @@ impl<const D: usize> ZoneSearch<D> {
         points_per_period: usize,
         soft_direction: SVector<f64, D>,
     ) -> Grid<D> {
+        // In space a grid has many more points, in more directions around each well.
+        let points_per_period = if D == 3 {
+            2 * points_per_period / 3
+        } else {
+            points_per_period
+        };
         // Near the boundary of a zone that does not repeat, the grid is folded and tells less; and where branches can be
         // complex, they are so in small pockets.
         let resolution = if !self.is_periodic {
@@ -145,13 +174,19 @@ impl<const D: usize> ZoneSearch<D> {
             (false, true) => self.grids.folded_grid(resolution),
             (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
         };
+        let in_space = || matrix.spatial_spectra(&waves);
         let mut spectrum = match matrix.planar_entries(&waves) {
+            None => match in_space() {
+                Some(spectra) => {
+                    GridSpectrum::of_spatial(&spectra, waves.laplacian(), self.speed_squared)
+                }
+                None => self.pointwise(matrix, &waves),
+            },
             Some(entries) => Arch::new().dispatch(OfPlanar {
                 entries: &entries,
                 laplacian: waves.laplacian(),
                 speed_squared: self.speed_squared,
             }),
-            None => self.pointwise(matrix, &waves),
         };
         spectrum.mirrored::<D>(resolution);
         // Long waves are taken to their limit elsewhere.
@@ -168,11 +203,17 @@ impl<const D: usize> ZoneSearch<D> {
         let count = waves.wave_vectors().len();
         let half = (waves.resolution() / 2 + 1) * (count / waves.resolution());
         let mut spectrum = GridSpectrum::zeros(count, half);
+        if D == 3 {
+            spectrum.slowness = vec![0.0; count];
+        }
         for index in 0..half {
             let k = &waves.wave_vectors()[index];
             let d = matrix.at(k);
             let omega_squared = eigenvalues(&d, matrix.noise());
-            let value = |objective| self.value(objective, k, &d, &omega_squared);
+            let value = |objective| self.value(matrix, objective, k, &d, &omega_squared);
+            if D == 3 {
+                spectrum.slowness[index] = value(Objective::Growth);
+            }
             spectrum.scaled[index] = value(Objective::Scaled);
             spectrum.lowest[index] = value(Objective::Lowest);
             spectrum.highest[index] = value(Objective::Highest);
@@ -248,7 +289,7 @@ impl<const D: usize> Grid<D> {
         wells
     }
 
-    /// Where complex branches grow fastest, `omega^2 = Re omega^2 +- i sqrt(-p)`, fastest first; planar.
+    /// Where complex branches grow fastest, in the plane `omega^2 = Re omega^2 +- i sqrt(-p)`, fastest first.
     pub(super) fn fastest_flutter(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let spectrum = &self.spectrum;
         let slowness = |(p, re): (&f64, &f64)| {
@@ -258,9 +299,13 @@ impl<const D: usize> Grid<D> {
                 0.0
             }
         };
-        let pairs = spectrum.discriminant.iter().zip(&spectrum.lowest);
-        let slowness: Vec<f64> = pairs.map(slowness).collect();
-        let wells = self.wells_of(&slowness, 0.0).into_iter();
+        let pairs = || spectrum.discriminant.iter().zip(&spectrum.lowest);
+        let wells = if spectrum.slowness.is_empty() {
+            self.wells_of(&pairs().map(slowness).collect::<Vec<f64>>(), 0.0)
+        } else {
+            self.wells_of(&spectrum.slowness, 0.0)
+        };
+        let wells = wells.into_iter();
         wells.map(|well| well.start.1)
     }
 

@@ -7,6 +7,7 @@ mod descent;
 mod grid;
 mod mirrored;
 
+use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, eigenvalues, eigenvector};
@@ -58,7 +59,8 @@ pub(in crate::bloch) enum Objective {
     /// `-Re omega^2` of the highest branch.
     Highest,
     /// The discriminant `((D11 - D22)/2)^2 + D12 D21`, negative where `omega^2` is complex. Unlike the imaginary
-    /// part of `omega^2` it is smooth. (In three dimensions minus the growth rate of complex pairs.)
+    /// part of `omega^2` it is smooth. In three dimensions `a^3 - h^2`, of degree six, where `D` is real, and minus the growth
+    /// rate of complex pairs elsewhere.
     Discriminant,
     /// Minus the growth rate of a mode with complex `omega^2`.
     Growth,
@@ -300,6 +302,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     fn value(
         &self,
+        matrix: &DynamicalMatrix<D>,
         objective: Objective,
         k: &SVector<f64, D>,
         d: &SMatrix<Complex, D, D>,
@@ -317,6 +320,10 @@ impl<const D: usize> ZoneSearch<D> {
                     let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
                     (half * half + d[(0, 1)] * d[(1, 0)]).re
                 }
+                _ if matrix.is_centrosymmetric() => {
+                    let entries = std::array::from_fn(|e| d[(e / 3, e % 3)].re);
+                    SpatialSpectrum::of(&entries).discriminant
+                }
                 _ => -complex_growth(omega_squared),
             },
             Objective::Growth => -complex_growth(omega_squared),
@@ -330,7 +337,7 @@ impl<const D: usize> ZoneSearch<D> {
         k: &SVector<f64, D>,
     ) -> f64 {
         let d = matrix.at(k);
-        self.value(objective, k, &d, &eigenvalues(&d, matrix.noise()))
+        self.value(matrix, objective, k, &d, &eigenvalues(&d, matrix.noise()))
     }
 
     /// A mode with complex `omega^2` that grows noticeably, if there is one.
@@ -339,7 +346,12 @@ impl<const D: usize> ZoneSearch<D> {
         if D == 1 || matrix.is_hermitian() {
             return None;
         }
-        let floor = -matrix.noise() * wells.largest();
+        let largest = wells.largest();
+        let floor = match (D, matrix.is_centrosymmetric()) {
+            (3, true) => -matrix.noise() * largest.powi(5),
+            (3, false) => 0.0,
+            _ => -matrix.noise() * largest,
+        };
         let (_, k) = wells.bottom(self, matrix, Objective::Discriminant, floor)?;
         let mode = self.fluttering_mode(matrix, &k)?;
         let spacing = self.reference().vectors().column(0).norm();
@@ -402,12 +414,17 @@ impl<const D: usize> ZoneSearch<D> {
         lowest: Mode<D>,
         fluttering: Mode<D>,
     ) -> Mode<D> {
+        // In space a descent is not worth its while where it cannot beat the growth without oscillation.
+        let floor = match D {
+            3 => -growth_rate(lowest.omega_squared),
+            _ => f64::INFINITY,
+        };
         let ends: Vec<SVector<f64, D>> = match wells {
             Wells::Grid(grid) => grid
                 .fastest_flutter()
                 .take(4)
                 .chain([fluttering.wave_vector])
-                .map(|k| self.settled(matrix, Objective::Growth, k))
+                .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
             Wells::Mirrored { bottoms, .. } => bottoms
                 .iter()

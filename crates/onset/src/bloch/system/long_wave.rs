@@ -1,9 +1,27 @@
 //! The limit of long waves: the continuum that a discretization really is.
 
 use super::{Mass, WaveSystem};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
 use crate::continuum::Stiffness;
 use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// Internal displacements softer than this fraction of the stiffest entry are free.
+const FREE: f64 = 1e-10;
+
+/// The inverse, on the complement of the displacements that cost nothing where there are some: no force answers them, so that they
+/// take no part in the relaxation.
+fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
+    let largest = |matrix: &DMatrix<Complex>| matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let scale = largest(&matrix);
+    let regular = matrix.clone().try_inverse();
+    if let Some(regular) = regular.filter(|inverse| largest(inverse) * scale < FREE.recip()) {
+        return regular;
+    }
+    let size = matrix.nrows();
+    let svd = matrix.try_svd(true, true, f64::EPSILON, MAXIMUM_ITERATIONS * size);
+    let pseudo = svd.and_then(|svd| svd.pseudo_inverse(FREE * scale).ok());
+    pseudo.unwrap_or_else(|| DMatrix::repeat(size, size, Complex::new(f64::NAN, 0.0)))
+}
 
 /// `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction, with the translations and their duals.
 struct LongWave {
@@ -51,12 +69,7 @@ impl<const D: usize> WaveSystem<D> {
         } = self.expanded(direction);
         let projector = &translations * mean.transpose();
         // On the internal displacements this is D0, on the translations the identity.
-        let regular = (&d0 + &projector).try_inverse();
-        let size = self.size();
-        let internal = regular.map_or_else(
-            || DMatrix::repeat(size, size, Complex::new(f64::NAN, 0.0)),
-            |inverse| inverse - &projector,
-        );
+        let internal = inverse(&d0 + &projector) - &projector;
         let second = d2 - &d1 * internal * &d1;
         let limit = mean.transpose() * second * translations;
         SMatrix::from_fn(|i, k| limit[(i, k)].re)

@@ -142,11 +142,17 @@ impl<const D: usize> Sweep<'_, D> {
                 .map(|z| -growth_rate(*z))
                 .fold(0.0, f64::min),
             Objective::Scaled if self.is_long(k) => f64::INFINITY,
-            Objective::Scaled => {
-                let laplacian = self.search.reference().laplacian(k);
-                spectrum[0].re / (self.search.speed_squared() * laplacian)
-            }
+            Objective::Scaled => self.scaled(k, spectrum[0].re),
         }
+    }
+
+    /// `omega^2 / (c^2 |k|_h^2)`. Rounding of `omega^2`, which does not become smaller with the wave vector, counts as zero: modes
+    /// that no force answers would otherwise seem to grow at long waves.
+    fn scaled(&self, k: &SVector<f64, D>, omega_squared: f64) -> f64 {
+        if omega_squared.abs() <= ROUNDING * self.system.noise() {
+            return 0.0;
+        }
+        omega_squared / (self.search.speed_squared() * self.search.reference().laplacian(k))
     }
 
     /// Whether a wave vector is near enough to zero (or to a reciprocal vector) to be taken to the limit.
@@ -212,12 +218,11 @@ impl<const D: usize> Sweep<'_, D> {
         omega_squared: Complex,
         displacements: &DVector<Complex>,
     ) -> Mode<D> {
-        let laplacian = self.search.reference().laplacian(k);
         Mode {
             wave_vector: *k,
             is_long_wave: false,
             omega_squared,
-            scaled: omega_squared.re / (self.search.speed_squared() * laplacian),
+            scaled: self.scaled(k, omega_squared.re),
             polarization: largest_of_particles(displacements),
         }
     }

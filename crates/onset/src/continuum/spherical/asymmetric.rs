@@ -28,24 +28,9 @@ pub(super) fn minimum<const D: usize>(
     symmetric_part: &Form<f64>,
     ceiling: f64,
 ) -> Minimum {
-    let blocks: Blocks3 = std::array::from_fn(|j| {
-        std::array::from_fn(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)]))
-    });
-    let acoustic = |n: &Axes<f64>| combined(&blocks, n, n);
-    let real_part =
-        |n: &Axes<f64>| eigenvalues(&acoustic(n).map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
-    let mut starts: Vec<(f64, Axes<f64>)> = spread(false)
-        .map(unit)
-        .map(|n| (real_part(&n), n))
-        .collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = starts[0];
-    for start in starts.into_iter().take(STARTS) {
-        let end = descended(start, &real_part);
-        if end.0 < best.0 {
-            best = end;
-        }
-    }
+    let blocks = in_three_dimensions(blocks);
+    let real_part = |n: &Axes<f64>| lowest_real_part(&blocks, n);
+    let mut best = found(&blocks);
     // The real parts are not below the eigenvalues of the symmetric part (Bendixson).
     let mut bound = symmetric_minimum(symmetric_part, f64::INFINITY).1;
     'resolutions: for resolution in RESOLUTIONS {
@@ -76,6 +61,41 @@ pub(super) fn minimum<const D: usize>(
         eigenpair: None,
         bound: bound.min(best.0),
     }
+}
+
+/// The lowest real part, and its direction, that is found by going down from the lowest of evenly spread directions.
+fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
+    let real_part = |n: &Axes<f64>| lowest_real_part(blocks, n);
+    let mut starts: Vec<(f64, Axes<f64>)> = spread(false)
+        .map(unit)
+        .map(|n| (real_part(&n), n))
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = starts[0];
+    for start in starts.into_iter().take(STARTS) {
+        let end = descended(start, &real_part);
+        if end.0 < best.0 {
+            best = end;
+        }
+    }
+    best
+}
+
+/// The direction of the lowest real part that is found.
+pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
+    found(&in_three_dimensions(blocks)).1
+}
+
+fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
+    eigenvalues(
+        &combined(blocks, n, n).map(|entry| Complex::new(entry, 0.0)),
+        0.0,
+    )[0]
+    .re
+}
+
+fn in_three_dimensions<const D: usize>(blocks: &Blocks<D>) -> Blocks3 {
+    std::array::from_fn(|j| std::array::from_fn(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)])))
 }
 
 /// `T_iJkL a_J b_L`, symmetric in `a` and `b` as the stiffness is in `J` and `L`.

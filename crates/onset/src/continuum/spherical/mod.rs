@@ -49,15 +49,8 @@ type Blocks<const D: usize> = [[SMatrix<f64, D, D>; D]; D];
 /// The minimum over all directions. Work ends as soon as it is known whether all eigenvalues exceed the ceiling: what is
 /// returned is then below it, or the bound above.
 pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, ceiling: f64) -> Minimum {
-    let part = |i: usize, j: usize, k: usize, l: usize| {
-        0.5 * (blocks[j][l][(i, k)] + blocks[j][l][(k, i)])
-    };
-    let form = Form::from_fn(part);
-    let asymmetry = blocks
-        .as_flattened()
-        .iter()
-        .map(|block| (block - block.transpose()).amax());
-    if asymmetry.fold(0.0, f64::max) > 1e-13 {
+    let form = symmetric_part(blocks);
+    if has_no_major_symmetry(blocks) {
         return asymmetric::minimum(blocks, &form, ceiling);
     }
     let (wave, bound) = symmetric_minimum(&form, ceiling);
@@ -67,6 +60,27 @@ pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, ceiling: f64) -> Minim
         eigenpair: Some((wave.eigenvalue, wave.polarization)),
         bound,
     }
+}
+
+/// The direction of the lowest real part that is found by going down from some directions, without a bound.
+pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
+    if has_no_major_symmetry(blocks) {
+        return asymmetric::descended_direction(blocks);
+    }
+    let form = symmetric_part(blocks);
+    found(&form, form.is_orthotropic(), f64::INFINITY).direction
+}
+
+fn symmetric_part<const D: usize>(blocks: &Blocks<D>) -> Form<f64> {
+    Form::from_fn(|i, j, k, l| 0.5 * (blocks[j][l][(i, k)] + blocks[j][l][(k, i)]))
+}
+
+fn has_no_major_symmetry<const D: usize>(blocks: &Blocks<D>) -> bool {
+    let mut asymmetry = blocks
+        .as_flattened()
+        .iter()
+        .map(|block| (block - block.transpose()).amax());
+    asymmetry.any(|entry| entry > 1e-13)
 }
 
 /// Whether all real parts exceed a level, for a stiffness of magnitude one. What differs from it by less than the

@@ -1,0 +1,99 @@
+//! Particles in space, and on lattices from vectors.
+
+use crate::map::{Place, numbers as stored, opened};
+use crate::{assert_close, document, number, numbers, onset_line};
+
+const CLOSEST: &str = "arrangement=face-centered-cubic set support=1.65 set quadrature=nodal";
+
+#[test]
+fn a_state_in_space_is_answered_with_three_components() {
+    let answer = document(&format!(
+        "state --stretch 1.1,0.95,1 set {CLOSEST} set frame=eulerian"
+    ));
+    assert_eq!(numbers(&answer, "/discretization/wave_vector").len(), 3);
+    assert_eq!(numbers(&answer, "/material/direction").len(), 3);
+    let by_components = document(&format!(
+        "state --deformation-gradient 1.1,0,0,0,0.95,0,0,0,1 set {CLOSEST} set frame=eulerian"
+    ));
+    assert_eq!(answer["discretization"], by_components["discretization"]);
+}
+
+#[test]
+fn stretches_along_the_edges_of_a_cube_can_change_places() {
+    let softest = ["1.1,0.95,1", "1,1.1,0.95", "0.95,1,1.1"].map(|stretches| {
+        let answer = document(&format!(
+            "state --stretch {stretches} set {CLOSEST} set frame=eulerian"
+        ));
+        number(&answer, "/discretization/minimum_omega_squared/re")
+    });
+    assert!(softest[0] < 0.0);
+    assert_close(softest[1], softest[0], 1e-8);
+    assert_close(softest[2], softest[0], 1e-8);
+}
+
+#[test]
+fn a_map_in_space_says_of_a_state_what_the_state_command_says() {
+    let place = Place::new(
+        "[discretization]\narrangement = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\nframe = \"eulerian\"\n\
+         [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 3\n\
+         [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 2\n",
+    );
+    place.computed("map.zarr", "");
+    let store = opened(&place, "map.zarr");
+    let minima = stored(&store, "scaled_minimum");
+    assert_eq!(minima.len(), 6);
+    // The first state: stretch-1 = 0.95, stretch-3 = 0.8 + 0.4 / 6.
+    let answer = document(&format!(
+        "state --stretch 0.95,1,{} set {CLOSEST} set frame=eulerian",
+        0.8 + 0.4 / 6.0
+    ));
+    assert_close(
+        minima[0],
+        number(&answer, "/discretization/minimum_scaled"),
+        1e-9,
+    );
+}
+
+#[test]
+fn vectors_make_the_lattice_that_has_a_name() {
+    let named = document("state --stretch 1.1,0.9 set arrangement=hexagonal");
+    let vectors = format!("vectors=1,0,0.5,{}", 0.75_f64.sqrt());
+    let given = document(&format!(
+        "state --stretch 1.1,0.9 set arrangement=oblique set {vectors}"
+    ));
+    let omega = "/discretization/maximum_omega";
+    assert_close(number(&given, omega), number(&named, omega), 1e-10);
+}
+
+#[test]
+fn lattices_that_are_none_are_refused_with_a_hint() {
+    for (line, told) in [
+        (
+            "state --stretch 1.1,1,1 set arrangement=triclinic",
+            "needs 9 numbers",
+        ),
+        (
+            "state --stretch 1.1,1 set arrangement=oblique set vectors=1,2,2,4",
+            "linearly independent",
+        ),
+        (
+            "state --stretch 1.1,1 set arrangement=rectangular set aspect=-1",
+            "a positive number",
+        ),
+        (
+            "state --stretch 1.1,1 set arrangement=simple-cubic",
+            "one for each dimension",
+        ),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
+        assert!(answer.stderr.contains(told), "{line}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn a_certificate_in_space_says_that_waves_are_not_covered() {
+    let answer = document(&format!("state --stretch 1,1,1 --certify set {CLOSEST}"));
+    let certificate = answer["certificate"].to_string();
+    assert!(certificate.contains("undecided"), "{certificate}");
+}

@@ -1,0 +1,245 @@
+//! `D(k)` of a lattice in space with inversion centers, where it is real: its spectrum on a grid over the zone.
+//!
+//! The sum over lattice vectors `l a_1 + m a_2 + n a_3` factors, `exp(i k.R) = exp(i l t_1) exp(i m t_2) exp(i n t_3)`,
+//! `t_i = k.a_i`: summed over `n`, `m` and `l` in turn it costs a few operations a wave vector and entry. Eigenvalues follow in
+//! closed form from trace and deviator `K = D - mean`: `x^3 - 3 a x - 2 h = 0` with `a = tr K^2 / 6`, `h = det K / 2`.
+
+use super::DynamicalMatrix;
+use super::dynamical_matrix::Term;
+use crate::lattice::WaveGrid;
+use nalgebra::SMatrix;
+use pulp::{Arch, NullaryFnOnce};
+use std::f64::consts::TAU;
+
+/// The entries of a matrix, by rows.
+pub(super) type Entries = [f64; 9];
+
+/// The eigenvalues of a real matrix of three rows, as far as their search needs them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpatialSpectrum {
+    /// The smallest and the largest real part.
+    pub(super) lowest: f64,
+    pub(super) highest: f64,
+    /// `a^3 - h^2`: negative where two eigenvalues are complex. A polynomial of degree six in the entries.
+    pub(super) discriminant: f64,
+    /// The square of the complex pair's imaginary part; zero where all are real.
+    pub(super) imaginary_squared: f64,
+    /// The real part of that pair.
+    pub(super) pair: f64,
+}
+
+/// Mean, `a` and `h`.
+#[inline(always)]
+pub(super) fn mean_and_deviator(d: &Entries) -> [f64; 3] {
+    let mean = (d[0] + d[4] + d[8]) / 3.0;
+    let [x, y, z] = [d[0] - mean, d[4] - mean, d[8] - mean];
+    let square = x * x + y * y + z * z + 2.0 * (d[1] * d[3] + d[2] * d[6] + d[5] * d[7]);
+    let determinant = x * (y * z - d[5] * d[7]) - d[1] * (d[3] * z - d[5] * d[6])
+        + d[2] * (d[3] * d[7] - y * d[6]);
+    [mean, square / 6.0, 0.5 * determinant]
+}
+
+impl SpatialSpectrum {
+    /// Of a matrix; where eigenvalues are nearly equal, to the square root of rounding.
+    #[inline(always)]
+    pub(super) fn of(entries: &Entries) -> Self {
+        let [mean, a, h] = mean_and_deviator(entries);
+        let discriminant = a * a * a - h * h;
+        if discriminant >= 0.0 {
+            let root = a.max(0.0).sqrt();
+            let cube = a * root;
+            let cosine = if cube > 0.0 {
+                (h / cube).clamp(-1.0, 1.0)
+            } else {
+                0.0
+            };
+            let angle = cosine.acos() / 3.0;
+            return Self {
+                lowest: mean + 2.0 * root * (angle + TAU / 3.0).cos(),
+                highest: mean + 2.0 * root * angle.cos(),
+                discriminant,
+                imaginary_squared: 0.0,
+                pair: mean,
+            };
+        }
+        let cube = h + h.signum() * (-discriminant).sqrt();
+        let part = cube.cbrt();
+        let real = part + a / part;
+        Self {
+            lowest: mean + real.min(-0.5 * real),
+            highest: mean + real.max(-0.5 * real),
+            discriminant,
+            imaginary_squared: (3.0 * (0.25 * real * real - a)).max(0.0),
+            pair: mean - 0.5 * real,
+        }
+    }
+}
+
+/// The force constants `even(R)` of vectors with the same first two lattice coordinates.
+struct Row {
+    l: i32,
+    m: i32,
+    terms: Vec<(i32, Entries)>,
+}
+
+/// The force constants by rows, and `D(0) - sum even(R)`.
+struct Rows {
+    rows: Vec<Row>,
+    constant: Entries,
+}
+
+impl Rows {
+    fn new<const D: usize>(terms: &[Term<D>], rigid: &SMatrix<f64, D, D>) -> Self {
+        let mut constant = entries_of(rigid);
+        let mut rows: Vec<Row> = Vec::new();
+        for term in terms {
+            let (l, m, n) = (term.cell[0], term.cell[1], term.cell[2]);
+            let even = entries_of(&term.even);
+            (0..9).for_each(|e| constant[e] -= even[e]);
+            // Terms come in the order of their cells.
+            match rows.last_mut() {
+                Some(row) if row.l == l && row.m == m => row.terms.push((n, even)),
+                _ => rows.push(Row {
+                    l,
+                    m,
+                    terms: vec![(n, even)],
+                }),
+            }
+        }
+        Self { rows, constant }
+    }
+
+    /// The sums over `n` and `m` for each distinct `l`: at `[line of t_2][entry, real and imaginary part][t_3]`.
+    #[inline(always)]
+    fn planes<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<(i32, Vec<f64>)> {
+        let n = grid.resolution();
+        let mut planes: Vec<(i32, Vec<f64>)> = Vec::new();
+        let mut sums = vec![0.0; 18 * n];
+        for row in &self.rows {
+            sums.fill(0.0);
+            for (multiple, even) in &row.terms {
+                let (cosines, sines) = grid.turned(*multiple);
+                let (cosines, sines) = (&cosines[..n], &sines[..n]);
+                for (e, even) in even.iter().enumerate() {
+                    let (real, imaginary) = sums[2 * e * n..][..2 * n].split_at_mut(n);
+                    for j in 0..n {
+                        real[j] += even * cosines[j];
+                        imaginary[j] += even * sines[j];
+                    }
+                }
+            }
+            if planes.last().is_none_or(|(l, _)| *l != row.l) {
+                planes.push((row.l, vec![0.0; 18 * n * n]));
+            }
+            let Some((_, plane)) = planes.last_mut() else {
+                continue;
+            };
+            for (i, line) in plane.chunks_exact_mut(18 * n).enumerate() {
+                let (cosine, sine) = grid.on_circle(i64::from(row.m) * i as i64);
+                for e in 0..9 {
+                    let (real, imaginary) = line[2 * e * n..][..2 * n].split_at_mut(n);
+                    let (re, im) = sums[2 * e * n..][..2 * n].split_at(n);
+                    for j in 0..n {
+                        real[j] += re[j] * cosine - im[j] * sine;
+                        imaginary[j] += re[j] * sine + im[j] * cosine;
+                    }
+                }
+            }
+        }
+        planes
+    }
+
+    #[inline(always)]
+    fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<SpatialSpectrum> {
+        let n = grid.resolution();
+        let planes = self.planes(grid);
+        let mut spectra = Vec::with_capacity((n / 2 + 1) * n * n);
+        let mut entries = vec![0.0; 9 * n];
+        for first in 0..=n / 2 {
+            for second in 0..n {
+                for (e, entry) in entries.chunks_exact_mut(n).enumerate() {
+                    entry.fill(self.constant[e]);
+                    for (l, plane) in &planes {
+                        let (cosine, sine) = grid.on_circle(i64::from(*l) * first as i64);
+                        let line = &plane[(18 * second + 2 * e) * n..][..2 * n];
+                        let (real, imaginary) = line.split_at(n);
+                        for j in 0..n {
+                            entry[j] += real[j] * cosine - imaginary[j] * sine;
+                        }
+                    }
+                }
+                let of = |j: usize| -> Entries { std::array::from_fn(|e| entries[e * n + j]) };
+                spectra.extend((0..n).map(|j| SpatialSpectrum::of(&of(j))));
+            }
+        }
+        spectra
+    }
+}
+
+impl<const D: usize> DynamicalMatrix<D> {
+    /// The spectra at the points of a grid with a first index up to `n / 2`; the others follow from `D(-k) = D(k)`. `None`
+    /// unless three-dimensional, real and periodic.
+    pub(super) fn spatial_spectra(&self, grid: &WaveGrid<D>) -> Option<Vec<SpatialSpectrum>> {
+        let is_periodic = self.sites().len() == 1;
+        if D != 3 || !self.is_centrosymmetric() || !is_periodic {
+            return None;
+        }
+        let rows = Rows::new(self.terms(), self.rigid_translation());
+        Some(Arch::new().dispatch(OnGrid { rows: &rows, grid }))
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct OnGrid<'a, const D: usize> {
+    rows: &'a Rows,
+    grid: &'a WaveGrid<D>,
+}
+
+impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
+    type Output = Vec<SpatialSpectrum>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<SpatialSpectrum> {
+        self.rows.on_grid(self.grid)
+    }
+}
+
+/// The entries of a matrix of three rows.
+fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
+    std::array::from_fn(|e| matrix[(e / 3, e % 3)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SpatialSpectrum;
+    use crate::algebra::{Complex, eigenvalues};
+    use nalgebra::Matrix3;
+
+    #[test]
+    fn closed_forms_are_the_eigenvalues_also_of_complex_pairs() {
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut pairs = 0;
+        for _ in 0..500 {
+            let entries: [f64; 9] = std::array::from_fn(|_| random());
+            let matrix = Matrix3::from_row_slice(&entries).map(|x| Complex::new(x, 0.0));
+            let values = eigenvalues(&matrix, 1e-16);
+            let spectrum = SpatialSpectrum::of(&entries);
+            assert!((spectrum.lowest - values[0].re).abs() < 1e-7);
+            assert!((spectrum.highest - values[2].re).abs() < 1e-7);
+            let pair = values.iter().find(|value| value.im > 0.0);
+            assert_eq!(spectrum.discriminant < 0.0, pair.is_some());
+            if let Some(pair) = pair {
+                pairs += 1;
+                assert!((spectrum.imaginary_squared.sqrt() - pair.im).abs() < 1e-7);
+                assert!((spectrum.pair - pair.re).abs() < 1e-7);
+            }
+        }
+        assert!((100..400).contains(&pairs));
+    }
+}

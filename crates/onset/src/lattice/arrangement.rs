@@ -1,0 +1,251 @@
+//! The arrangements that have a name.
+
+use super::{BravaisLattice, Fractional, LatticeError};
+use nalgebra::{SMatrix, SVector};
+
+/// How the particles are arranged: one at each point of a Bravais lattice. The centers of the
+/// Delaunay cells are the basis on which stress points may sit, see [`super::delaunay_centers`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Arrangement {
+    /// One dimension: particles at equal distances.
+    Chain,
+    /// Two dimensions: squares with sides along the axes.
+    Square,
+    /// Two dimensions: rectangles with sides along the axes, of a given ratio.
+    Rectangular,
+    /// Two dimensions: equilateral triangles with rows along the first axis.
+    Hexagonal,
+    /// Two dimensions: any primitive vectors.
+    Oblique,
+    /// Three dimensions: cubes with edges along the axes.
+    SimpleCubic,
+    /// Three dimensions: cubes with edges along the axes and one more particle in the center of each.
+    BodyCenteredCubic,
+    /// Three dimensions: cubes with edges along the axes and one more particle in the center of each face; the closest
+    /// packing.
+    FaceCenteredCubic,
+    /// Three dimensions: any primitive vectors.
+    Triclinic,
+}
+
+/// Corners of a path through the zone: names, and wave vectors in units of the reciprocal vectors.
+type Corners = &'static [(&'static str, [f64; 3])];
+
+impl Arrangement {
+    /// All of them, by dimension.
+    pub const ALL: [Self; 9] = [
+        Self::Chain,
+        Self::Square,
+        Self::Rectangular,
+        Self::Hexagonal,
+        Self::Oblique,
+        Self::SimpleCubic,
+        Self::BodyCenteredCubic,
+        Self::FaceCenteredCubic,
+        Self::Triclinic,
+    ];
+
+    /// The number of space dimensions.
+    pub fn dimension(self) -> usize {
+        match self {
+            Self::Chain => 1,
+            Self::Square | Self::Rectangular | Self::Hexagonal | Self::Oblique => 2,
+            Self::SimpleCubic
+            | Self::BodyCenteredCubic
+            | Self::FaceCenteredCubic
+            | Self::Triclinic => 3,
+        }
+    }
+
+    /// The name used in study files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Chain => "chain",
+            Self::Square => "square",
+            Self::Rectangular => "rectangular",
+            Self::Hexagonal => "hexagonal",
+            Self::Oblique => "oblique",
+            Self::SimpleCubic => "simple-cubic",
+            Self::BodyCenteredCubic => "body-centered-cubic",
+            Self::FaceCenteredCubic => "face-centered-cubic",
+            Self::Triclinic => "triclinic",
+        }
+    }
+
+    /// Whether its primitive vectors must be given.
+    pub fn takes_vectors(self) -> bool {
+        matches!(self, Self::Oblique | Self::Triclinic)
+    }
+
+    /// The lattice of an arrangement without parameters, with the given distance between nearest particles.
+    ///
+    /// ```
+    /// use onset::lattice::Arrangement;
+    /// // Closest packing: a ball in each cell of spacing^3 / sqrt(2).
+    /// let lattice = Arrangement::FaceCenteredCubic.lattice::<3>(2.0)?;
+    /// assert!((lattice.cell_volume() - 32.0_f64.sqrt()).abs() < 1e-14);
+    /// # Ok::<(), onset::lattice::LatticeError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LatticeError`] when the spacing is not positive and finite, `D` is not the arrangement's, or primitive vectors
+    /// must be given.
+    pub fn lattice<const D: usize>(self, spacing: f64) -> Result<BravaisLattice<D>, LatticeError> {
+        self.lattice_with(spacing, 1.0, &[])
+    }
+
+    /// The lattice with the given distance between nearest particles. Rectangles have the sides `spacing` and
+    /// `aspect spacing`; `vectors` are the components of the primitive vectors of [`Arrangement::Oblique`] and
+    /// [`Arrangement::Triclinic`] in units of the spacing, one vector after the other. Others ignore what they do not need.
+    ///
+    /// # Errors
+    /// [`LatticeError`] when spacing or aspect ratio are not positive and finite, `D` is not the arrangement's, or the
+    /// primitive vectors are of another number or do not span space.
+    pub fn lattice_with<const D: usize>(
+        self,
+        spacing: f64,
+        aspect: f64,
+        vectors: &[f64],
+    ) -> Result<BravaisLattice<D>, LatticeError> {
+        let arrangement = self.name();
+        if self.dimension() != D {
+            return Err(LatticeError::Dimension {
+                arrangement,
+                actual: self.dimension(),
+                requested: D,
+            });
+        }
+        if self == Self::Rectangular && !(aspect > 0.0 && aspect.is_finite()) {
+            return Err(LatticeError::Aspect { value: aspect });
+        }
+        let dependent = || LatticeError::Dependent {
+            vectors: vectors.to_vec(),
+        };
+        if self.takes_vectors() {
+            if vectors.len() != D * D {
+                return Err(LatticeError::Vectors {
+                    arrangement,
+                    expected: D * D,
+                    given: vectors.len(),
+                });
+            }
+            // The volume of the cell over that of a box with the same edges.
+            let unit = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[D * j + i]);
+            let edges: f64 = unit.column_iter().map(|a| a.norm()).product();
+            let volume = super::determinant(&unit).abs() / edges;
+            if !(volume > 1e-9 && edges.is_finite()) {
+                return Err(dependent());
+            }
+        }
+        let columns = SMatrix::from_fn(|i, j| spacing * self.component(i, j, aspect, vectors, D));
+        // A spacing whose powers leave the range of numbers is as useless as a negative one.
+        (spacing > 0.0 && spacing.is_finite())
+            .then(|| BravaisLattice::new(columns))
+            .flatten()
+            .filter(|lattice| lattice.cell_volume().is_normal())
+            .ok_or(LatticeError::Spacing { value: spacing })
+    }
+
+    /// Component `i` of primitive vector `j` in units of the spacing.
+    fn component(self, i: usize, j: usize, aspect: f64, vectors: &[f64], dimension: usize) -> f64 {
+        let diagonal = f64::from(u8::from(i == j));
+        match self {
+            Self::Chain | Self::Square | Self::SimpleCubic => diagonal,
+            Self::Rectangular if j == 1 => aspect * diagonal,
+            Self::Rectangular => diagonal,
+            Self::Hexagonal => match (i, j) {
+                (0, 1) => 0.5,
+                (1, 1) => 0.5 * 3.0_f64.sqrt(),
+                _ => diagonal,
+            },
+            // Half of the cube's diagonals that are nearest to the axes; the edge is 2 / sqrt(3).
+            Self::BodyCenteredCubic => (1.0 - 2.0 * diagonal) / 3.0_f64.sqrt(),
+            // Half of the diagonals of the faces; the edge is sqrt(2).
+            Self::FaceCenteredCubic => (1.0 - diagonal) / 2.0_f64.sqrt(),
+            Self::Oblique | Self::Triclinic => vectors[dimension * j + i],
+        }
+    }
+
+    /// Named points of the zone's boundary and the path through them that is usual for dispersion diagrams, as wave vectors
+    /// in units of the reciprocal vectors. In three dimensions with the names of Setyawan and Curtarolo, Comput. Mater. Sci.
+    /// 49 (2010) 299.
+    pub fn zone_path<const D: usize>(self) -> Vec<(&'static str, Fractional<D>)> {
+        let points: Corners = match self {
+            Self::Chain => &[("Γ", [0.0; 3]), ("X", [0.5, 0.0, 0.0])],
+            Self::Square => &[
+                ("Γ", [0.0; 3]),
+                ("X", [0.5, 0.0, 0.0]),
+                ("M", [0.5, 0.5, 0.0]),
+                ("Γ", [0.0; 3]),
+            ],
+            Self::Rectangular => &[
+                ("Γ", [0.0; 3]),
+                ("X", [0.5, 0.0, 0.0]),
+                ("S", [0.5, 0.5, 0.0]),
+                ("Y", [0.0, 0.5, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("S", [0.5, 0.5, 0.0]),
+            ],
+            Self::Hexagonal => &[
+                ("Γ", [0.0; 3]),
+                ("M", [0.5, 0.0, 0.0]),
+                ("K", [2.0 / 3.0, 1.0 / 3.0, 0.0]),
+                ("Γ", [0.0; 3]),
+            ],
+            Self::Oblique => &[
+                ("Γ", [0.0; 3]),
+                ("X", [0.5, 0.0, 0.0]),
+                ("M", [0.5, 0.5, 0.0]),
+                ("Y", [0.0, 0.5, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("M", [0.5, 0.5, 0.0]),
+            ],
+            Self::SimpleCubic => &[
+                ("Γ", [0.0; 3]),
+                ("X", [0.0, 0.5, 0.0]),
+                ("M", [0.5, 0.5, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("R", [0.5; 3]),
+                ("X", [0.0, 0.5, 0.0]),
+            ],
+            Self::BodyCenteredCubic => &[
+                ("Γ", [0.0; 3]),
+                ("H", [0.5, -0.5, 0.5]),
+                ("N", [0.0, 0.0, 0.5]),
+                ("Γ", [0.0; 3]),
+                ("P", [0.25; 3]),
+                ("H", [0.5, -0.5, 0.5]),
+            ],
+            Self::FaceCenteredCubic => &[
+                ("Γ", [0.0; 3]),
+                ("X", [0.5, 0.0, 0.5]),
+                ("W", [0.5, 0.25, 0.75]),
+                ("L", [0.5; 3]),
+                ("Γ", [0.0; 3]),
+                ("K", [0.375, 0.375, 0.75]),
+            ],
+            Self::Triclinic => &[
+                ("X", [0.5, 0.0, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("Y", [0.0, 0.5, 0.0]),
+                ("L", [0.5, 0.5, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("Z", [0.0, 0.0, 0.5]),
+                ("N", [0.5, 0.0, 0.5]),
+                ("Γ", [0.0; 3]),
+                ("M", [0.0, 0.5, 0.5]),
+                ("R", [0.5; 3]),
+                ("Γ", [0.0; 3]),
+            ],
+        };
+        points
+            .iter()
+            .map(|(name, k)| (*name, SVector::from_fn(|i, _| k[i])))
+            .collect()
+    }
+}

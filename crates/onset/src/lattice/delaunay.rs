@@ -1,0 +1,65 @@
+//! The centers of the Delaunay cells of a periodic point set.
+
+use super::voronoi::voronoi_cells;
+use super::{BravaisLattice, Fractional, LatticeError};
+
+/// Lattice coordinates within this of each other, or of a simple fraction, are the same.
+const SAME: f64 = 1e-9;
+/// Coordinates of symmetric centers are multiples of one over this.
+const DIVISIONS: f64 = 48.0;
+
+/// The centers of the Delaunay cells of a periodic set: the places with `D + 1` or more nearest points, the holes of the
+/// set, which are the corners of its Voronoi cells. Several cells with one center, as of the two triangles of a rectangle
+/// or the tetrahedra of a cube, are one.
+///
+/// `places` and the result in lattice coordinates from 0 to 1, one period each; the centers in the order of their coordinates.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use onset::lattice::{Arrangement, delaunay_centers};
+/// // Closest packing has one octahedral and two tetrahedral holes a particle.
+/// let lattice = Arrangement::FaceCenteredCubic.lattice::<3>(1.0)?;
+/// let centers = delaunay_centers(&lattice, &[Vector3::zeros()])?;
+/// assert_eq!(centers, [0.25, 0.5, 0.75].map(Vector3::repeat));
+/// # Ok::<(), onset::lattice::LatticeError>(())
+/// ```
+///
+/// # Errors
+/// [`LatticeError`] beyond three dimensions or when two points coincide.
+pub fn delaunay_centers<const D: usize>(
+    lattice: &BravaisLattice<D>,
+    places: &[Fractional<D>],
+) -> Result<Vec<Fractional<D>>, LatticeError> {
+    let to_fractional = lattice.reciprocal().transpose() / std::f64::consts::TAU;
+    let mut centers: Vec<Fractional<D>> = Vec::new();
+    for (place, cell) in places.iter().zip(voronoi_cells(lattice, places)?) {
+        for corner in cell.corners {
+            let center = (place + to_fractional * corner).map(folded);
+            let is_known = |known: &Fractional<D>| {
+                (known - center)
+                    .iter()
+                    .all(|x| (x - x.round()).abs() < SAME)
+            };
+            if !centers.iter().any(is_known) {
+                centers.push(center);
+            }
+        }
+    }
+    centers.sort_by(|a, b| {
+        a.as_slice()
+            .partial_cmp(b.as_slice())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    Ok(centers)
+}
+
+/// A coordinate between 0 and 1, exact where symmetry makes it a simple fraction.
+fn folded(x: f64) -> f64 {
+    let fraction = (x * DIVISIONS).round() / DIVISIONS;
+    let x = if (x - fraction).abs() < SAME {
+        fraction
+    } else {
+        x
+    };
+    x - x.floor()
+}

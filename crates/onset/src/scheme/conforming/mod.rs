@@ -1,0 +1,296 @@
+//! Stabilized conforming nodal integration and its relatives: nodal integration with gradients that are averaged over a region
+//! around each node.
+//!
+//! By the theorem of divergence the mean gradient of a shape function needs its values on the boundary alone, `b_K = (1/V_I) int
+//! phi_K n dS`. With linearly complete shape functions and regions that fill space (Voronoi cells) linear fields are integrated
+//! exactly: `sum_K X_K (x) b_K = 1` at each node, and `sum_I V_I b_K = 0` for each particle. Chen, Wu, Yoon, You, Int. J. Numer.
+//! Meth. Engng. 50 (2001) 435.
+
+mod gauss;
+mod region;
+
+use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, stressed};
+use super::{PeriodicPatch, Scheme, linearized, lumped_masses};
+use crate::approximation::{Approximation, Order};
+use crate::bloch::{Mass, WaveSystem};
+use crate::kernel::Kernel;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{Crystal, Particle};
+use crate::material::Hyperelastic;
+use crate::method::{MAXIMUM_NEIGHBORS, MethodError};
+use nalgebra::{SMatrix, SVector};
+use region::Region;
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+/// Points along an edge beyond which nothing is gained.
+const MOST_BOUNDARY_POINTS: usize = 16;
+
+/// Where gradients are averaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum SmoothingDomain {
+    /// Over the Voronoi cells: stabilized conforming nodal integration (SCNI).
+    Voronoi,
+    /// Over boxes along the axes with the volumes of the Voronoi cells, which overlap and leave gaps where the particles are not
+    /// a square or cubic lattice: stabilized non-conforming nodal integration (SNNI; Guan et al. 2009). On irregular
+    /// arrangements the homogeneous state is then not in equilibrium.
+    Boxes,
+}
+
+/// Every choice that defines the method on a crystal. The default: SCNI with moving least squares.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct ConformingChoices {
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Weight function.
+    pub kernel: Kernel,
+    /// Support radius; length.
+    pub radius: f64,
+    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not. Of the
+    /// approximations that correct gradients alone only the functions enter, which are Shepard's.
+    pub approximation: Approximation,
+    /// Regions of averaging.
+    pub domain: SmoothingDomain,
+    /// Gauss points along each edge of a region (in space: along both directions of each triangle of a face).
+    pub boundary_points: usize,
+    /// The coefficient `c` of the modification of Puso, Chen, Zywicz and Elmer, Int. J. Numer. Meth. Engng. 74 (2008) 416, from 0
+    /// (none) to 1: the energy of a node is `(1 - c) V W(F_I) + c sum_s V_s W(F_s)`, the sum over the pyramids between the
+    /// node and the faces of its region. For a material of constant tangent `A` that is the published addition `c/2 sum_s V_s (F_s - F_I) : A :
+    /// (F_s - F_I)`, because the mean of the `F_s` is `F_I`.
+    pub modification: f64,
+}
+
+impl Default for ConformingChoices {
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            kernel: Kernel::QuarticSpline,
+            radius: 2.0,
+            approximation: Approximation::Mls,
+            domain: SmoothingDomain::Voronoi,
+            boundary_points: 2,
+            modification: 0.0,
+        }
+    }
+}
+
+/// Nodal integration with smoothed gradients as a discretization; total Lagrangian, masses `rho V_I`.
+///
+/// ```
+/// use nalgebra::Vector1;
+/// use onset::kinematics::DeformationGradient;
+/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::Scheme;
+/// use onset::scheme::conforming::{ConformingChoices, ConformingIntegration};
+/// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
+/// let scheme = ConformingIntegration::new(chain, &ConformingChoices::default())?;
+/// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
+/// // The shortest wave of the chain is the same on both sides of each node: no mean gradient, no stiffness.
+/// assert!(waves.omega_squared(&Vector1::new(std::f64::consts::PI))[0].norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ConformingIntegration<const D: usize> {
+    crystal: Crystal<D>,
+    density: f64,
+    points: Vec<LagrangianPoint<D>>,
+}
+
+impl<const D: usize> ConformingIntegration<D> {
+    /// The method on a crystal.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is out of its range, or the support is too small or too large.
+    pub fn new(crystal: Crystal<D>, choices: &ConformingChoices) -> Result<Self, MethodError> {
+        MethodError::positive("density", choices.density)?;
+        MethodError::positive("radius", choices.radius)?;
+        MethodError::within("modification", choices.modification, 0.0, 1.0)?;
+        let (count, most) = (choices.boundary_points as f64, MOST_BOUNDARY_POINTS as f64);
+        MethodError::within("boundary-points", count, 1.0, most)?;
+        let functions = Functions::new(&crystal, choices)?;
+        let c = choices.modification;
+        let mut points = Vec::new();
+        for (site, volume) in crystal.volumes().iter().enumerate() {
+            let region = match choices.domain {
+                SmoothingDomain::Voronoi => Region::voronoi(&crystal, site),
+                SmoothingDomain::Boxes => Region::cube(*volume),
+            };
+            if c < 1.0 {
+                points.push(functions.smoothed(site, &region, 1.0 - c)?);
+            }
+            if c > 0.0 {
+                for pyramid in region.pyramids() {
+                    points.push(functions.smoothed(site, &pyramid, c)?);
+                }
+            }
+        }
+        Ok(Self {
+            crystal,
+            density: choices.density,
+            points,
+        })
+    }
+
+    /// The integration points of a cell: of each particle the node with the mean gradients of its region, unless the
+    /// modification is 1, and then the pyramids, unless it is 0.
+    pub fn points(&self) -> &[LagrangianPoint<D>] {
+        &self.points
+    }
+}
+
+impl<const D: usize> Scheme<D> for ConformingIntegration<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let mass = Mass::Lumped(lumped_masses(&self.crystal, self.density));
+        linearized(&self.crystal, mass, &stressed(&self.points, material, f)?)
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let points = stressed(&self.points, material, f)?;
+        Ok(forces_at_rest(patch, &points, displacements))
+    }
+
+    /// The particles that share an integration point with a particle.
+    fn neighbors(&self) -> f64 {
+        mean_neighbors(&self.points, &self.crystal)
+    }
+}
+
+/// The shape functions of a crystal.
+struct Functions<'a, const D: usize> {
+    crystal: &'a Crystal<D>,
+    choices: &'a ConformingChoices,
+    /// The approximation, corrections of its gradients apart.
+    functions: Approximation,
+    /// Lattice coordinates of a vector.
+    to_fractional: SMatrix<f64, D, D>,
+    /// One over the integral of the kernel; 1/length^D.
+    normalization: f64,
+}
+
+impl<'a, const D: usize> Functions<'a, D> {
+    fn new(crystal: &'a Crystal<D>, choices: &'a ConformingChoices) -> Result<Self, MethodError> {
+        let radius = choices.radius;
+        let volume = crystal.lattice().cell_volume() / crystal.sites().len() as f64;
+        let ball = [2.0, PI, 4.0 / 3.0 * PI][D - 1] * radius.powi(D as i32);
+        let neighbors = ball / volume;
+        if neighbors > MAXIMUM_NEIGHBORS as f64 {
+            return Err(MethodError::SupportTooLarge {
+                radius,
+                neighbors,
+                limit: MAXIMUM_NEIGHBORS,
+            });
+        }
+        Ok(Self {
+            crystal,
+            choices,
+            functions: match choices.approximation {
+                Approximation::RandlesLibersky | Approximation::KrongauzBelytschko => {
+                    Approximation::Shepard
+                }
+                other => other,
+            },
+            to_fractional: crystal.lattice().reciprocal().transpose() / TAU,
+            normalization: choices.kernel.integral::<D>(radius).recip(),
+        })
+    }
+
+    /// The integration point with the mean gradients over a region around a node, and a part of its volume.
+    fn smoothed(
+        &self,
+        site: usize,
+        region: &Region<D>,
+        part: f64,
+    ) -> Result<LagrangianPoint<D>, MethodError> {
+        let mut means: BTreeMap<Particle<D>, SVector<f64, D>> = BTreeMap::new();
+        for facet in &region.facets {
+            for (point, weight) in facet.points(self.choices.boundary_points) {
+                let place = self.crystal.sites()[site] + self.to_fractional * point;
+                for (particle, value) in self.at(&place)? {
+                    let flux = facet.normal * (value * weight / region.volume);
+                    *means.entry(particle).or_insert_with(SVector::zeros) += flux;
+                }
+            }
+        }
+        Ok(LagrangianPoint::new(means, part * region.volume))
+    }
+
+    /// The shape functions at a place given in lattice coordinates, `phi_K` with `K`.
+    fn at(&self, place: &SVector<f64, D>) -> Result<Vec<(Particle<D>, f64)>, MethodError> {
+        const POINT: &str = "point of a cell's boundary";
+        let (one, radius) = (SMatrix::identity(), self.choices.radius);
+        let approximation = self.functions;
+        let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for particle in self.crystal.within(place, radius, &one) {
+            let apart = self.crystal.place(&particle) - place;
+            let position = self.crystal.lattice().vectors() * apart;
+            if let Some(weight) = self.choices.kernel.weight(&position, radius, &one) {
+                seen.push(particle);
+                positions.push(position);
+                weights.push(weight);
+            }
+        }
+        // A constant needs one neighbor, a polynomial as many as it has coefficients.
+        let needed = match approximation.degree() {
+            None | Some(0) => 1,
+            _ => approximation.neighbors_needed(D),
+        };
+        if seen.len() < needed {
+            return Err(MethodError::SupportTooSmall {
+                point: POINT,
+                radius,
+                neighbors: seen.len(),
+                needed,
+                dimension: D,
+            });
+        }
+        let functions = approximation.shape_functions(
+            &positions,
+            &weights,
+            self.normalization,
+            radius,
+            Order::First,
+        );
+        let functions = functions.map_err(|source| MethodError::SingularMoment {
+            point: POINT,
+            neighbors: seen.len(),
+            source,
+        })?;
+        let volume = |particle: &Particle<D>| match approximation {
+            Approximation::Raw => self.crystal.volumes()[particle.site],
+            _ => 1.0,
+        };
+        let values = seen.into_iter().zip(functions.values);
+        Ok(values
+            .map(|(particle, value)| (particle, value * volume(&particle)))
+            .collect())
+    }
+}

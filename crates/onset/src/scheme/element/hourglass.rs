@@ -1,0 +1,89 @@
+//! Control of the hourglass modes of elements with one integration point, after Flanagan and Belytschko, Int. J. Numer. Meth.
+//! Engng. 17 (1981) 679.
+
+use super::shape::sign;
+use crate::lattice::Particle;
+use crate::real::Real;
+use crate::scheme::{Interaction, Motion};
+use nalgebra::SVector;
+
+/// An hourglass mode of an element: `q = sum_a gamma_a u_a`, which is zero for every linear field.
+#[derive(Clone, Debug)]
+pub(super) struct HourglassMode<const D: usize> {
+    nodes: Vec<Particle<D>>,
+    /// `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
+    gamma: Vec<f64>,
+    /// `V sum_a |b_a|^2`: the stiffness that a modulus of one has; length^(D-2).
+    pub(super) stiffness: f64,
+    /// `V (sum_a |b_a|^2)^1/2`: the viscosity that an impedance of one has; length^(D-1).
+    pub(super) viscosity: f64,
+}
+
+/// The modes of a multilinear element, products of two or more reference coordinates at the nodes: one in the plane, four in
+/// space, none of a bar. `gradients` are the mean gradients of its shape functions, `volume` is its own.
+pub(super) fn hourglass_modes<const D: usize>(
+    nodes: &[Particle<D>],
+    positions: &[SVector<f64, D>],
+    gradients: &[SVector<f64, D>],
+    volume: f64,
+) -> Vec<HourglassMode<D>> {
+    let squares: f64 = gradients.iter().map(SVector::norm_squared).sum();
+    let mode = |axes: usize| {
+        let product = |n: usize| -> f64 {
+            let along = (0..D).filter(|i| axes >> i & 1 == 1);
+            along.map(|i| sign(n, i)).product()
+        };
+        let moment: SVector<f64, D> = positions
+            .iter()
+            .enumerate()
+            .map(|(n, x)| x * product(n))
+            .sum();
+        let gamma = |(n, b): (usize, &SVector<f64, D>)| {
+            (product(n) - b.dot(&moment)) / gradients.len() as f64
+        };
+        HourglassMode {
+            nodes: nodes.to_vec(),
+            gamma: gradients.iter().enumerate().map(gamma).collect(),
+            stiffness: volume * squares,
+            viscosity: volume * squares.sqrt(),
+        }
+    };
+    let modes = (0..1_usize << D).filter(|axes| axes.count_ones() >= 2);
+    modes.map(mode).collect()
+}
+
+/// A mode with a spring and a dashpot.
+pub(super) struct Resisted<'a, const D: usize> {
+    pub(super) mode: &'a HourglassMode<D>,
+    /// Force/length.
+    pub(super) stiffness: f64,
+    /// Force/velocity.
+    pub(super) viscosity: f64,
+}
+
+impl<const D: usize> Interaction<D> for Resisted<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.mode.nodes
+    }
+
+    /// `f_a = -gamma_a (k q + c dq/dt)`.
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let gamma = &self.mode.gamma;
+        let resistance: [R; D] = std::array::from_fn(|i| {
+            let mut sum = R::constant(0.0);
+            for (a, weight) in gamma.iter().enumerate() {
+                let (u, v) = (motion.displacements[a][i], motion.velocities[a][i]);
+                sum = sum + (u * self.stiffness + v * self.viscosity) * *weight;
+            }
+            sum
+        });
+        gamma
+            .iter()
+            .map(|weight| resistance.map(|component| component * -*weight))
+            .collect()
+    }
+
+    fn is_viscous(&self) -> bool {
+        self.viscosity != 0.0
+    }
+}

@@ -1,0 +1,263 @@
+//! Elements between the particles of a crystal.
+
+use super::shape::{ElementShape, Sample};
+use crate::lattice::{BravaisLattice, Crystal, Particle};
+use crate::method::MethodError;
+use nalgebra::SVector;
+use thiserror::Error;
+
+/// Why elements cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MeshError {
+    /// An element with too few or too many nodes.
+    #[error("element {element} has {nodes} node(s), not {needed}")]
+    NodeCount {
+        /// The number of the element.
+        element: usize,
+        /// Its nodes.
+        nodes: usize,
+        /// What its shape needs.
+        needed: usize,
+    },
+    /// A node that the crystal does not have.
+    #[error("element {element} has a node at site {site}; the sites of the cell are 0 to {last}")]
+    UnknownSite {
+        /// The number of the element.
+        element: usize,
+        /// The site.
+        site: usize,
+        /// The largest number of a site.
+        last: usize,
+    },
+    /// An element without volume, or one that is turned inside out in parts.
+    #[error(
+        "element {element} is flat or turned inside out; expected corners that do not cross, those of quadrilaterals and bricks in the order of binary numbers"
+    )]
+    Distorted {
+        /// The number of the element.
+        element: usize,
+    },
+    /// The elements overlap or leave gaps.
+    #[error(
+        "the elements of a cell have the volume {elements:?}, the cell {cell:?}; expected elements that fill it once"
+    )]
+    Volume {
+        /// The sum of the volumes of the elements; length^D.
+        elements: f64,
+        /// The volume of the cell; length^D.
+        cell: f64,
+    },
+    /// Hourglass control of elements that have no hourglass modes.
+    #[error(
+        "hourglass control was asked for with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
+    )]
+    NeedlessControl,
+}
+
+/// Elements of one shape between the particles of a crystal: those of one cell, which the lattice repeats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh<const D: usize> {
+    crystal: Crystal<D>,
+    shape: ElementShape,
+    elements: Vec<Vec<Particle<D>>>,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Elements of a cell by their nodes, in the order that [`ElementShape`] says.
+    ///
+    /// # Errors
+    /// [`MeshError`] when an element is not one of the shape, or the elements do not fill the cell once.
+    pub fn new(
+        crystal: Crystal<D>,
+        shape: ElementShape,
+        elements: Vec<Vec<Particle<D>>>,
+    ) -> Result<Self, MeshError> {
+        let mesh = Self {
+            crystal,
+            shape,
+            elements,
+        };
+        mesh.check()?;
+        Ok(mesh)
+    }
+
+    /// The parallelepiped that is spanned by the primitive vectors of a lattice: bars, quadrilaterals, bricks.
+    ///
+    /// ```
+    /// use onset::lattice::Arrangement;
+    /// use onset::scheme::element::Mesh;
+    /// let squares = Mesh::parallelepipeds(Arrangement::Square.lattice::<2>(1.0)?);
+    /// assert_eq!(squares.elements().len(), 1);
+    /// # Ok::<(), onset::lattice::LatticeError>(())
+    /// ```
+    pub fn parallelepipeds(lattice: BravaisLattice<D>) -> Self {
+        let node = |n: usize| Particle {
+            site: 0,
+            cell: std::array::from_fn(|i| (n >> i & 1) as i32),
+        };
+        Self {
+            crystal: Crystal::of_lattice(lattice),
+            shape: ElementShape::Multilinear,
+            elements: vec![(0..1 << D).map(node).collect()],
+        }
+    }
+
+    /// The parallelepiped split into `D!` simplices along its diagonal `a_1 + ... + a_D` (Kuhn): each goes from its origin to the
+    /// opposite corner along the primitive vectors, in one of their orders. The faces of neighbors fit.
+    pub fn simplices(lattice: BravaisLattice<D>) -> Self {
+        let path = |order: &[usize]| {
+            let mut cell = [0; D];
+            let mut nodes = vec![Particle::home(0)];
+            for axis in order {
+                cell[*axis] += 1;
+                nodes.push(Particle { site: 0, cell });
+            }
+            nodes
+        };
+        Self {
+            crystal: Crystal::of_lattice(lattice),
+            shape: ElementShape::Simplex,
+            elements: orders(D).iter().map(|order| path(order)).collect(),
+        }
+    }
+
+    /// Simplices by the places of their corners in lattice coordinates. Corners that are no particles are an error of the caller.
+    pub(super) fn of_corners(
+        crystal: Crystal<D>,
+        elements: &[Vec<SVector<f64, D>>],
+    ) -> Result<Self, MethodError> {
+        let node = |corner: &SVector<f64, D>| {
+            let cell_of = |site: &SVector<f64, D>| (corner - site).map(f64::round);
+            let apart = |site: &SVector<f64, D>| (corner - site - cell_of(site)).amax();
+            let sites = crystal.sites().iter().enumerate();
+            let (site, place) = sites.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)))?;
+            let cell = cell_of(place);
+            Some(Particle {
+                site,
+                cell: std::array::from_fn(|i| cell[i] as i32),
+            })
+        };
+        let nodes = |corners: &Vec<SVector<f64, D>>| corners.iter().filter_map(node).collect();
+        let elements = elements.iter().map(nodes).collect();
+        Ok(Self::new(crystal, ElementShape::Simplex, elements)?)
+    }
+
+    /// The nodes.
+    pub fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    /// The shape of the elements.
+    pub fn shape(&self) -> ElementShape {
+        self.shape
+    }
+
+    /// The elements of a cell by their nodes.
+    pub fn elements(&self) -> &[Vec<Particle<D>>] {
+        &self.elements
+    }
+
+    /// The same mesh with a cell that holds `counts` cells along each primitive vector.
+    ///
+    /// # Errors
+    /// [`MethodError::Lattice`] when a count is zero.
+    pub fn supercell(&self, counts: [usize; D]) -> Result<Self, MethodError> {
+        let crystal = self.crystal.supercell(counts)?;
+        let sites = self.crystal.sites().len();
+        // Sites of the large cell are numbered cell by cell, the first coordinate running fastest.
+        let renamed = |node: &Particle<D>| {
+            let of = |i: usize| (node.cell[i], counts[i] as i32);
+            let small = (0..D).rev().fold(0, |sum, i| {
+                let (n, count) = of(i);
+                sum * counts[i] + n.rem_euclid(count) as usize
+            });
+            Particle {
+                site: small * sites + node.site,
+                cell: std::array::from_fn(|i| of(i).0.div_euclid(of(i).1)),
+            }
+        };
+        let high = counts.map(|count| count as i32 - 1);
+        let mut elements = Vec::new();
+        for origin in crate::lattice::cells_between(&[0; D], &high) {
+            for nodes in &self.elements {
+                let moved = nodes.iter().map(|node| renamed(&node.moved(&origin)));
+                elements.push(moved.collect());
+            }
+        }
+        Ok(Self {
+            crystal,
+            shape: self.shape,
+            elements,
+        })
+    }
+
+    /// The same mesh with every node of a cell moved at random, see [`Crystal::perturbed`].
+    ///
+    /// # Errors
+    /// [`MethodError::Lattice`] when two nodes meet, [`MethodError::Mesh`] when an element is turned inside out.
+    pub fn perturbed(&self, amplitude: f64, seed: u64) -> Result<Self, MethodError> {
+        let crystal = self.crystal.perturbed(amplitude, seed)?;
+        Ok(Self::new(crystal, self.shape, self.elements.clone())?)
+    }
+
+    /// The integration points of an element; none where it is flat.
+    pub(super) fn samples(&self, nodes: &[Particle<D>]) -> Vec<Sample<D>> {
+        let positions = nodes.iter().map(|node| self.crystal.position(node));
+        let positions: Vec<SVector<f64, D>> = positions.collect();
+        self.shape.samples(&positions).unwrap_or_default()
+    }
+
+    fn check(&self) -> Result<(), MeshError> {
+        let needed = self.shape.nodes::<D>();
+        let sites = self.crystal.sites().len();
+        let mut sum = 0.0;
+        for (element, nodes) in self.elements.iter().enumerate() {
+            if nodes.len() != needed {
+                let nodes = nodes.len();
+                return Err(MeshError::NodeCount {
+                    element,
+                    nodes,
+                    needed,
+                });
+            }
+            if let Some(node) = nodes.iter().find(|node| node.site >= sites) {
+                return Err(MeshError::UnknownSite {
+                    element,
+                    site: node.site,
+                    last: sites - 1,
+                });
+            }
+            let volumes = self.samples(nodes).into_iter().map(|sample| sample.volume);
+            let volumes: Vec<f64> = volumes.collect();
+            let least = 1e-9 * self.crystal.lattice().cell_volume() / sites as f64;
+            let is_sound = |sign: f64| volumes.iter().all(|volume| sign * volume > least);
+            if volumes.is_empty() || !(is_sound(1.0) || is_sound(-1.0)) {
+                return Err(MeshError::Distorted { element });
+            }
+            sum += volumes.iter().map(|volume| volume.abs()).sum::<f64>();
+        }
+        let cell = self.crystal.lattice().cell_volume();
+        if (sum - cell).abs() > 1e-9 * cell {
+            return Err(MeshError::Volume {
+                elements: sum,
+                cell,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// All orders of the first `count` numbers.
+fn orders(count: usize) -> Vec<Vec<usize>> {
+    let Some(last) = count.checked_sub(1) else {
+        return vec![Vec::new()];
+    };
+    let with_last = |order: Vec<usize>| {
+        (0..=order.len()).map(move |at| {
+            let mut longer = order.clone();
+            longer.insert(at, last);
+            longer
+        })
+    };
+    orders(last).into_iter().flat_map(with_last).collect()
+}

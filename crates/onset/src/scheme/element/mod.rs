@@ -1,0 +1,317 @@
+//! Finite elements of linear shape functions, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
+//!
+//! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`. Multilinear
+//! elements are integrated fully (two Gauss points along each axis) or with one point, at which the gradients are their means
+//! over the element; that leaves hourglass modes without energy, which a control resists.
+
+mod hourglass;
+mod mesh;
+mod pattern;
+mod shape;
+
+pub use mesh::{Mesh, MeshError};
+pub use pattern::ElementMesh;
+pub use shape::ElementShape;
+
+use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, stressed};
+use super::{Forced, PeriodicPatch, Scheme};
+use crate::bloch::{BlochBlocks, Mass, WaveSystem};
+use crate::continuum::Stiffness;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Crystal;
+use crate::material::Hyperelastic;
+use crate::method::MethodError;
+use hourglass::{HourglassMode, Resisted, hourglass_modes};
+use nalgebra::{SMatrix, SVector};
+use shape::Sample;
+
+/// How elements are integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Integration {
+    /// Two Gauss points along each axis of quadrilaterals and bricks; one point in simplices, where the gradient is constant.
+    Full,
+    /// One point, with the mean gradient of the element (uniform strain).
+    OnePoint,
+}
+
+/// The mass matrix of elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum ElementMass {
+    /// A mass at each node, `int rho N_a dV`.
+    Lumped,
+    /// `int rho N_a N_b dV`.
+    Consistent,
+}
+
+/// How elements become equations of motion. The default: full integration, lumped masses.
+///
+/// Hourglass control resists each mode `q` of a one-point element with the force `kappa M V b^2 q + epsilon rho c V b dq/dt`,
+/// where `M = rho c^2` is the modulus of the fastest wave in the undeformed material, `b^2 = sum_a |b_a|^2` with the mean gradients
+/// `b_a`. Both parts are objective: `q` vanishes for every linear field, and turns with the element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct Formulation {
+    /// Integration points.
+    pub integration: Integration,
+    /// The coefficient `kappa` of one-point elements; dimensionless. Squares and lumped masses: `omega^2 = 2 kappa M / (rho h^2)`
+    /// of the hourglass modes.
+    pub hourglass_stiffness: f64,
+    /// The coefficient `epsilon` of one-point elements; dimensionless.
+    pub hourglass_viscosity: f64,
+    /// Masses.
+    pub mass: ElementMass,
+}
+
+impl Default for Formulation {
+    fn default() -> Self {
+        Self {
+            integration: Integration::Full,
+            hourglass_stiffness: 0.0,
+            hourglass_viscosity: 0.0,
+            mass: ElementMass::Lumped,
+        }
+    }
+}
+
+/// Every choice that defines a finite element method on a lattice. The default: quadrilaterals.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct ElementChoices {
+    /// Arrangement of the elements.
+    pub mesh: ElementMesh,
+    /// The side of the squares, cubes or triangles; length.
+    pub spacing: f64,
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Integration, hourglass control, masses.
+    pub formulation: Formulation,
+}
+
+impl Default for ElementChoices {
+    fn default() -> Self {
+        Self {
+            mesh: ElementMesh::Quadrilaterals,
+            spacing: 1.0,
+            density: 1.0,
+            formulation: Formulation::default(),
+        }
+    }
+}
+
+/// Finite elements as a discretization.
+///
+/// ```
+/// use nalgebra::Vector1;
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::Law;
+/// use onset::scheme::Scheme;
+/// use onset::scheme::element::{ElementChoices, ElementMesh, FiniteElements};
+/// // Bars with lumped masses: at most omega = 2 c / h, here with lambda + 2 mu = 3.
+/// let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
+/// let material = law.build(&[("lambda", 1.0), ("mu", 1.0)])?;
+/// let choices = ElementChoices { mesh: ElementMesh::Bars, ..ElementChoices::default() };
+/// let bars = FiniteElements::<1>::new(&choices)?;
+/// let waves = bars.waves(&*material, &DeformationGradient::identity())?;
+/// let highest = waves.omega_squared(&Vector1::new(std::f64::consts::PI))[0].re;
+/// assert!((highest - 4.0 * 3.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FiniteElements<const D: usize> {
+    mesh: Mesh<D>,
+    density: f64,
+    formulation: Formulation,
+    points: Vec<LagrangianPoint<D>>,
+    modes: Vec<HourglassMode<D>>,
+    mass: Mass<D>,
+}
+
+impl<const D: usize> FiniteElements<D> {
+    /// Elements on a mesh that has a name.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is not positive, or the mesh has not `D` dimensions.
+    pub fn new(choices: &ElementChoices) -> Result<Self, MethodError> {
+        let mesh = choices.mesh.mesh(choices.spacing)?;
+        Self::on(mesh, choices.density, choices.formulation)
+    }
+
+    /// Elements on any mesh.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the density is not positive, a coefficient of hourglass control is negative, or there are no hourglass modes for it.
+    pub fn on(mesh: Mesh<D>, density: f64, formulation: Formulation) -> Result<Self, MethodError> {
+        MethodError::positive("density", density)?;
+        let control = [
+            ("hourglass-stiffness", formulation.hourglass_stiffness),
+            ("hourglass-viscosity", formulation.hourglass_viscosity),
+        ];
+        for (name, value) in control {
+            MethodError::within(name, value, 0.0, f64::MAX)?;
+            if value > 0.0 && formulation.integration == Integration::Full {
+                return Err(MeshError::NeedlessControl.into());
+            }
+        }
+        let (mut points, mut modes) = (Vec::new(), Vec::new());
+        for nodes in mesh.elements() {
+            let samples = mesh.samples(nodes);
+            let seen = |gradients: &[SVector<f64, D>], volume: f64| {
+                let seen = nodes.iter().copied().zip(gradients.iter().copied());
+                LagrangianPoint::new(seen, volume)
+            };
+            match formulation.integration {
+                Integration::Full => points.extend(
+                    samples
+                        .iter()
+                        .map(|sample| seen(&sample.gradients, sample.volume.abs())),
+                ),
+                Integration::OnePoint => {
+                    let (gradients, volume) = mean_gradients(&samples, nodes.len());
+                    points.push(seen(&gradients, volume));
+                    if mesh.shape() == ElementShape::Multilinear {
+                        let positions = nodes.iter().map(|node| mesh.crystal().position(node));
+                        let positions: Vec<SVector<f64, D>> = positions.collect();
+                        modes.extend(hourglass_modes(nodes, &positions, &gradients, volume));
+                    }
+                }
+            }
+        }
+        let mass = mass_of(&mesh, density, formulation.mass);
+        Ok(Self {
+            mesh,
+            density,
+            formulation,
+            points,
+            modes,
+            mass,
+        })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+
+    /// The integration points of the elements of a cell.
+    pub fn points(&self) -> &[LagrangianPoint<D>] {
+        &self.points
+    }
+
+    /// The hourglass modes with their springs and dashpots; none where they have neither.
+    fn resisted(&self, material: &dyn Hyperelastic) -> Result<Vec<Resisted<'_, D>>, MethodError> {
+        let formulation = self.formulation;
+        let (kappa, epsilon) = (
+            formulation.hourglass_stiffness,
+            formulation.hourglass_viscosity,
+        );
+        if (kappa == 0.0 && epsilon == 0.0) || self.modes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let undeformed = Stiffness::<D>::at(material, &DeformationGradient::identity())?;
+        let modulus = undeformed.maximum_eigenvalue();
+        let impedance = (self.density * modulus).sqrt();
+        let modes = self.modes.iter();
+        let resisted = modes.map(|mode| Resisted {
+            mode,
+            stiffness: kappa * modulus * mode.stiffness,
+            viscosity: epsilon * impedance * mode.viscosity,
+        });
+        Ok(resisted.collect())
+    }
+}
+
+impl<const D: usize> Scheme<D> for FiniteElements<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        self.mesh.crystal()
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let mut forced = Forced::default();
+        for point in &stressed(&self.points, material, f)? {
+            forced.add(point);
+        }
+        for mode in &self.resisted(material)? {
+            forced.add(mode);
+        }
+        forced.waves(self.crystal(), self.mass.clone())
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let mut forces =
+            forces_at_rest(patch, &stressed(&self.points, material, f)?, displacements);
+        let control = forces_at_rest(patch, &self.resisted(material)?, displacements);
+        for (force, more) in forces.iter_mut().zip(control) {
+            *force += more;
+        }
+        Ok(forces)
+    }
+
+    /// The nodes that share an element with a node.
+    fn neighbors(&self) -> f64 {
+        mean_neighbors(&self.points, self.crystal())
+    }
+}
+
+/// The means over an element of the gradients of its shape functions, and its volume.
+fn mean_gradients<const D: usize>(
+    samples: &[Sample<D>],
+    nodes: usize,
+) -> (Vec<SVector<f64, D>>, f64) {
+    let volume: f64 = samples.iter().map(|sample| sample.volume.abs()).sum();
+    let mean = |a: usize| {
+        let weighted = |s: &Sample<D>| s.gradients[a] * (s.volume.abs() / volume);
+        samples.iter().map(weighted).sum()
+    };
+    ((0..nodes).map(mean).collect(), volume)
+}
+
+fn mass_of<const D: usize>(mesh: &Mesh<D>, density: f64, mass: ElementMass) -> Mass<D> {
+    let crystal = mesh.crystal();
+    let mut lumped = vec![0.0; crystal.sites().len()];
+    let mut consistent = BlochBlocks::new();
+    for nodes in mesh.elements() {
+        let products = mesh.shape().products(&mesh.samples(nodes)) * density;
+        for (a, from) in nodes.iter().enumerate() {
+            lumped[from.site] += products.row(a).sum();
+            for (b, to) in nodes.iter().enumerate() {
+                consistent.add(from, to, &(SMatrix::identity() * products[(a, b)]));
+            }
+        }
+    }
+    match mass {
+        ElementMass::Lumped => Mass::Lumped(lumped),
+        ElementMass::Consistent => Mass::Consistent(consistent.sum(crystal)),
+    }
+}

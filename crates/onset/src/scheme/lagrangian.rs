@@ -1,0 +1,127 @@
+//! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
+
+use super::{Interaction, Motion, PeriodicPatch, PointResponse, patch_forces};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{Crystal, Particle};
+use crate::material::Hyperelastic;
+use crate::method::MethodError;
+use crate::real::Real;
+use nalgebra::SVector;
+use std::collections::BTreeSet;
+
+/// A quadrature point of a total-Lagrangian discretization: its energy is `V W(F + sum_K u_K (x) b_K)` with fixed vectors `b_K`,
+/// the gradients of the shape functions or averages of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LagrangianPoint<const D: usize> {
+    particles: Vec<Particle<D>>,
+    gradients: Vec<SVector<f64, D>>,
+    volume: f64,
+}
+
+impl<const D: usize> LagrangianPoint<D> {
+    /// A point from the particles that it sees, each with its `b_K` (1/length), and its reference volume (length^D).
+    pub fn new(
+        seen: impl IntoIterator<Item = (Particle<D>, SVector<f64, D>)>,
+        volume: f64,
+    ) -> Self {
+        let (particles, gradients) = seen.into_iter().unzip();
+        Self {
+            particles,
+            gradients,
+            volume,
+        }
+    }
+
+    /// The particles that it sees.
+    pub fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    /// The vectors `b_K`, in the order of the particles; 1/length.
+    pub fn gradients(&self) -> &[SVector<f64, D>] {
+        &self.gradients
+    }
+
+    /// Its reference volume; length^D.
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+}
+
+/// A point with the response of its material.
+pub(super) struct Stressed<'a, const D: usize> {
+    point: &'a LagrangianPoint<D>,
+    response: PointResponse<'a, D>,
+}
+
+impl<const D: usize> Interaction<D> for Stressed<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.point.particles
+    }
+
+    /// `f_K = -V P(F_q) b_K`.
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let mut f = self.response.leading::<R>();
+        for (u, b) in motion.displacements.iter().zip(&self.point.gradients) {
+            for i in 0..D {
+                for j in 0..D {
+                    f[i][j] = f[i][j] + u[i] * b[j];
+                }
+            }
+        }
+        let stress = self.response.first_piola(&f);
+        let force = |b: &SVector<f64, D>| {
+            std::array::from_fn(|i| {
+                let mut sum = R::constant(0.0);
+                for j in 0..D {
+                    sum = sum - stress[i][j] * (self.point.volume * b[j]);
+                }
+                sum
+            })
+        };
+        self.point.gradients.iter().map(force).collect()
+    }
+}
+
+/// Points with the response of a material at a homogeneous state.
+///
+/// # Errors
+/// [`MethodError`] when the state is not one of `D` dimensions or the material cannot be evaluated there.
+pub(super) fn stressed<'a, const D: usize>(
+    points: &'a [LagrangianPoint<D>],
+    material: &'a dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<Vec<Stressed<'a, D>>, MethodError> {
+    if !f.is_block_diagonal::<D>() {
+        return Err(MethodError::NotPlanar { dimension: D });
+    }
+    let response = PointResponse::new(material, f)?;
+    let with_response = |point| Stressed { point, response };
+    Ok(points.iter().map(with_response).collect())
+}
+
+/// The forces of interactions on a patch at rest.
+pub(super) fn forces_at_rest<'i, I: Interaction<D> + 'i, const D: usize>(
+    patch: &PeriodicPatch<D>,
+    interactions: impl IntoIterator<Item = &'i I>,
+    displacements: &[SVector<f64, D>],
+) -> Vec<SVector<f64, D>> {
+    let at_rest = vec![SVector::zeros(); patch.len()];
+    patch_forces(patch, interactions, displacements, &at_rest)
+}
+
+/// The mean number of particles that share a point with a particle, itself included.
+pub(super) fn mean_neighbors<const D: usize>(
+    points: &[LagrangianPoint<D>],
+    crystal: &Crystal<D>,
+) -> f64 {
+    let mut pairs: BTreeSet<(usize, Particle<D>)> = BTreeSet::new();
+    for point in points {
+        for from in &point.particles {
+            let back = from.cell.map(|n| -n);
+            let to = point.particles.iter().map(|to| to.moved(&back));
+            pairs.extend(to.map(|to| (from.site, to)));
+        }
+    }
+    pairs.len() as f64 / crystal.sites().len() as f64
+}

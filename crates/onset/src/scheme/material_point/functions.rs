@@ -1,0 +1,240 @@
+//! Functions of the background grid: products of one-dimensional ones, which are pieces of polynomials.
+
+use crate::lattice::cells_between;
+use crate::real::Real;
+
+/// A position within this distance of a knot, in units of the grid spacing, is on it.
+const KNOT: f64 = 1e-9;
+
+/// The functions of the nodes of the grid. All are partitions of unity and reproduce linear fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum GridFunctions {
+    /// Tents, `1 - |x|`: the original method (Sulsky, Chen and Schreyer 1994).
+    Linear,
+    /// Tents averaged over the size of a particle, which it keeps (uniform generalized interpolation, Bardenhagen and Kober 2004).
+    Gimp,
+    /// Quadratic B-splines centered at the nodes.
+    QuadraticSpline,
+    /// Cubic B-splines centered at the nodes.
+    CubicSpline,
+}
+
+/// A polynomial of `r = |x|` from `from` to `to`, in units of the grid spacing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    from: f64,
+    to: f64,
+    coefficients: [f64; 4],
+}
+
+/// An even function of one coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Profile {
+    pieces: Vec<Piece>,
+}
+
+/// A function of a node at a place, with its derivatives by the lattice coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape<R, const D: usize> {
+    pub(super) value: R,
+    pub(super) slope: [R; D],
+}
+
+impl GridFunctions {
+    /// The function in one dimension for particles of the half-size `l <= 1/2`.
+    pub(super) fn profile(self, l: f64) -> Profile {
+        let pieces: Vec<(f64, [f64; 4])> = match self {
+            Self::Linear => vec![(1.0, [1.0, -1.0, 0.0, 0.0])],
+            Self::Gimp => {
+                let outer = 0.25 / l;
+                let end = 1.0 + l;
+                let last = [outer * end * end, -2.0 * outer * end, outer, 0.0];
+                vec![
+                    (l, [1.0 - 0.5 * l, 0.0, -0.5 / l, 0.0]),
+                    (1.0 - l, [1.0, -1.0, 0.0, 0.0]),
+                    (end, last),
+                ]
+            }
+            Self::QuadraticSpline => vec![
+                (0.5, [0.75, 0.0, -1.0, 0.0]),
+                (1.5, [1.125, -1.5, 0.5, 0.0]),
+            ],
+            Self::CubicSpline => vec![
+                (1.0, [2.0 / 3.0, 0.0, -1.0, 0.5]),
+                (2.0, [4.0 / 3.0, -2.0, 1.0, -1.0 / 6.0]),
+            ],
+        };
+        let mut from = 0.0;
+        let mut profile = Vec::new();
+        for (to, coefficients) in pieces {
+            // The particles of one to a cell leave the generalized tent no straight piece.
+            if to > from + KNOT {
+                profile.push(Piece {
+                    from,
+                    to,
+                    coefficients,
+                });
+                from = to;
+            }
+        }
+        Profile { pieces: profile }
+    }
+}
+
+impl Piece {
+    fn value<R: Real>(&self, r: R) -> R {
+        let [a, b, c, d] = self.coefficients;
+        ((r * d + c) * r + b) * r + a
+    }
+
+    fn slope<R: Real>(&self, r: R) -> R {
+        let [_, b, c, d] = self.coefficients;
+        (r * (3.0 * d) + 2.0 * c) * r + b
+    }
+}
+
+impl Profile {
+    /// Where the function ends.
+    pub(super) fn reach(&self) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| piece.to)
+    }
+
+    /// The function and its slope; on a knot the mean of both sides, also of their derivatives.
+    fn at<R: Real>(&self, x: R) -> (R, R) {
+        let sign = if x.value() < 0.0 { -1.0 } else { 1.0 };
+        let r = x * sign;
+        let distance = r.value();
+        let (mut value, mut slope) = (R::constant(0.0), R::constant(0.0));
+        for piece in &self.pieces {
+            let is_within = distance >= piece.from - KNOT && distance <= piece.to + KNOT;
+            let is_on_knot =
+                (piece.from > 0.0 && distance <= piece.from + KNOT) || distance >= piece.to - KNOT;
+            if is_within {
+                let share = if is_on_knot { 0.5 } else { 1.0 };
+                value = value + piece.value(r) * share;
+                slope = slope + piece.slope(r) * (sign * share);
+            }
+        }
+        (value, slope)
+    }
+
+    /// The nodes whose functions a place may see, by their lattice coordinates.
+    pub(super) fn nodes<const D: usize>(&self, place: &[f64; D]) -> Vec<[i32; D]> {
+        let reach = self.reach() + KNOT;
+        let low = place.map(|x| (x - reach).ceil() as i32);
+        let high = place.map(|x| (x + reach).floor() as i32);
+        cells_between(&low, &high)
+    }
+
+    /// The function of a node at a place, both in lattice coordinates.
+    pub(super) fn shape<R: Real, const D: usize>(
+        &self,
+        place: &[R; D],
+        node: &[i32; D],
+    ) -> Shape<R, D> {
+        let along: [(R, R); D] = std::array::from_fn(|i| self.at(place[i] - f64::from(node[i])));
+        let one = R::constant(1.0);
+        let product = |derived: Option<usize>| {
+            (0..D).fold(one, |product, i| {
+                let (value, slope) = along[i];
+                product * if derived == Some(i) { slope } else { value }
+            })
+        };
+        Shape {
+            value: product(None),
+            slope: std::array::from_fn(|i| product(Some(i))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::GridFunctions;
+    use crate::real::{Dual, Real};
+
+    const ALL: [GridFunctions; 4] = [
+        GridFunctions::Linear,
+        GridFunctions::Gimp,
+        GridFunctions::QuadraticSpline,
+        GridFunctions::CubicSpline,
+    ];
+
+    #[test]
+    fn grid_functions_are_partitions_of_unity_that_reproduce_linear_fields() {
+        for functions in ALL {
+            for l in [0.5, 0.25, 1.0 / 6.0] {
+                let profile = functions.profile(l);
+                for place in [[0.13, 0.5], [0.25, 0.75], [0.99, 0.34], [0.5, 0.5]] {
+                    let (mut one, mut position) = (0.0, [0.0; 2]);
+                    let (mut zero, mut unit) = ([0.0; 2], [[0.0; 2]; 2]);
+                    for node in profile.nodes(&place) {
+                        let shape = profile.shape(&place, &node);
+                        one += shape.value;
+                        for i in 0..2 {
+                            position[i] += shape.value * f64::from(node[i]);
+                            zero[i] += shape.slope[i];
+                            for j in 0..2 {
+                                unit[i][j] += f64::from(node[i]) * shape.slope[j];
+                            }
+                        }
+                    }
+                    assert!((one - 1.0).abs() < 1e-14, "{functions:?} {place:?}");
+                    for i in 0..2 {
+                        assert!((position[i] - place[i]).abs() < 1e-14);
+                        assert!(zero[i].abs() < 1e-14);
+                        for j in 0..2 {
+                            let expected = f64::from(u8::from(i == j));
+                            assert!((unit[i][j] - expected).abs() < 1e-14);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_derivatives_and_on_a_knot_means_of_both_sides() {
+        for functions in ALL {
+            let profile = functions.profile(0.25);
+            for x in [-1.6, -0.75, -0.5, 0.1, 0.3, 0.5, 1.1, 1.25, 1.5] {
+                let [dual] = Dual::<1>::variables([x]);
+                let (value, slope) = profile.at(dual);
+                let h = 1e-6;
+                let (plus, minus) = (profile.at(x + h), profile.at(x - h));
+                let slopes = (value.gradient[0], (plus.0 - minus.0) / (2.0 * h));
+                assert!((slopes.0 - slope.value()).abs() < 1e-14);
+                // Where the curvature jumps, the difference is of first order.
+                assert!((slopes.0 - slopes.1).abs() < 2e-6, "{functions:?} {x}");
+                let curvature = (plus.1 - minus.1) / (2.0 * h);
+                assert!(
+                    (slope.gradient[0] - curvature).abs() < 1e-6,
+                    "{functions:?} {x}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_generalized_tent_is_the_mean_of_the_tent_over_the_particle() {
+        let l = 0.3;
+        let (tent, mean) = (
+            GridFunctions::Linear.profile(l),
+            GridFunctions::Gimp.profile(l),
+        );
+        for x in [0.0, 0.2, 0.5, 0.9, 1.2] {
+            let n = 20_000;
+            let sum: f64 = (0..n)
+                .map(|i| {
+                    tent.at(x + l * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0))
+                        .0
+                })
+                .sum();
+            assert!((sum / f64::from(n) - mean.at(x).0).abs() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,425 @@
+//! The material point method on a background grid.
+//!
+//! Material points carry mass, stress and deformation; forces and accelerations are computed at the nodes of a grid (Sulsky, Chen
+//! and Schreyer 1994). The points lie in every cell of the grid in the same way. What counts as a degree of freedom, and what
+//! moves, is a [`Formulation`].
+
+mod functions;
+mod point;
+mod step;
+
+pub use functions::GridFunctions;
+
+use super::{Forced, PeriodicPatch, Scheme, patch_forces};
+use crate::bloch::{BlochBlocks, Mass, WaveSystem};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
+use crate::material::Hyperelastic;
+use crate::method::{CurrentLattice, MethodError};
+use functions::Profile;
+use nalgebra::{SMatrix, SVector};
+use point::{Point, State};
+use std::collections::BTreeMap;
+use step::Step;
+
+/// Material points along each side of a cell beyond which a layout is refused.
+const MAXIMUM_PER_SIDE: usize = 8;
+/// Points closer than this to a face of a cell, in units of the grid spacing, are on it.
+const FACE: f64 = 1e-9;
+
+/// Where the material points of a cell are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum PointLayout {
+    /// At the centers of equal parts of the cell, whose volumes they have.
+    Uniform,
+    /// At the points of Gauss and Legendre, with their weights as volumes; up to three along each side.
+    Gauss,
+}
+
+/// The masses that resist the forces on the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum GridMass {
+    /// `m_i = sum_p m_p N_ip`, as nearly all programs have it.
+    Lumped,
+    /// `m_ij = sum_p m_p N_ip N_jp`; singular where waves are invisible to the points.
+    Consistent,
+}
+
+/// What is displaced, and what moves with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Formulation {
+    /// Nodes of a grid in the reference state, `f_i = -sum_p V_p P(F_p) grad N_i(X_p)`, `F_p = F + sum_j u_j (x) grad N_j(X_p)`:
+    /// the points never leave their cells. Elements of which the points are the quadrature.
+    TotalLagrangian {
+        /// The masses of the nodes.
+        mass: GridMass,
+    },
+    /// Nodes of the current grid, displaced by one step: `f_i = -sum_p v_p sigma_p grad N_i(x_p)`, with the points moved through the
+    /// functions, `x_p = x_p^0 + sum_j N_j u_j`, `F_p = (1 + sum_j u_j (x) grad N_j) F`, and the grid put back to its place.
+    Updated {
+        /// The masses of the nodes.
+        mass: GridMass,
+        /// Where the grid and the points are at a state: both at `F X`, or undeformed with the stress of `F`.
+        grid: CurrentLattice,
+    },
+    /// The points themselves, whose velocities take the accelerations of the grid (the limit of small steps of the
+    /// fluid-implicit-particle transfer): `dv_p/dt = sum_i N_ip f_i / m_i`, while points and deformation follow the velocities
+    /// `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i (x) grad N_ip F_p`. Forces as in
+    /// the updated form. The unknown of a wave is the integral of the point's own velocity, not its displacement: what the grid
+    /// does not see of it moves nothing and meets no force.
+    Particles {
+        /// As of the updated form.
+        grid: CurrentLattice,
+    },
+}
+
+/// Every choice that defines a material point method on chain, square or simple cubic grid. The default is one point in the
+/// middle of each cell, linear functions, the nodes as unknowns of the updated form.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(rename_all = "kebab-case", default, deny_unknown_fields)
+)]
+pub struct MaterialPointChoices {
+    /// The distance of the nodes of the grid in the reference state; length.
+    pub spacing: f64,
+    /// Reference density; mass per reference volume.
+    pub density: f64,
+    /// Material points along each side of a cell, `n` of `n^D`.
+    pub per_side: usize,
+    /// Where they are.
+    pub layout: PointLayout,
+    /// A shift of all points along the axes, in units of the grid spacing.
+    pub offset: [f64; 3],
+    /// The functions of the grid.
+    pub functions: GridFunctions,
+    /// What is displaced.
+    pub formulation: Formulation,
+}
+
+impl Default for MaterialPointChoices {
+    fn default() -> Self {
+        Self {
+            spacing: 1.0,
+            density: 1.0,
+            per_side: 1,
+            layout: PointLayout::Uniform,
+            offset: [0.0; 3],
+            functions: GridFunctions::Linear,
+            formulation: Formulation::Updated {
+                mass: GridMass::Lumped,
+                grid: CurrentLattice::Convected,
+            },
+        }
+    }
+}
+
+/// A material point method on its grid. Its [`Scheme::crystal`] is that of the unknowns: the nodes, or the points.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::{MaterialPointChoices, MaterialPoints, Scheme};
+/// use nalgebra::Vector2;
+/// let points = MaterialPoints::<2>::new(MaterialPointChoices::default())?;
+/// let waves = points.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
+/// // One point in the middle does not see the nodes move against each other.
+/// let corner = Vector2::repeat(std::f64::consts::PI);
+/// assert!(waves.omega_squared(&corner)[1].norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct MaterialPoints<const D: usize> {
+    choices: MaterialPointChoices,
+    grid: Crystal<D>,
+    /// The points of a cell: lattice coordinates and volumes.
+    points: Vec<(Fractional<D>, f64)>,
+    /// The unknowns.
+    crystal: Crystal<D>,
+    profile: Profile,
+}
+
+impl<const D: usize> MaterialPoints<D> {
+    /// Sets up a method.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a setting is out of range, or when points sit where linear functions have no gradient.
+    pub fn new(choices: MaterialPointChoices) -> Result<Self, MethodError> {
+        let (spacing, density) = (choices.spacing, choices.density);
+        for (name, value) in [("spacing", spacing), ("density", density)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(MethodError::NotPositive { name, value });
+            }
+        }
+        let lattice = BravaisLattice::new(SMatrix::<f64, D, D>::identity() * spacing)
+            .filter(|lattice| lattice.cell_volume().is_normal())
+            .ok_or(LatticeError::Spacing { value: spacing })?;
+        let grid = Crystal::of_lattice(lattice);
+        let points = laid_out::<D>(&choices, lattice.cell_volume())?;
+        let crystal = match choices.formulation {
+            Formulation::Particles { .. } => {
+                let (places, volumes) = points.iter().copied().unzip();
+                Crystal::with_volumes(lattice, places, volumes)?
+            }
+            _ => grid.clone(),
+        };
+        Ok(Self {
+            profile: choices.functions.profile(0.5 / choices.per_side as f64),
+            choices,
+            grid,
+            points,
+            crystal,
+        })
+    }
+
+    /// The choices that define it.
+    pub fn choices(&self) -> &MaterialPointChoices {
+        &self.choices
+    }
+
+    /// The places of the material points of a cell, in units of the grid spacing from a node, with their reference volumes.
+    pub fn points(&self) -> &[(Fractional<D>, f64)] {
+        &self.points
+    }
+
+    /// The grid at a state.
+    fn state<'a>(
+        &self,
+        material: &'a dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<State<'a, D>, MethodError> {
+        if !f.is_block_diagonal::<D>() {
+            return Err(MethodError::NotPlanar { dimension: D });
+        }
+        let reference = self.grid.lattice().vectors();
+        let current = match self.choices.formulation {
+            Formulation::TotalLagrangian { .. } => None,
+            Formulation::Updated { grid, .. } | Formulation::Particles { grid } => Some(grid),
+        };
+        let vectors = match current {
+            Some(CurrentLattice::Convected) => f.leading::<D>() * reference,
+            Some(CurrentLattice::Regular) | None => *reference,
+        };
+        State::new(material, f, &vectors, current.is_some())
+    }
+
+    /// The mass of the points of a cell, which is that of a node.
+    fn nodal_mass(&self) -> f64 {
+        self.choices.density * self.grid.lattice().cell_volume()
+    }
+
+    fn mass(&self, mass: GridMass) -> Mass<D> {
+        if mass == GridMass::Lumped {
+            return Mass::Lumped(vec![self.nodal_mass()]);
+        }
+        let mut blocks = BlochBlocks::new();
+        for (place, volume) in &self.points {
+            let nodes = self.transfer(place);
+            for (from, own) in &nodes {
+                for (to, other) in &nodes {
+                    let entry = self.choices.density * volume * own * other;
+                    blocks.add(from, to, &(SMatrix::identity() * entry));
+                }
+            }
+        }
+        Mass::Consistent(blocks.sum(&self.grid))
+    }
+
+    /// The functions of the nodes at a place.
+    fn transfer(&self, place: &Fractional<D>) -> Vec<(Particle<D>, f64)> {
+        let at: [f64; D] = (*place).into();
+        let node = |cell| {
+            let value = self.profile.shape(&at, &cell).value;
+            (Particle { site: 0, cell }, value)
+        };
+        self.profile.nodes(&at).into_iter().map(node).collect()
+    }
+
+    /// The stiffness between points from that between nodes, `K_pq = sum_ij (m_p N_ip / m_i) K_ij (m_q N_jq / m_j)`: no force acts in
+    /// the homogeneous state, so that the transfer itself does not vary.
+    fn between_points(&self, nodal: BlochBlocks<D>) -> BlochBlocks<D> {
+        let shares: Vec<Vec<(Particle<D>, f64)>> = self
+            .points
+            .iter()
+            .map(|(place, volume)| {
+                let share = self.choices.density * volume / self.nodal_mass();
+                let nodes = self.transfer(place).into_iter();
+                nodes.map(|(node, value)| (node, share * value)).collect()
+            })
+            .collect();
+        // From the node at the origin to points, then from points to points.
+        let mut half: BTreeMap<Particle<D>, SMatrix<f64, D, D>> = BTreeMap::new();
+        for (_, node, block) in nodal.sum(&self.grid).blocks() {
+            for (site, nodes) in shares.iter().enumerate() {
+                for (seen, share) in nodes {
+                    let cell = std::array::from_fn(|i| node.cell[i] - seen.cell[i]);
+                    let entry = half.entry(Particle { site, cell });
+                    *entry.or_insert_with(SMatrix::zeros) += block * *share;
+                }
+            }
+        }
+        let mut blocks = BlochBlocks::new();
+        for (site, nodes) in shares.iter().enumerate() {
+            let from = Particle::home(site);
+            for (node, share) in nodes {
+                for (to, block) in &half {
+                    blocks.add(&from, &to.moved(&node.cell), &(block * *share));
+                }
+            }
+        }
+        blocks
+    }
+}
+
+/// The points of a cell.
+fn laid_out<const D: usize>(
+    choices: &MaterialPointChoices,
+    cell_volume: f64,
+) -> Result<Vec<(Fractional<D>, f64)>, MethodError> {
+    let n = choices.per_side;
+    let setting = |name, value, expected| MethodError::Setting {
+        name,
+        value,
+        expected,
+    };
+    let along: Vec<(f64, f64)> = match choices.layout {
+        PointLayout::Uniform if (1..=MAXIMUM_PER_SIDE).contains(&n) => (0..n)
+            .map(|i| ((i as f64 + 0.5) / n as f64, 1.0 / n as f64))
+            .collect(),
+        PointLayout::Uniform => {
+            return Err(setting("per-side", n as f64, "a whole number from 1 to 8"));
+        }
+        PointLayout::Gauss => {
+            gauss(n).ok_or_else(|| setting("per-side", n as f64, "1, 2 or 3 with Gauss points"))?
+        }
+    };
+    let mut points = vec![(Fractional::<D>::zeros(), cell_volume)];
+    for axis in 0..D {
+        let shift = choices.offset[axis];
+        if !shift.is_finite() {
+            return Err(setting("offset", shift, "finite numbers"));
+        }
+        let place = |x: f64| {
+            let inside = (x + shift).rem_euclid(1.0);
+            (inside, inside.min(1.0 - inside) < FACE)
+        };
+        let is_on_face = along.iter().any(|(x, _)| place(*x).1);
+        if is_on_face && choices.functions == GridFunctions::Linear {
+            let expected = "a shift that puts no point on a face of a cell, where linear functions have no gradient";
+            return Err(setting("offset", shift, expected));
+        }
+        let extended = points.iter().flat_map(|(base, volume)| {
+            along.iter().map(move |(x, weight)| {
+                let mut moved = *base;
+                moved[axis] = place(*x).0;
+                (moved, volume * weight)
+            })
+        });
+        points = extended.collect();
+    }
+    Ok(points)
+}
+
+/// Gauss points and weights on the unit interval.
+fn gauss(n: usize) -> Option<Vec<(f64, f64)>> {
+    let symmetric = |x: f64, outer: f64| [(0.5 - 0.5 * x, outer), (0.5 + 0.5 * x, outer)];
+    match n {
+        1 => Some(vec![(0.5, 1.0)]),
+        2 => Some(symmetric(3.0_f64.sqrt().recip(), 0.5).to_vec()),
+        3 => {
+            let mut points = symmetric(0.6_f64.sqrt(), 5.0 / 18.0).to_vec();
+            points.push((0.5, 4.0 / 9.0));
+            Some(points)
+        }
+        _ => None,
+    }
+}
+
+impl<const D: usize> Scheme<D> for MaterialPoints<D> {
+    fn crystal(&self) -> &Crystal<D> {
+        &self.crystal
+    }
+
+    fn density(&self) -> f64 {
+        self.choices.density
+    }
+
+    fn waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<WaveSystem<D>, MethodError> {
+        let state = self.state(material, f)?;
+        let mut forced = Forced::default();
+        for (place, volume) in &self.points {
+            forced.add(&Point::new(state, &self.profile, *place, *volume));
+        }
+        let mass = match self.choices.formulation {
+            Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
+                self.mass(mass)
+            }
+            Formulation::Particles { .. } => {
+                forced.stiffness = self.between_points(std::mem::take(&mut forced.stiffness));
+                Mass::Lumped(super::lumped_masses(&self.crystal, self.choices.density))
+            }
+        };
+        forced.waves(&self.crystal, mass)
+    }
+
+    fn forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        displacements: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let state = self.state(material, f)?;
+        let (profile, density) = (&self.profile, self.choices.density);
+        let step = || {
+            Step::new(
+                state,
+                profile,
+                &self.grid,
+                patch.cells(),
+                &self.points,
+                density,
+            )
+        };
+        Ok(match self.choices.formulation {
+            Formulation::TotalLagrangian { .. } => {
+                let point = |(place, volume): &(_, _)| Point::new(state, profile, *place, *volume);
+                let points: Vec<Point<'_, D>> = self.points.iter().map(point).collect();
+                let at_rest = vec![SVector::zeros(); patch.len()];
+                patch_forces(patch, &points, displacements, &at_rest)
+            }
+            Formulation::Updated { .. } => step().nodal_forces(displacements),
+            Formulation::Particles { .. } => step().particle_forces(displacements),
+        })
+    }
+
+    /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.
+    fn neighbors(&self) -> f64 {
+        let seen = |(place, _): &(Fractional<D>, f64)| {
+            let nodes = self.transfer(place).into_iter();
+            nodes.filter(|(_, value)| *value > FACE).count()
+        };
+        let pairs: usize = self.points.iter().map(seen).sum();
+        pairs as f64 / self.crystal.sites().len() as f64
+    }
+}

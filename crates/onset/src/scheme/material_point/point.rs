@@ -1,0 +1,156 @@
+//! A material point as an interaction of the nodes that it sees.
+
+use super::functions::Profile;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Particle;
+use crate::material::Hyperelastic;
+use crate::method::MethodError;
+use crate::real::Real;
+use crate::scheme::{Interaction, Motion, PointResponse};
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// The grid at a homogeneous state of a material.
+#[derive(Clone, Copy)]
+pub(super) struct State<'a, const D: usize> {
+    pub(super) response: PointResponse<'a, D>,
+    /// From lengths to lattice coordinates of the grid.
+    pub(super) to_grid: SMatrix<f64, D, D>,
+    /// Whether points and functions move with the nodes, and the grid starts afresh at each step.
+    pub(super) is_updated: bool,
+}
+
+impl<'a, const D: usize> State<'a, D> {
+    /// `vectors` are those of the grid at the state.
+    pub(super) fn new(
+        material: &'a dyn Hyperelastic,
+        f: &DeformationGradient,
+        vectors: &SMatrix<f64, D, D>,
+        is_updated: bool,
+    ) -> Result<Self, MethodError> {
+        let inverse = DMatrix::from_fn(D, D, |i, j| vectors[(i, j)])
+            .try_inverse()
+            .ok_or(MethodError::NotFinite)?;
+        Ok(Self {
+            response: PointResponse::new(material, f)?,
+            to_grid: SMatrix::from_fn(|i, j| inverse[(i, j)]),
+            is_updated,
+        })
+    }
+
+    /// A gradient in space from the slopes by lattice coordinates.
+    pub(super) fn gradient<R: Real>(&self, slope: &[R; D]) -> [R; D] {
+        let zero = R::constant(0.0);
+        let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);
+        std::array::from_fn(along)
+    }
+
+    /// `P` of the total-Lagrangian, `J sigma = P F^T` of the updated form at the displacement gradient `L` on the grid: what the
+    /// volume is multiplied with. `F = F0 + L`, or `(1 + L) F0`.
+    pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
+        let base = self.response.leading::<f64>();
+        let zero = R::constant(0.0);
+        if !self.is_updated {
+            let f = std::array::from_fn(|i| std::array::from_fn(|j| l[i][j] + base[i][j]));
+            return self.response.first_piola(&f);
+        }
+        let moved = |i: usize, j: usize| {
+            (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])
+        };
+        let f: [[R; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| moved(i, j)));
+        let stress = self.response.first_piola(&f);
+        let product = |i: usize, j: usize| (0..D).fold(zero, |sum, m| sum + stress[i][m] * f[j][m]);
+        std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)))
+    }
+}
+
+/// A material point of the cell at the origin with its nodes.
+#[derive(Clone)]
+pub(super) struct Point<'a, const D: usize> {
+    state: State<'a, D>,
+    profile: &'a Profile,
+    /// In lattice coordinates of the grid.
+    place: SVector<f64, D>,
+    volume: f64,
+    nodes: Vec<Particle<D>>,
+    /// Of the homogeneous state: the functions and their gradients.
+    shapes: Vec<(f64, [f64; D])>,
+}
+
+impl<'a, const D: usize> Point<'a, D> {
+    pub(super) fn new(
+        state: State<'a, D>,
+        profile: &'a Profile,
+        place: SVector<f64, D>,
+        volume: f64,
+    ) -> Self {
+        let at: [f64; D] = place.into();
+        let nodes = profile.nodes(&at);
+        let shape = |node: &[i32; D]| {
+            let shape = profile.shape(&at, node);
+            (shape.value, state.gradient(&shape.slope))
+        };
+        Self {
+            shapes: nodes.iter().map(shape).collect(),
+            nodes: nodes
+                .iter()
+                .map(|cell| Particle {
+                    site: 0,
+                    cell: *cell,
+                })
+                .collect(),
+            state,
+            profile,
+            place,
+            volume,
+        }
+    }
+
+    /// The gradients of the functions at the moved point.
+    fn moved_gradients<R: Real>(&self, displacements: &[[R; D]]) -> Vec<[R; D]> {
+        let mut moved = [R::constant(0.0); D];
+        for (u, (value, _)) in displacements.iter().zip(&self.shapes) {
+            moved = std::array::from_fn(|i| moved[i] + u[i] * *value);
+        }
+        let start: [f64; D] = self.place.into();
+        let along = |i: usize| {
+            let base = R::constant(start[i]);
+            (0..D).fold(base, |sum, j| sum + moved[j] * self.state.to_grid[(i, j)])
+        };
+        let place: [R; D] = std::array::from_fn(along);
+        let gradient = |node: &Particle<D>| {
+            let shape = self.profile.shape(&place, &node.cell);
+            self.state.gradient(&shape.slope)
+        };
+        self.nodes.iter().map(gradient).collect()
+    }
+}
+
+impl<const D: usize> Interaction<D> for Point<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.nodes
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let displacements = motion.displacements;
+        let fixed = |(_, gradient): &(f64, [f64; D])| gradient.map(R::constant);
+        let resting: Vec<[R; D]> = self.shapes.iter().map(fixed).collect();
+        let mut l = [[R::constant(0.0); D]; D];
+        for (u, gradient) in displacements.iter().zip(&resting) {
+            l = std::array::from_fn(|i| std::array::from_fn(|j| l[i][j] + u[i] * gradient[j]));
+        }
+        let stress = self.state.stress(&l);
+        let gradients = if self.state.is_updated {
+            self.moved_gradients(displacements)
+        } else {
+            resting
+        };
+        let zero = R::constant(0.0);
+        let force = |gradient: &[R; D]| -> [R; D] {
+            std::array::from_fn(|i| {
+                let sum = (0..D).fold(zero, |sum, j| sum + stress[i][j] * gradient[j]);
+                sum * -self.volume
+            })
+        };
+        gradients.iter().map(force).collect()
+    }
+}

@@ -1,0 +1,48 @@
+//! Bonds of the prototype microelastic material (Silling 2000).
+
+use super::family::ReferenceBond;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Particle;
+use crate::real::Real;
+use crate::scheme::{Interaction, Motion};
+use nalgebra::SVector;
+
+/// A bond of a homogeneous state, with the energy `1/2 c w s^2 r V_I V_J`.
+#[derive(Clone, Debug)]
+pub(super) struct Bond<const D: usize> {
+    particles: [Particle<D>; 2],
+    /// `F X_IJ`.
+    deformed: SVector<f64, D>,
+    /// The reference length `r`.
+    length: f64,
+    /// `c w V_I V_J`; force.
+    strength: f64,
+}
+
+impl<const D: usize> Bond<D> {
+    pub(super) fn new(bond: ReferenceBond<D>, modulus: f64, f: &DeformationGradient) -> Self {
+        Self {
+            particles: bond.particles,
+            deformed: f.leading::<D>() * bond.vector,
+            length: bond.vector.norm(),
+            strength: modulus * bond.weight,
+        }
+    }
+}
+
+impl<const D: usize> Interaction<D> for Bond<D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let [a, b] = [motion.displacements[0], motion.displacements[1]];
+        let y: [R; D] = std::array::from_fn(|i| b[i] - a[i] + self.deformed[i]);
+        let squares = y.iter().fold(R::constant(0.0), |sum, x| sum + *x * *x);
+        let length = squares.sqrt();
+        // c w s e = c w (1/r - 1/|y|) y
+        let tension = (-length.recip() + self.length.recip()) * self.strength;
+        let pull = y.map(|x| x * tension);
+        vec![pull, pull.map(|x| -x)]
+    }
+}

@@ -1,0 +1,165 @@
+//! The particles within the horizon of one.
+
+use super::{Influence, PartialVolumes};
+use crate::lattice::{Crystal, Particle};
+use crate::method::{MAXIMUM_NEIGHBORS, MethodError};
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// The shape tensor counts as singular below this ratio of its eigenvalues.
+const SINGULAR: f64 = 1e-12;
+/// What a distance may exceed the horizon by, relative to it, and be rounding.
+const RIM: f64 = 1e-9;
+
+/// A particle of a family.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbor<const D: usize> {
+    pub(super) particle: Particle<D>,
+    /// The reference bond `X_IJ`.
+    pub(super) vector: SVector<f64, D>,
+    /// `w`.
+    pub(super) influence: f64,
+    /// What counts of the volume of the particle.
+    pub(super) volume: f64,
+    /// The fraction of its volume that this is.
+    pub(super) fraction: f64,
+}
+
+/// The family of a particle of the cell at the origin.
+#[derive(Clone, Debug)]
+pub(super) struct Family<const D: usize> {
+    /// The particle itself, then the others.
+    pub(super) particles: Vec<Particle<D>>,
+    pub(super) volume: f64,
+    pub(super) neighbors: Vec<Neighbor<D>>,
+    /// `K = sum w X (x) X V`.
+    pub(super) shape: SMatrix<f64, D, D>,
+    pub(super) inverse_shape: SMatrix<f64, D, D>,
+}
+
+/// A bond, to be counted once.
+pub(super) struct ReferenceBond<const D: usize> {
+    pub(super) particles: [Particle<D>; 2],
+    pub(super) vector: SVector<f64, D>,
+    /// `w V_I V_J` and its fraction at the horizon.
+    pub(super) weight: f64,
+}
+
+impl<const D: usize> Family<D> {
+    pub(super) fn new(
+        crystal: &Crystal<D>,
+        site: usize,
+        horizon: f64,
+        influence: Influence,
+        partial: PartialVolumes,
+    ) -> Result<Self, MethodError> {
+        let size = |site: usize| crystal.volumes()[site].powf(1.0 / D as f64);
+        let largest = (0..crystal.sites().len()).map(size).fold(0.0, f64::max);
+        let radius = match partial {
+            PartialVolumes::Tapered => horizon + 0.5 * largest,
+            PartialVolumes::Whole | PartialVolumes::Inside => horizon * (1.0 + RIM),
+        };
+        let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
+        let density = crystal.sites().len() as f64 / crystal.lattice().cell_volume();
+        let expected = unit_ball * radius.powi(D as i32) * density;
+        let is_small = expected <= MAXIMUM_NEIGHBORS as f64;
+        if !is_small {
+            return Err(MethodError::SupportTooLarge {
+                radius: horizon,
+                neighbors: expected.min(f64::MAX),
+                limit: MAXIMUM_NEIGHBORS,
+            });
+        }
+        let home = Particle::home(site);
+        let origin = crystal.position(&home);
+        let near = crystal.within(&crystal.sites()[site], radius, &SMatrix::identity());
+        let neighbors: Vec<Neighbor<D>> = near
+            .into_iter()
+            .filter(|particle| *particle != home)
+            .filter_map(|particle| {
+                let vector = crystal.position(&particle) - origin;
+                // Both ends see the same bond.
+                let h = 0.5 * (size(site) + size(particle.site));
+                let fraction = fraction(partial, horizon, vector.norm(), h);
+                (fraction > 0.0).then(|| Neighbor {
+                    particle,
+                    vector,
+                    influence: influence.weight(vector.norm() / horizon),
+                    volume: fraction * crystal.volumes()[particle.site],
+                    fraction,
+                })
+            })
+            // At the horizon some functions vanish, and beyond it they are not defined.
+            .filter(|neighbor| neighbor.influence > 1e-8)
+            .collect();
+        let shape: SMatrix<f64, D, D> = neighbors
+            .iter()
+            .map(|n| n.vector * n.vector.transpose() * (n.influence * n.volume))
+            .sum();
+        let too_small = MethodError::SupportTooSmall {
+            point: "particle",
+            radius: horizon,
+            neighbors: neighbors.len() + 1,
+            needed: D + 1,
+            dimension: D,
+        };
+        let inverse_shape = inverted(&shape).ok_or(too_small)?;
+        let mut particles = vec![home];
+        particles.extend(neighbors.iter().map(|neighbor| neighbor.particle));
+        Ok(Self {
+            particles,
+            volume: crystal.volumes()[site],
+            neighbors,
+            shape,
+            inverse_shape,
+        })
+    }
+
+    /// The number of particles within the horizon, the one at its center left out.
+    pub(super) fn len(&self) -> usize {
+        self.neighbors.len()
+    }
+
+    /// `sum w r V`, the discrete form of the integral of `w r`.
+    pub(super) fn mean_length(&self) -> f64 {
+        let term = |n: &Neighbor<D>| n.influence * n.volume * n.vector.norm();
+        self.neighbors.iter().map(term).sum()
+    }
+
+    /// The bonds of the particle, one of each pair of opposite ones.
+    pub(super) fn bonds<'a>(
+        &'a self,
+        crystal: &'a Crystal<D>,
+        site: usize,
+    ) -> impl Iterator<Item = ReferenceBond<D>> + 'a {
+        let home = Particle::home(site);
+        let is_first =
+            move |n: &&Neighbor<D>| (n.particle.cell, n.particle.site) > (home.cell, home.site);
+        self.neighbors.iter().filter(is_first).map(move |n| {
+            let volumes = self.volume * crystal.volumes()[n.particle.site];
+            ReferenceBond {
+                particles: [home, n.particle],
+                vector: n.vector,
+                weight: n.influence * n.fraction * volumes,
+            }
+        })
+    }
+}
+
+/// The fraction of a volume that lies within the horizon, for a particle of size `h` at the distance `r`.
+fn fraction(partial: PartialVolumes, horizon: f64, r: f64, h: f64) -> f64 {
+    match partial {
+        PartialVolumes::Whole => 1.0,
+        PartialVolumes::Inside | PartialVolumes::Tapered => {
+            (0.5 + (horizon - r) / h).clamp(0.0, 1.0)
+        }
+    }
+}
+
+/// The inverse of a shape tensor; `None` where it is singular.
+fn inverted<const D: usize>(shape: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
+    let dynamic = DMatrix::from_fn(D, D, |i, j| shape[(i, j)]);
+    let values = dynamic.clone().symmetric_eigenvalues();
+    let is_regular = values.min() > SINGULAR * values.max();
+    let inverse = is_regular.then(|| dynamic.try_inverse()).flatten()?;
+    Some(SMatrix::from_fn(|i, j| inverse[(i, j)]))
+}

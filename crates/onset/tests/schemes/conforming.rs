@@ -1,0 +1,377 @@
+//! Nodal integration with smoothed gradients: the battery, exactness of linear fields, and the modes that it does not see.
+
+use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
+use crate::random::Random;
+use crate::states::{saint_venant_kirchhoff, sheared, turned};
+use nalgebra::{SMatrix, SVector, Vector1};
+use onset::approximation::Approximation;
+use onset::bloch::WaveSystem;
+use onset::continuum::Stiffness;
+use onset::kernel::Kernel;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
+use onset::material::Hyperelastic;
+use onset::method::MethodError;
+use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
+use onset::scheme::{LagrangianPoint, Scheme};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+fn material() -> Box<dyn Hyperelastic> {
+    saint_venant_kirchhoff(0.7, 1.0)
+}
+
+fn choices() -> ConformingChoices {
+    ConformingChoices {
+        density: 1.3,
+        radius: 1.7,
+        ..ConformingChoices::default()
+    }
+}
+
+fn modified(modification: f64) -> ConformingChoices {
+    ConformingChoices {
+        modification,
+        ..choices()
+    }
+}
+
+fn chain() -> Crystal<1> {
+    Crystal::of_lattice(Arrangement::Chain.lattice(0.9).expect("a lattice"))
+}
+
+fn square() -> Crystal<2> {
+    Crystal::of_lattice(Arrangement::Square.lattice(0.9).expect("a lattice"))
+}
+
+fn hexagonal() -> Crystal<2> {
+    Crystal::of_lattice(Arrangement::Hexagonal.lattice(0.9).expect("a lattice"))
+}
+
+fn irregular() -> Crystal<2> {
+    let large = square().supercell([2, 3]).expect("a crystal");
+    large.perturbed(0.15, 4).expect("a crystal")
+}
+
+/// Simple cubic (1, 0), body-centered (-1, 1), face-centered (0, 1) cubic lattices.
+fn cubic(diagonal: f64, rest: f64) -> Crystal<3> {
+    let vectors = SMatrix::<f64, 3, 3>::from_fn(|i, j| if i == j { diagonal } else { rest });
+    Crystal::of_lattice(BravaisLattice::new(vectors).expect("a lattice"))
+}
+
+fn scheme<const D: usize>(
+    crystal: Crystal<D>,
+    choices: &ConformingChoices,
+) -> ConformingIntegration<D> {
+    ConformingIntegration::new(crystal, choices).expect("a method")
+}
+
+fn at_rest<const D: usize>(scheme: &ConformingIntegration<D>) -> WaveSystem<D> {
+    scheme
+        .waves(&*material(), &DeformationGradient::identity())
+        .expect("waves")
+}
+
+fn assert_conforming<const D: usize>(crystal: &Crystal<D>, choices: &ConformingChoices) {
+    let scheme = scheme(crystal.clone(), choices);
+    let (material, state) = (material(), sheared::<D>());
+    assert_scheme(&scheme, &*material, &state);
+    assert_long_waves_are_those_of_the_material(&scheme, &*material, &state, 1e-9);
+}
+
+#[test]
+fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material() {
+    for modification in [0.0, 0.4, 1.0] {
+        let choices = modified(modification);
+        assert_conforming(&chain(), &choices);
+        assert_conforming(&square(), &choices);
+        assert_conforming(&hexagonal(), &choices);
+        assert_conforming(&irregular(), &choices);
+    }
+    let quadratic = ConformingChoices {
+        approximation: Approximation::Mls2,
+        radius: 2.6,
+        ..modified(0.4)
+    };
+    assert_conforming(&hexagonal(), &quadratic);
+    assert_conforming(&irregular(), &quadratic);
+    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    assert_conforming(&honeycomb, &modified(0.4));
+    let boxes = ConformingChoices {
+        domain: SmoothingDomain::Boxes,
+        ..modified(0.4)
+    };
+    assert_conforming(&hexagonal(), &boxes);
+}
+
+#[test]
+fn smoothed_gradients_in_space_pass_the_battery_and_have_the_long_waves_of_the_material() {
+    let small = ConformingChoices {
+        radius: 1.6,
+        boundary_points: 1,
+        ..modified(0.4)
+    };
+    assert_conforming(&cubic(1.0, 0.0), &small);
+    assert_conforming(&cubic(0.0, 1.0), &modified(0.0));
+    let boxes = ConformingChoices {
+        domain: SmoothingDomain::Boxes,
+        ..modified(0.0)
+    };
+    assert_conforming(&cubic(-1.0, 1.0), &boxes);
+}
+
+/// `sum_K X_K (x) b_K`.
+fn moment<const D: usize>(
+    scheme: &ConformingIntegration<D>,
+    point: &LagrangianPoint<D>,
+) -> SMatrix<f64, D, D> {
+    let terms = point.particles().iter().zip(point.gradients());
+    let product = |(particle, b): (&Particle<D>, &SVector<f64, D>)| {
+        scheme.crystal().position(particle) * b.transpose()
+    };
+    terms.map(product).sum()
+}
+
+#[test]
+fn shepard_functions_have_the_long_waves_of_the_material_wherever_the_cells_are_all_alike() {
+    // Opposite faces of the cells of a lattice see the same values: what is wrong with linear fields cancels.
+    for modification in [0.0, 1.0] {
+        let choices = ConformingChoices {
+            approximation: Approximation::Shepard,
+            ..modified(modification)
+        };
+        for crystal in [square(), hexagonal()] {
+            let scheme = scheme(crystal, &choices);
+            let errors = scheme
+                .points()
+                .iter()
+                .map(|point| (moment(&scheme, point) - SMatrix::identity()).amax());
+            let is_exact = errors.fold(0.0, f64::max) < 1e-13;
+            // The pyramids have no opposite faces.
+            assert_eq!(is_exact, modification == 0.0);
+        }
+    }
+    let choices = ConformingChoices {
+        approximation: Approximation::Shepard,
+        ..choices()
+    };
+    assert_conforming(&square(), &choices);
+    assert_conforming(&hexagonal(), &choices);
+    assert_conforming(&cubic(1.0, 0.0), &choices);
+}
+
+#[test]
+fn linear_fields_are_integrated_exactly_on_irregular_particles() {
+    for modification in [0.0, 0.5] {
+        let scheme = scheme(irregular(), &modified(modification));
+        let crystal = scheme.crystal();
+        let mut sums: BTreeMap<usize, SVector<f64, 2>> = BTreeMap::new();
+        for point in scheme.points() {
+            let mut sum = SVector::<f64, 2>::zeros();
+            for (particle, b) in point.particles().iter().zip(point.gradients()) {
+                sum += b;
+                // All images of a particle together: the integral of its gradient over the plane.
+                *sums.entry(particle.site).or_default() += b * point.volume();
+            }
+            // Small pyramids divide rounding errors by their volumes.
+            let tolerance = 1e-13 / point.volume();
+            assert!(sum.amax() < tolerance);
+            assert!((moment(&scheme, point) - SMatrix::identity()).amax() < tolerance);
+        }
+        assert_eq!(sums.len(), 6);
+        assert!(sums.values().all(|sum| sum.amax() < 1e-12));
+        let volume: f64 = scheme.points().iter().map(|point| point.volume()).sum();
+        assert!((volume - crystal.lattice().cell_volume()).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn boxes_on_irregular_particles_leave_forces_at_rest() {
+    let boxes = ConformingChoices {
+        domain: SmoothingDomain::Boxes,
+        ..choices()
+    };
+    let scheme = scheme(irregular(), &boxes);
+    let mut sums: BTreeMap<usize, SVector<f64, 2>> = BTreeMap::new();
+    for point in scheme.points() {
+        for (particle, b) in point.particles().iter().zip(point.gradients()) {
+            *sums.entry(particle.site).or_default() += b * point.volume();
+        }
+    }
+    assert!(sums.values().any(|sum| sum.amax() > 1e-3));
+}
+
+#[test]
+fn boxes_are_the_cells_of_the_square_lattice() {
+    let boxes = ConformingChoices {
+        domain: SmoothingDomain::Boxes,
+        ..choices()
+    };
+    let (conforming, boxes) = (scheme(square(), &choices()), scheme(square(), &boxes));
+    let (a, b) = (&conforming.points()[0], &boxes.points()[0]);
+    assert_eq!(a.particles(), b.particles());
+    for (a, b) in a.gradients().iter().zip(b.gradients()) {
+        assert!((a - b).amax() < 1e-14);
+    }
+}
+
+/// How many modes are without stiffness at the halves of reciprocal vectors.
+fn nullity<const D: usize>(crystal: &Crystal<D>, choices: &ConformingChoices) -> usize {
+    let waves = at_rest(&scheme(crystal.clone(), choices));
+    let scale = waves.stiffness().magnitude();
+    let halves = (1..1_usize << D).map(|bits| {
+        let half = SVector::from_fn(|i, _| 0.5 * (bits >> i & 1) as f64);
+        crystal.lattice().reciprocal() * half
+    });
+    let zeros = halves.map(|k| {
+        let values = waves.omega_squared(&k).into_iter();
+        values.filter(|value| value.norm() < 1e-10 * scale).count()
+    });
+    zeros.sum()
+}
+
+#[test]
+fn smoothing_does_not_see_waves_of_half_a_reciprocal_vector_and_the_modification_does() {
+    // Such a wave is even about every node: the mean gradient of a cell with that center vanishes.
+    for domain in [SmoothingDomain::Voronoi, SmoothingDomain::Boxes] {
+        for boundary_points in [1, 3] {
+            let with = |modification| ConformingChoices {
+                domain,
+                boundary_points,
+                ..modified(modification)
+            };
+            let (plain, stabilized) = (with(0.0), with(0.05));
+            assert_eq!(nullity(&chain(), &plain), 1);
+            assert_eq!(nullity(&square(), &plain), 6);
+            assert_eq!(nullity(&hexagonal(), &plain), 6);
+            assert_eq!(nullity(&chain(), &stabilized), 0);
+            assert_eq!(nullity(&square(), &stabilized), 0);
+            assert_eq!(nullity(&hexagonal(), &stabilized), 0);
+        }
+    }
+    // The corners K of the hexagonal zone, by its threefold axes.
+    for (modification, zeros) in [(0.0, 2), (0.05, 0)] {
+        let waves = at_rest(&scheme(hexagonal(), &modified(modification)));
+        let corner = hexagonal().lattice().reciprocal() * SVector::<f64, 2>::new(2.0, 1.0) / 3.0;
+        let values = waves.omega_squared(&corner).into_iter();
+        assert_eq!(values.filter(|value| value.norm() < 1e-10).count(), zeros);
+    }
+    assert_eq!(nullity(&cubic(1.0, 0.0), &modified(0.0)), 21);
+    assert_eq!(nullity(&cubic(1.0, 0.0), &modified(0.05)), 0);
+}
+
+#[test]
+fn on_a_chain_with_two_neighbors_at_the_midpoints_smoothing_is_the_central_difference() {
+    let (radius, c) = (1.2 * 0.9, 0.3);
+    let weight = |q: f64| {
+        let weight = Kernel::QuarticSpline.weight(&Vector1::new(q), radius, &SMatrix::identity());
+        weight.map_or(0.0, |weight| weight.value)
+    };
+    let of = |modification| {
+        at_rest(&scheme(
+            chain(),
+            &ConformingChoices {
+                radius,
+                approximation: Approximation::Shepard,
+                ..modified(modification)
+            },
+        ))
+    };
+    // E / (rho h^2)
+    let unit = 2.7 / (1.3 * 0.9 * 0.9);
+    let plain = of(0.0);
+    for angle in [0.2_f64, 1.0, PI / 2.0, 2.8] {
+        let found = plain.omega_squared(&Vector1::new(angle / 0.9))[0].re;
+        assert!((found - unit * angle.sin().powi(2)).abs() < 1e-12);
+    }
+    // The halves of a cell at the shortest wave: from the value at the node to zero, over h/2.
+    let w = weight(0.9) / weight(0.0);
+    let slope = 2.0 * (1.0 - 2.0 * w) / (1.0 + 2.0 * w);
+    let found = of(c).omega_squared(&Vector1::new(PI / 0.9))[0].re;
+    assert!((found - c * unit * slope * slope).abs() < 1e-12);
+}
+
+#[test]
+fn a_rotation_of_everything_and_one_of_the_body_alone_change_no_frequency() {
+    let turn = turned::<2>();
+    let state = sheared::<2>();
+    let turned_state = state.with_leading(&(turn * state.leading::<2>() * turn.transpose()));
+    let superposed = state.with_leading(&(turn * state.leading::<2>()));
+    let straight = irregular();
+    let lattice = straight.lattice().mapped(&turn).expect("a lattice");
+    let oblique = Crystal::new(lattice, straight.sites().to_vec()).expect("a crystal");
+    let choices = modified(0.3);
+    let waves = |crystal: &Crystal<2>, f| {
+        let scheme = scheme(crystal.clone(), &choices);
+        scheme.waves(&*material(), f).expect("waves")
+    };
+    let expected = waves(&straight, &state);
+    let (oblique, superposed) = (
+        waves(&oblique, &turned_state),
+        waves(&straight, &superposed),
+    );
+    let mut random = Random::new(4);
+    for _ in 0..4 {
+        let k = SVector::<f64, 2>::from_fn(|_, _| 2.0 * random.number());
+        let expected = expected.omega_squared(&k);
+        for found in [
+            oblique.omega_squared(&(turn * k)),
+            superposed.omega_squared(&k),
+        ] {
+            for (a, b) in expected.iter().zip(found) {
+                assert!((a - b).norm() < 1e-10, "{a} turned is {b}");
+            }
+        }
+    }
+}
+
+fn assert_stable_where_elliptic<const D: usize>(crystal: &Crystal<D>) {
+    let material = material();
+    let grid = WaveGrids::new(*crystal.lattice()).grid(12);
+    for stretch in [0.45, 0.56, 0.58, 0.8, 1.3] {
+        let state = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+        let elliptic = Stiffness::<D>::at(&*material, &state).expect("a tangent");
+        for modification in [0.0, 0.3, 1.0] {
+            let scheme = scheme(crystal.clone(), &modified(modification));
+            let waves = scheme.waves(&*material, &state).expect("waves");
+            let longest = waves.long_wave_stiffness().minimum().eigenvalue.re;
+            let grows = |k: &SVector<f64, D>| waves.omega_squared(k)[0].re < -1e-10;
+            let is_stable = longest > -1e-10 && !grid.wave_vectors().iter().any(grows);
+            assert_eq!(is_stable, elliptic.is_strongly_elliptic(), "at {stretch}");
+        }
+    }
+}
+
+#[test]
+fn on_lattices_the_modification_hides_no_instability_of_the_material_and_adds_none() {
+    assert_stable_where_elliptic(&chain());
+    assert_stable_where_elliptic(&square());
+    assert_stable_where_elliptic(&hexagonal());
+}
+
+#[test]
+fn choices_out_of_range_are_refused() {
+    let refused = |choices: ConformingChoices| {
+        ConformingIntegration::new(square(), &choices).expect_err("out of range")
+    };
+    let out_of_range = |error| matches!(error, MethodError::OutOfRange { .. });
+    assert!(out_of_range(refused(modified(-0.1))));
+    assert!(out_of_range(refused(modified(1.1))));
+    assert!(out_of_range(refused(modified(f64::NAN))));
+    let points = |boundary_points| ConformingChoices {
+        boundary_points,
+        ..choices()
+    };
+    assert!(out_of_range(refused(points(0))));
+    assert!(out_of_range(refused(points(100))));
+    let radius = |radius| ConformingChoices {
+        radius,
+        ..choices()
+    };
+    assert!(refused(radius(0.4)).is_about_support());
+    assert!(refused(radius(1e6)).is_about_support());
+    assert!(matches!(
+        refused(radius(-1.0)),
+        MethodError::NotPositive { .. }
+    ));
+}

@@ -1,0 +1,560 @@
+//! Finite elements: the battery, and what the textbooks know.
+
+use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
+use crate::random::Random;
+use crate::states::{saint_venant_kirchhoff, sheared, turned};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector1, Vector2, Vector3};
+use onset::bloch::{WaveSystem, ZoneSearch};
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
+use onset::material::Hyperelastic;
+use onset::method::MethodError;
+use onset::scheme::Scheme;
+use onset::scheme::element::{
+    ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
+    Integration, Mesh, MeshError,
+};
+use std::f64::consts::{PI, TAU};
+
+const LAMBDA: f64 = 0.7;
+const MU: f64 = 1.0;
+/// `lambda + 2 mu`.
+const MODULUS: f64 = LAMBDA + 2.0 * MU;
+const SPACING: f64 = 0.8;
+const DENSITY: f64 = 1.3;
+
+const ONE_POINT: Formulation = Formulation {
+    integration: Integration::OnePoint,
+    hourglass_stiffness: 0.0,
+    hourglass_viscosity: 0.0,
+    mass: ElementMass::Lumped,
+};
+
+fn full() -> Formulation {
+    Formulation::default()
+}
+
+fn consistent() -> Formulation {
+    Formulation {
+        mass: ElementMass::Consistent,
+        ..full()
+    }
+}
+
+fn controlled(hourglass_stiffness: f64) -> Formulation {
+    Formulation {
+        hourglass_stiffness,
+        ..ONE_POINT
+    }
+}
+
+fn elements<const D: usize>(mesh: ElementMesh, formulation: Formulation) -> FiniteElements<D> {
+    FiniteElements::new(&ElementChoices {
+        mesh,
+        spacing: SPACING,
+        density: DENSITY,
+        formulation,
+    })
+    .expect("elements")
+}
+
+fn material() -> Box<dyn Hyperelastic> {
+    saint_venant_kirchhoff(LAMBDA, MU)
+}
+
+fn at_rest<const D: usize>(scheme: &FiniteElements<D>) -> WaveSystem<D> {
+    scheme
+        .waves(&*material(), &DeformationGradient::identity())
+        .expect("waves")
+}
+
+fn maximum_omega_squared<const D: usize>(scheme: &FiniteElements<D>) -> f64 {
+    let search = ZoneSearch::of_lattice(*scheme.crystal().lattice(), MODULUS / DENSITY);
+    search.summary_of(&at_rest(scheme)).maximum_omega.powi(2)
+}
+
+/// `omega^2` in units of `(lambda + 2 mu) / (rho h^2)`.
+fn in_units(omega_squared: f64) -> f64 {
+    omega_squared * DENSITY * SPACING * SPACING / MODULUS
+}
+
+fn wave<const D: usize>(random: &mut Random) -> SVector<f64, D> {
+    SVector::from_fn(|_, _| PI * random.number() / SPACING)
+}
+
+/// What every mesh is put through.
+fn assert_elements<const D: usize>(mesh: Mesh<D>) {
+    let (material, state) = (material(), sheared::<D>());
+    // Hourglass modes of a supercell are waves of infinite length without stiffness: no limit of long waves is defined.
+    let hides_hourglass =
+        mesh.shape() == ElementShape::Multilinear && D > 1 && mesh.crystal().sites().len() > 1;
+    let mut formulations = vec![full(), consistent(), ONE_POINT];
+    if mesh.shape() == ElementShape::Multilinear {
+        formulations.push(controlled(0.3));
+    }
+    for formulation in formulations {
+        let scheme = FiniteElements::on(mesh.clone(), DENSITY, formulation).expect("elements");
+        assert_scheme(&scheme, &*material, &state);
+        if !(hides_hourglass && formulation == ONE_POINT) {
+            assert_long_waves_are_those_of_the_material(&scheme, &*material, &state, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn elements_of_every_kind_pass_the_battery_and_have_the_long_waves_of_the_material() {
+    for mesh in ElementMesh::ALL {
+        match mesh.dimension() {
+            1 => assert_elements::<1>(mesh.mesh(SPACING).expect("a mesh")),
+            2 => assert_elements::<2>(mesh.mesh(SPACING).expect("a mesh")),
+            _ => assert_elements::<3>(mesh.mesh(SPACING).expect("a mesh")),
+        }
+    }
+}
+
+#[test]
+fn distorted_elements_pass_the_patch_test_with_hourglass_control_too() {
+    let bars = ElementMesh::Bars.mesh::<1>(SPACING).expect("a mesh");
+    let bars = bars.supercell([3]).expect("a mesh");
+    assert_elements(bars.perturbed(0.2, 1).expect("a mesh"));
+    for mesh in [
+        ElementMesh::Quadrilaterals,
+        ElementMesh::Triangles,
+        ElementMesh::TrianglesCrossed,
+    ] {
+        let mesh = mesh.mesh::<2>(SPACING).expect("a mesh");
+        let mesh = mesh.supercell([2, 2]).expect("a mesh");
+        assert_elements(mesh.perturbed(0.1, 2).expect("a mesh"));
+    }
+}
+
+#[test]
+fn elements_on_any_lattice_pass_the_battery() {
+    let mut random = Random::new(8);
+    let vectors = SMatrix::<f64, 3, 3>::identity() + SMatrix::from_fn(|_, _| 0.3 * random.number());
+    let lattice = BravaisLattice::new(vectors).expect("a lattice");
+    assert_elements(Mesh::parallelepipeds(lattice));
+    assert_elements(Mesh::simplices(lattice));
+}
+
+/// The same mesh, turned about the origin.
+fn turned_mesh<const D: usize>(mesh: &Mesh<D>, turn: &SMatrix<f64, D, D>) -> Mesh<D> {
+    let crystal = mesh.crystal();
+    let lattice = crystal.lattice().mapped(turn).expect("a lattice");
+    let crystal = match crystal.sites().len() {
+        1 => Crystal::of_lattice(lattice),
+        _ => Crystal::new(lattice, crystal.sites().to_vec()).expect("a crystal"),
+    };
+    Mesh::new(crystal, mesh.shape(), mesh.elements().to_vec()).expect("a mesh")
+}
+
+fn assert_turns<const D: usize>(mesh: ElementMesh) {
+    let turn = turned::<D>();
+    let mesh = mesh.mesh::<D>(SPACING).expect("a mesh");
+    let formulation = match mesh.shape() {
+        ElementShape::Simplex => consistent(),
+        ElementShape::Multilinear => controlled(0.2),
+    };
+    let state = sheared::<D>();
+    let turned_state = state.with_leading(&(turn * state.leading::<D>() * turn.transpose()));
+    // Only what the particles do to each other counts, not how the whole stands in space.
+    let superposed = state.with_leading(&(turn * state.leading::<D>()));
+    let on = |mesh: Mesh<D>| FiniteElements::on(mesh, DENSITY, formulation).expect("elements");
+    let (straight, oblique) = (on(mesh.clone()), on(turned_mesh(&mesh, &turn)));
+    let waves = |scheme: &FiniteElements<D>, f| scheme.waves(&*material(), f).expect("waves");
+    let expected = waves(&straight, &state);
+    let mut random = Random::new(4);
+    for _ in 0..3 {
+        let k = wave::<D>(&mut random);
+        let expected = expected.omega_squared(&k);
+        for found in [
+            waves(&oblique, &turned_state).omega_squared(&(turn * k)),
+            waves(&straight, &superposed).omega_squared(&k),
+        ] {
+            for (a, b) in expected.iter().zip(found) {
+                assert!((a - b).norm() < 1e-9 * MODULUS, "{a} turned is {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rotation_of_everything_and_one_of_the_body_alone_change_no_frequency() {
+    for mesh in [
+        ElementMesh::Quadrilaterals,
+        ElementMesh::Triangles,
+        ElementMesh::TrianglesAlternating,
+        ElementMesh::TrianglesCrossed,
+        ElementMesh::TrianglesEquilateral,
+    ] {
+        assert_turns::<2>(mesh);
+    }
+    for mesh in [
+        ElementMesh::Bricks,
+        ElementMesh::Tetrahedra,
+        ElementMesh::TetrahedraBodyCentered,
+    ] {
+        assert_turns::<3>(mesh);
+    }
+}
+
+#[test]
+fn bars_vibrate_at_most_with_twice_or_with_the_root_of_twelve_the_speed_over_the_length() {
+    for (formulation, highest) in [(full(), 4.0), (ONE_POINT, 4.0), (consistent(), 12.0)] {
+        let bars = elements::<1>(ElementMesh::Bars, formulation);
+        let found = in_units(maximum_omega_squared(&bars));
+        assert!((found - highest).abs() < 1e-9, "{found}");
+        let k = Vector1::new(PI / SPACING);
+        let found = in_units(at_rest(&bars).omega_squared(&k)[0].re);
+        assert!((found - highest).abs() < 1e-12, "{found}");
+    }
+}
+
+#[test]
+fn one_point_quadrilaterals_have_two_hourglass_modes_and_no_others() {
+    let squares = elements::<2>(ElementMesh::Quadrilaterals, ONE_POINT);
+    let waves = at_rest(&squares);
+    let corner = waves.omega_squared(&Vector2::repeat(PI / SPACING));
+    assert!(
+        corner.iter().all(|value| value.norm() < 1e-12),
+        "{corner:?}"
+    );
+    let mut random = Random::new(2);
+    for _ in 0..50 {
+        let k = wave::<2>(&mut random);
+        // D(k) = Q(s), s = 2/h (sin x cos y, cos x sin y) of the half angles.
+        let (x, y) = (0.5 * k[0] * SPACING, 0.5 * k[1] * SPACING);
+        let s = Vector2::new(x.sin() * y.cos(), x.cos() * y.sin()) * (2.0 / SPACING);
+        let found = waves.omega_squared(&k);
+        let expected = [MU, MODULUS].map(|modulus| modulus * s.norm_squared() / DENSITY);
+        assert!((found[0].re - expected[0]).abs() < 1e-11);
+        assert!((found[1].re - expected[1]).abs() < 1e-11);
+    }
+    assert!((in_units(maximum_omega_squared(&squares)) - 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn one_point_bricks_have_twelve_hourglass_modes() {
+    // u = g sin-type products: the four modes of a brick alternate along two or three axes.
+    let waves = at_rest(&elements::<3>(ElementMesh::Bricks, ONE_POINT));
+    let controlled = at_rest(&elements::<3>(ElementMesh::Bricks, controlled(1e-3)));
+    let mut nullity = 0;
+    for corner in 1..8_usize {
+        let k = Vector3::from_fn(|i, _| (corner >> i & 1) as f64 * PI / SPACING);
+        let zeros = |waves: &WaveSystem<3>| {
+            let values = waves.omega_squared(&k).into_iter();
+            values
+                .filter(|value| in_units(value.norm()) < 1e-12)
+                .count()
+        };
+        nullity += zeros(&waves);
+        assert_eq!(zeros(&controlled), 0);
+    }
+    assert_eq!(nullity, 12);
+    // Along an edge of the zone too nothing is resisted.
+    for along in [0.3, 1.7] {
+        let k = Vector3::new(PI, PI, along) / SPACING;
+        assert!(in_units(waves.omega_squared(&k)[0].norm()) < 1e-12);
+        assert!(in_units(controlled.omega_squared(&k)[0].re) > 1e-4);
+    }
+}
+
+/// The stiffness and the mass of a row of bars of unit length, as a multiple of `E/h` and `rho h`: `2 - 2 cos`, `(2 + cos) / 3`.
+fn row(angle: f64) -> (f64, f64) {
+    (2.0 - 2.0 * angle.cos(), (2.0 + angle.cos()) / 3.0)
+}
+
+#[test]
+fn fully_integrated_squares_and_cubes_are_products_of_rows_of_bars() {
+    let mut random = Random::new(6);
+    let squares = at_rest(&elements::<2>(ElementMesh::Quadrilaterals, full()));
+    let cubes = at_rest(&elements::<3>(ElementMesh::Bricks, full()));
+    let heavy = at_rest(&elements::<3>(ElementMesh::Bricks, consistent()));
+    for _ in 0..20 {
+        let k = wave::<3>(&mut random);
+        let angles = k * SPACING;
+        let (stiffness, mass): (Vec<f64>, Vec<f64>) =
+            angles.iter().map(|angle| row(*angle)).unzip();
+        let product = |dimension: usize, but: [usize; 2]| -> f64 {
+            let axes = (0..dimension).filter(|axis| !but.contains(axis));
+            axes.map(|axis| mass[axis]).product()
+        };
+        let entry = |dimension: usize, i: usize, j: usize| {
+            let scale = SPACING.powi(dimension as i32 - 2);
+            let along = |axis: usize| stiffness[axis] * product(dimension, [axis; 2]);
+            let value = if i == j {
+                (0..dimension)
+                    .map(|axis| if axis == i { MODULUS } else { MU } * along(axis))
+                    .sum()
+            } else {
+                (LAMBDA + MU) * angles[i].sin() * angles[j].sin() * product(dimension, [i, j])
+            };
+            scale * value
+        };
+        let (plane, space) = (
+            squares.stiffness().at(&Vector2::new(k[0], k[1])),
+            cubes.stiffness().at(&k),
+        );
+        for i in 0..3 {
+            for j in 0..3 {
+                assert!((space[(i, j)].re - entry(3, i, j)).abs() < 1e-12);
+                if i < 2 && j < 2 {
+                    assert!((plane[(i, j)].re - entry(2, i, j)).abs() < 1e-12);
+                }
+            }
+        }
+        let whole = DENSITY * SPACING.powi(3) * product(3, [3; 2]);
+        assert!((heavy.mass_at(&k)[(1, 1)].re - whole).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn one_coefficient_of_hourglass_control_makes_full_integration_of_squares() {
+    // Both differ from one point by sin^2 sin^2: 2 kappa (lambda + 2 mu) there, 4/3 (lambda + 3 mu) here.
+    let kappa = 2.0 * (LAMBDA + 3.0 * MU) / (3.0 * MODULUS);
+    let integrated = at_rest(&elements::<2>(ElementMesh::Quadrilaterals, full()));
+    let controlled = at_rest(&elements::<2>(
+        ElementMesh::Quadrilaterals,
+        controlled(kappa),
+    ));
+    let mut random = Random::new(7);
+    for _ in 0..20 {
+        let k = wave::<2>(&mut random);
+        let (a, b) = (integrated.stiffness().at(&k), controlled.stiffness().at(&k));
+        assert!((a - b).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn any_hourglass_stiffness_lifts_the_modes_and_only_one_beyond_two_costs_time_step() {
+    for kappa in [1e-6, 0.05, 1.0, 2.0, 2.2, 5.0] {
+        let squares = elements::<2>(ElementMesh::Quadrilaterals, controlled(kappa));
+        let corner = at_rest(&squares).omega_squared(&Vector2::repeat(PI / SPACING));
+        for value in corner {
+            assert!((in_units(value.re) / (2.0 * kappa) - 1.0).abs() < 1e-9);
+        }
+        let highest = in_units(maximum_omega_squared(&squares));
+        assert!(
+            (highest - 4.0_f64.max(2.0 * kappa)).abs() < 1e-8,
+            "{kappa}: {highest}"
+        );
+    }
+    let integrated = elements::<2>(ElementMesh::Quadrilaterals, full());
+    assert!((in_units(maximum_omega_squared(&integrated)) - 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn hourglass_viscosity_damps_the_modes_and_leaves_them_without_stiffness() {
+    let epsilon = 0.1;
+    let squares = elements::<2>(
+        ElementMesh::Quadrilaterals,
+        Formulation {
+            hourglass_viscosity: epsilon,
+            ..ONE_POINT
+        },
+    );
+    let frequencies = at_rest(&squares).frequencies(&Vector2::repeat(PI / SPACING));
+    let rate = 2.0_f64.sqrt() * epsilon * (MODULUS / DENSITY).sqrt() / SPACING;
+    let expected = [0.0, 0.0, -rate, -rate];
+    for (found, expected) in frequencies.iter().zip(expected) {
+        assert!(
+            found.re.abs() < 1e-6 && (found.im - expected).abs() < 1e-6,
+            "{found}"
+        );
+    }
+    // Waves along an axis contain no hourglass.
+    let along = at_rest(&squares).frequencies(&Vector2::new(1.1, 0.0));
+    assert!(along.iter().all(|omega| omega.im.abs() < 1e-9));
+}
+
+#[test]
+fn equilateral_triangles_with_equal_lame_constants_are_a_lattice_of_springs() {
+    let scheme = elements::<2>(ElementMesh::TrianglesEquilateral, full());
+    let material = saint_venant_kirchhoff(MU, MU);
+    let waves = scheme
+        .waves(&*material, &DeformationGradient::identity())
+        .expect("waves");
+    let spring = 4.0 * MU / 3.0_f64.sqrt();
+    let mut random = Random::new(9);
+    for _ in 0..10 {
+        let k = wave::<2>(&mut random);
+        let of_angle = |n: usize| {
+            let (sine, cosine) = (n as f64 * TAU / 6.0).sin_cos();
+            let direction = Vector2::new(cosine, sine);
+            let factor = 2.0 * spring * (1.0 - (k.dot(&direction) * SPACING).cos());
+            direction * direction.transpose() * factor
+        };
+        let expected: Matrix2<f64> = (0..3).map(of_angle).sum();
+        let found = waves.stiffness().at(&k);
+        for i in 0..2 {
+            for j in 0..2 {
+                assert!((found[(i, j)].re - expected[(i, j)]).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+/// `tr K = (lambda + (D + 1) mu) sum_q V_q |B_q|^2`: that of the Laplacian on the same mesh.
+fn assert_laplacian<const D: usize>(
+    mesh: ElementMesh,
+    laplacian: impl Fn(&SVector<f64, D>) -> f64,
+) {
+    let waves = at_rest(&elements::<D>(mesh, full()));
+    let mut random = Random::new(10);
+    for _ in 0..10 {
+        let k = wave::<D>(&mut random);
+        let found = waves.stiffness().at(&k).trace();
+        let expected = (LAMBDA + (D + 1) as f64 * MU) * laplacian(&k);
+        assert!(
+            (found.re - expected).abs() < 1e-11,
+            "{}: {found}, {expected}",
+            mesh.name()
+        );
+    }
+}
+
+#[test]
+fn simplices_of_squares_and_cubes_are_the_differences_along_the_axes() {
+    let plane = |k: &Vector2<f64>| k.iter().map(|k| row(k * SPACING).0).sum::<f64>();
+    assert_laplacian::<2>(ElementMesh::Triangles, plane);
+    let space = |k: &Vector3<f64>| SPACING * k.iter().map(|k| row(k * SPACING).0).sum::<f64>();
+    assert_laplacian::<3>(ElementMesh::Tetrahedra, space);
+    // The long edges of body-centered tetrahedra see right angles, whose cotangent is zero: the eight nearest remain.
+    let centered = |k: &Vector3<f64>| {
+        let cosines: f64 = k.iter().map(|k| (0.5 * k * SPACING).cos()).product();
+        4.0 * SPACING * (1.0 - cosines)
+    };
+    assert_laplacian::<3>(ElementMesh::TetrahedraBodyCentered, centered);
+}
+
+#[test]
+fn alternating_and_crossed_triangles_are_the_same_mesh_turned_by_an_eighth() {
+    let lumped = |mesh, spacing| {
+        FiniteElements::<2>::new(&ElementChoices {
+            mesh,
+            spacing,
+            ..ElementChoices::default()
+        })
+        .expect("elements")
+    };
+    let alternating = at_rest(&lumped(ElementMesh::TrianglesAlternating, 1.0));
+    let crossed = at_rest(&lumped(ElementMesh::TrianglesCrossed, 2.0_f64.sqrt()));
+    let (sine, cosine) = (TAU / 8.0).sin_cos();
+    let turn = Matrix2::new(cosine, -sine, sine, cosine);
+    let mut random = Random::new(11);
+    for _ in 0..10 {
+        let k = wave::<2>(&mut random);
+        let turned = crossed.omega_squared(&(turn * k));
+        for (a, b) in alternating.omega_squared(&k).iter().zip(turned) {
+            assert!((a - b).norm() < 1e-11);
+        }
+    }
+}
+
+/// Whether no wave of the grid, nor any long one, grows.
+fn is_stable<const D: usize>(waves: &WaveSystem<D>) -> bool {
+    let grid = WaveGrids::new(*waves.crystal().lattice()).grid(12);
+    let grows = |k: &SVector<f64, D>| waves.omega_squared(k)[0].re < -1e-10;
+    let longest = waves.long_wave_stiffness().minimum().eigenvalue.re;
+    longest > -1e-10 && !grid.wave_vectors().iter().any(grows)
+}
+
+fn assert_stable_where_elliptic<const D: usize>(mesh: ElementMesh) {
+    let material = material();
+    let mut formulations = vec![full(), consistent(), ONE_POINT];
+    if mesh.mesh::<D>(1.0).expect("a mesh").shape() == ElementShape::Multilinear {
+        formulations.push(controlled(1.0));
+    }
+    let schemes: Vec<FiniteElements<D>> = formulations
+        .into_iter()
+        .map(|formulation| elements(mesh, formulation))
+        .collect();
+    let mut seen = [false; 2];
+    for stretch in [0.45, 0.56, 0.58, 0.7, 0.9, 1.3] {
+        let state = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+        let elliptic = Stiffness::<D>::at(&*material, &state).expect("a tangent");
+        let is_elliptic = elliptic.is_strongly_elliptic();
+        seen[usize::from(is_elliptic)] = true;
+        for scheme in &schemes {
+            let waves = scheme.waves(&*material, &state).expect("waves");
+            assert_eq!(
+                is_stable(&waves),
+                is_elliptic,
+                "{} at {stretch}",
+                mesh.name()
+            );
+        }
+    }
+    assert_eq!(seen, [true; 2]);
+}
+
+#[test]
+fn elements_with_one_node_in_a_cell_are_stable_exactly_where_the_material_is_elliptic() {
+    assert_stable_where_elliptic::<1>(ElementMesh::Bars);
+    assert_stable_where_elliptic::<2>(ElementMesh::Quadrilaterals);
+    assert_stable_where_elliptic::<2>(ElementMesh::Triangles);
+    assert_stable_where_elliptic::<2>(ElementMesh::TrianglesEquilateral);
+    assert_stable_where_elliptic::<3>(ElementMesh::Bricks);
+    assert_stable_where_elliptic::<3>(ElementMesh::Tetrahedra);
+    assert_stable_where_elliptic::<3>(ElementMesh::TetrahedraBodyCentered);
+}
+
+#[test]
+fn a_supercell_has_the_frequencies_of_the_mesh() {
+    let mesh = ElementMesh::TetrahedraAlternating
+        .mesh::<3>(SPACING)
+        .expect("a mesh");
+    let large = mesh.supercell([2, 1, 1]).expect("a mesh");
+    let on = |mesh| at_rest(&FiniteElements::on(mesh, DENSITY, full()).expect("elements"));
+    let (small, large) = (on(mesh), on(large));
+    let k = Vector3::new(0.3, 0.7, -0.2);
+    let large = large.omega_squared(&k);
+    for value in small.omega_squared(&k) {
+        let nearest = large.iter().map(|other| (other - value).norm());
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-10);
+    }
+}
+
+#[test]
+fn what_is_no_mesh_is_refused() {
+    let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let node = |cell| Particle { site: 0, cell };
+    let made = |shape, nodes: &[[i32; 2]]| {
+        let nodes = nodes.iter().map(|cell| node(*cell)).collect();
+        Mesh::new(Crystal::of_lattice(square), shape, vec![nodes])
+    };
+    let (triangle, quadrilateral) = (ElementShape::Simplex, ElementShape::Multilinear);
+    let (o, x, y, xy) = ([0, 0], [1, 0], [0, 1], [1, 1]);
+    assert!(made(quadrilateral, &[o, x, y, xy]).is_ok());
+    let gap = made(triangle, &[o, x, y]);
+    assert!(matches!(gap, Err(MeshError::Volume { .. })), "{gap:?}");
+    let around = made(quadrilateral, &[o, x, xy, y]);
+    assert!(matches!(around, Err(MeshError::Distorted { element: 0 })));
+    let flat = made(triangle, &[o, x, [2, 0]]);
+    assert!(matches!(flat, Err(MeshError::Distorted { element: 0 })));
+    let short = made(triangle, &[o, x]);
+    assert!(matches!(
+        short,
+        Err(MeshError::NodeCount {
+            nodes: 2,
+            needed: 3,
+            ..
+        })
+    ));
+    let mesh = Mesh::parallelepipeds(square);
+    let needless = Formulation {
+        hourglass_stiffness: 0.1,
+        ..full()
+    };
+    let refused = FiniteElements::on(mesh.clone(), 1.0, needless);
+    assert!(matches!(
+        refused,
+        Err(MethodError::Mesh(MeshError::NeedlessControl))
+    ));
+    let refused = FiniteElements::on(mesh.clone(), 1.0, controlled(-1.0));
+    assert!(matches!(refused, Err(MethodError::OutOfRange { .. })));
+    assert!(FiniteElements::on(mesh, 0.0, full()).is_err());
+    assert!(ElementMesh::Bricks.mesh::<2>(1.0).is_err());
+    assert!(ElementMesh::Bricks.mesh::<3>(-1.0).is_err());
+}

@@ -1,0 +1,453 @@
+//! Peridynamics: closed forms of bonds and of families, and what its models do with a material.
+
+use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
+use nalgebra::{SMatrix, SVector};
+use onset::bloch::WaveSystem;
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::method::MethodError;
+use onset::scheme::{
+    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices, Scheme,
+    ZeroEnergyControl,
+};
+use std::f64::consts::PI;
+
+const BONDS: BondModel = BondModel::BondBased {
+    calibration: Calibration::Continuum,
+};
+const CALIBRATED: BondModel = BondModel::BondBased {
+    calibration: Calibration::Discrete,
+};
+
+fn correspondence(control: ZeroEnergyControl) -> BondModel {
+    BondModel::Correspondence { control }
+}
+
+fn choices(horizon: f64, model: BondModel) -> PeridynamicsChoices {
+    PeridynamicsChoices {
+        horizon,
+        model,
+        ..PeridynamicsChoices::default()
+    }
+}
+
+/// Chain, square and simple cubic lattices of spacing one.
+fn cubic<const D: usize>() -> Crystal<D> {
+    Crystal::of_lattice(BravaisLattice::new(SMatrix::identity()).expect("a lattice"))
+}
+
+fn hexagonal() -> Crystal<2> {
+    Crystal::of_lattice(Arrangement::Hexagonal.lattice(1.0).expect("a lattice"))
+}
+
+fn body<const D: usize>(crystal: Crystal<D>, choices: PeridynamicsChoices) -> Peridynamics<D> {
+    Peridynamics::new(crystal, choices).expect("a discretization")
+}
+
+fn state<const D: usize>() -> DeformationGradient {
+    let stretched = |d: f64| DeformationGradient::from_stretches([d, 1.0, 1.0]);
+    match D {
+        1 => stretched(1.15),
+        2 => DeformationGradient::plane_strain([[1.1, 0.15], [-0.05, 0.92]], 1.03),
+        _ => DeformationGradient::new([[1.1, 0.1, 0.0], [-0.05, 0.95, 0.1], [0.02, 0.0, 1.04]]),
+    }
+    .expect("a state")
+}
+
+fn waves<const D: usize>(body: &Peridynamics<D>, f: &DeformationGradient) -> WaveSystem<D> {
+    body.waves(&ModifiedMooneyRivlin::default(), f)
+        .expect("an evaluable state")
+}
+
+/// `A_iijj` at rest, summed over `D` dimensions.
+fn trace<const D: usize>() -> f64 {
+    let rest = DeformationGradient::identity();
+    let response = ModifiedMooneyRivlin::default()
+        .response(&rest)
+        .expect("a response");
+    let entries = (0..D).flat_map(|i| (0..D).map(move |j| (i, i, j, j)));
+    entries.map(|entry| response.tangent[entry]).sum()
+}
+
+fn half_reciprocal_vectors<const D: usize>(crystal: &Crystal<D>) -> Vec<SVector<f64, D>> {
+    (1..1 << D)
+        .map(|bits| {
+            let half = SVector::from_fn(|i, _| 0.5 * f64::from((bits >> i) & 1));
+            crystal.lattice().reciprocal() * half
+        })
+        .collect()
+}
+
+#[test]
+fn every_model_passes_the_battery_in_every_dimension() {
+    let penalty = ZeroEnergyControl::Penalty { coefficient: 0.7 };
+    let hourglass = ZeroEnergyControl::Hourglass { coefficient: 0.7 };
+    let models = [
+        BONDS,
+        CALIBRATED,
+        correspondence(ZeroEnergyControl::None),
+        correspondence(penalty),
+        correspondence(hourglass),
+    ];
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64, models: &[BondModel]) {
+        let material = ModifiedMooneyRivlin::default();
+        for model in models.iter().copied() {
+            let choices = PeridynamicsChoices {
+                partial_volumes: PartialVolumes::Tapered,
+                influence: Influence::Gaussian,
+                ..choices(horizon, model)
+            };
+            assert_scheme(&body(crystal.clone(), choices), &material, &state::<D>());
+        }
+    }
+    checked(&cubic::<1>(), 2.0, &models);
+    checked(&cubic::<2>(), 1.5, &models);
+    checked(&cubic::<3>(), 1.0, &models);
+    checked(&hexagonal(), 1.2, &models);
+    // Where a particle is no center of inversion, the pair forces of a sheared state do not balance.
+    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    checked(&honeycomb, 1.3, &models[2..]);
+}
+
+#[test]
+fn a_chain_of_bonds_has_the_dispersion_of_the_sum_over_its_family() {
+    let horizon = 3;
+    for influence in [Influence::Constant, Influence::Inverse] {
+        let choices = PeridynamicsChoices {
+            density: 2.0,
+            influence,
+            ..choices(f64::from(horizon), BONDS)
+        };
+        let system = waves(
+            &body(cubic::<1>(), choices),
+            &DeformationGradient::identity(),
+        );
+        let delta = f64::from(horizon);
+        // c = 2 E / delta^2 for w = 1, E / delta^2 for w = delta / r.
+        let (modulus, power) = match influence {
+            Influence::Constant => (2.0 * trace::<1>() / delta.powi(2), 1),
+            _ => (trace::<1>() / delta, 2),
+        };
+        for k in [0.2, 1.0, 2.5, PI] {
+            let term = |j: i32| 2.0 * (1.0 - (k * f64::from(j)).cos()) / f64::from(j).powi(power);
+            let expected = modulus / 2.0 * (1..=horizon).map(term).sum::<f64>();
+            let found = system.omega_squared(&SVector::from_element(k))[0].re;
+            assert!(
+                (found - expected).abs() < 1e-13 * expected,
+                "{found} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_micromodulus_of_the_continuum_is_that_of_the_textbook() {
+    let material = ModifiedMooneyRivlin::default();
+    let modulus = |found: Result<f64, _>| found.expect("a modulus");
+    let delta = 3.0_f64;
+    let chain = body(cubic::<1>(), choices(delta, BONDS));
+    let found = modulus(chain.micromodulus(&material, Calibration::Continuum));
+    assert!((found - 2.0 * trace::<1>() / delta.powi(2)).abs() < 1e-10);
+    // Plane strain: 48 E / (5 pi delta^3) where Poisson's ratio is 1/4, E = 5/2 mu, trace 8 mu.
+    let plane = body(cubic::<2>(), choices(delta, BONDS));
+    let found = modulus(plane.micromodulus(&material, Calibration::Continuum));
+    let young = 2.5 * trace::<2>() / 8.0;
+    assert!((found - 48.0 * young / (5.0 * PI * delta.powi(3))).abs() < 1e-10);
+    // Space: 18 K / (pi delta^4), trace 9 K.
+    let space = body(cubic::<3>(), choices(delta, BONDS));
+    let found = modulus(space.micromodulus(&material, Calibration::Continuum));
+    assert!((found - 2.0 * trace::<3>() / (PI * delta.powi(4))).abs() < 1e-10);
+}
+
+/// `C_1212` and `C_1122` of a body at rest, from its long waves.
+fn shear_and_coupling<const D: usize>(body: &Peridynamics<D>) -> (f64, f64) {
+    let limit = waves(body, &DeformationGradient::identity()).long_wave_stiffness();
+    let along = |weights: [f64; 2]| {
+        limit.acoustic_tensor(&SVector::from_fn(|i, _| weights.get(i).map_or(0.0, |w| *w)))
+    };
+    let shear = along([1.0, 0.0])[(1, 1)];
+    (shear, along([1.0, 1.0])[(0, 1)] - shear)
+}
+
+#[test]
+fn bonds_have_equal_lame_constants_whatever_the_material_has() {
+    // Six-fold symmetry makes the hexagonal arrangement isotropic: exactly an eighth of the trace.
+    for horizon in [1.0, 2.0, 3.2] {
+        let (mu, lambda) = shear_and_coupling(&body(hexagonal(), choices(horizon, CALIBRATED)));
+        assert!((mu - trace::<2>() / 8.0).abs() < 1e-12 * mu);
+        assert!((lambda - mu).abs() < 1e-12 * mu);
+    }
+    // The cubic lattices have Cauchy's relation exactly, isotropy roughly.
+    let (shear, coupling) = shear_and_coupling(&body(cubic::<3>(), choices(3.0, CALIBRATED)));
+    assert!((shear - coupling).abs() < 1e-12 * shear);
+    let off = shear / (trace::<3>() / 15.0) - 1.0;
+    assert!((off - 0.08623).abs() < 1e-5, "{off}");
+}
+
+#[test]
+fn the_modulus_of_a_discrete_horizon_is_off_by_what_the_rim_takes_or_gives() {
+    fn ratio<const D: usize>(horizon: f64, partial_volumes: PartialVolumes) -> f64 {
+        let material = ModifiedMooneyRivlin::default();
+        let choices = PeridynamicsChoices {
+            partial_volumes,
+            ..choices(horizon, BONDS)
+        };
+        let body = body(cubic::<D>(), choices);
+        let modulus = |calibration| {
+            body.micromodulus(&material, calibration)
+                .expect("a modulus")
+        };
+        modulus(Calibration::Continuum) / modulus(Calibration::Discrete)
+    }
+    use PartialVolumes::{Inside, Tapered, Whole};
+    // In one dimension sum_1^m j h^2 over m^2 h^2 / 2: 1 + 1/m with whole volumes, exact with half of the last one.
+    for m in [2.0, 3.0, 5.0] {
+        assert!((ratio::<1>(m, Whole) - (1.0 + 1.0 / m)).abs() < 1e-12);
+        assert!((ratio::<1>(m, Inside) - 1.0).abs() < 1e-12);
+        assert!((ratio::<1>(m, Tapered) - 1.0).abs() < 1e-12);
+    }
+    // In more dimensions the sums over the lattice points themselves.
+    for (partial, plane, space) in [
+        (Whole, 0.04086, 0.12085),
+        (Inside, -0.13095, -0.09979),
+        (Tapered, 0.02013, 0.06220),
+    ] {
+        assert!((ratio::<2>(3.0, partial) - 1.0 - plane).abs() < 1e-5);
+        assert!((ratio::<3>(3.0, partial) - 1.0 - space).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn families_on_a_lattice_do_not_see_half_reciprocal_vectors() {
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
+        let free = body(
+            crystal.clone(),
+            choices(horizon, correspondence(ZeroEnergyControl::None)),
+        );
+        let bonds = body(crystal.clone(), choices(horizon, BONDS));
+        for f in [DeformationGradient::identity(), state::<D>()] {
+            let (free, bonds) = (waves(&free, &f), waves(&bonds, &f));
+            for k in half_reciprocal_vectors(crystal) {
+                let zero = 1e-12 * free.stiffness().magnitude();
+                assert!(free.omega_squared(&k).iter().all(|z| z.norm() < zero));
+                assert!(
+                    bonds
+                        .omega_squared(&k)
+                        .iter()
+                        .all(|z| z.norm() > 1e6 * zero)
+                );
+            }
+        }
+    }
+    checked(&cubic::<1>(), 3.0);
+    checked(&cubic::<2>(), 2.0);
+    checked(&hexagonal(), 1.0);
+    checked(&cubic::<3>(), 1.8);
+}
+
+#[test]
+fn the_penalty_lifts_them_in_proportion_to_its_coefficient() {
+    let crystal = cubic::<2>();
+    for coefficient in [0.1, 0.2, 1.0] {
+        let control = ZeroEnergyControl::Penalty { coefficient };
+        let body = body(crystal.clone(), choices(2.0, correspondence(control)));
+        for f in [DeformationGradient::identity(), state::<2>()] {
+            let system = waves(&body, &f);
+            for k in half_reciprocal_vectors(&crystal) {
+                // omega^2 = 2/rho sum_J s_J (1 - cos k.X_J), s_J = coefficient K_2 V / tr(K).
+                let (mut moment, mut sum) = (0.0, 0.0);
+                for x in -2_i32..=2 {
+                    for y in -2_i32..=2 {
+                        let bond = SVector::from([f64::from(x), f64::from(y)]);
+                        if bond.norm() <= 2.0 {
+                            moment += bond.norm_squared();
+                            sum += 1.0 - k.dot(&bond).cos();
+                        }
+                    }
+                }
+                let expected = 2.0 * coefficient * trace::<2>() / 4.0 * sum / moment;
+                for found in system.omega_squared(&k) {
+                    assert!(
+                        (found.re / expected - 1.0).abs() < 1e-10,
+                        "{found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn correspondence_has_the_long_waves_of_any_material_at_any_state_and_control_leaves_them() {
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
+        for control in [
+            ZeroEnergyControl::None,
+            ZeroEnergyControl::Penalty { coefficient: 2.0 },
+            ZeroEnergyControl::Hourglass { coefficient: 2.0 },
+        ] {
+            let choices = PeridynamicsChoices {
+                influence: Influence::Conical,
+                ..choices(horizon, correspondence(control))
+            };
+            let body = body(crystal.clone(), choices);
+            let material = ModifiedMooneyRivlin::default();
+            assert_long_waves_are_those_of_the_material(&body, &material, &state::<D>(), 1e-9);
+        }
+    }
+    checked(&cubic::<1>(), 3.0);
+    checked(&cubic::<2>(), 3.0);
+    checked(&hexagonal(), 2.5);
+    checked(&cubic::<3>(), 2.0);
+}
+
+#[test]
+fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
+    let control = ZeroEnergyControl::Hourglass { coefficient: 1.0 };
+    let crystal = cubic::<2>();
+    let square = body(crystal.clone(), choices(3.0, correspondence(control)));
+    let system = waves(&square, &state::<2>());
+    for k in half_reciprocal_vectors(&crystal) {
+        let lowest = system.omega_squared(&k)[0].re;
+        assert!(lowest > 1e-3 * system.stiffness().magnitude(), "{lowest}");
+    }
+    // Inversion hides it where there is one particle in a cell.
+    assert!(system.is_hermitian());
+    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    let honeycomb = body(honeycomb, choices(2.0, correspondence(control)));
+    assert!(!waves(&honeycomb, &state::<2>()).is_hermitian());
+}
+
+#[test]
+fn bonds_are_stable_in_all_tension_where_the_material_is_not() {
+    let material = ModifiedMooneyRivlin::default();
+    let body = body(hexagonal(), choices(2.0, CALIBRATED));
+    let at = |stretch: f64| {
+        DeformationGradient::from_stretches([stretch, stretch, 1.0]).expect("a state")
+    };
+    let lost = [1.5, 2.0, 3.0].map(|stretch| {
+        let f = at(stretch);
+        let system = waves(&body, &f);
+        for i in 1..=10 {
+            for j in 0..=10 {
+                let fractional = SVector::from([f64::from(i) / 10.0, f64::from(j) / 20.0]);
+                let k = system.crystal().lattice().reciprocal() * fractional;
+                assert!(system.omega_squared(&k)[0].re > -1e-9, "{stretch} {k}");
+            }
+        }
+        !Stiffness::<2>::at(&material, &f)
+            .expect("a tangent")
+            .is_strongly_elliptic()
+    });
+    assert_eq!(lost, [false, true, true]);
+}
+
+#[test]
+fn bonds_buckle_in_equal_compression_at_three_quarters_in_the_plane() {
+    // Transverse long waves: <n^2 t^2> (1 - eta) + <n^2> eta = (1 + 3 eta)/8 with eta = 1 - 1/stretch: zero at 3/4.
+    for horizon in [1.0, 2.0, 3.0] {
+        let body = body(hexagonal(), choices(horizon, CALIBRATED));
+        for (stretch, expected) in [(0.75, 0.0), (0.8, 1.0 / 4.0), (1.0, 1.0)] {
+            let f = DeformationGradient::from_stretches([stretch, stretch, 1.0]).expect("a state");
+            let limit = waves(&body, &f).long_wave_stiffness();
+            let transverse = limit.acoustic_tensor(&SVector::from([1.0, 0.0]))[(1, 1)];
+            let mu = trace::<2>() / 8.0;
+            assert!(
+                (transverse / mu - expected).abs() < 1e-12,
+                "{stretch}: {transverse}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_chain_of_families_has_the_square_of_its_mean_gradient() {
+    let choices = PeridynamicsChoices {
+        density: 2.0,
+        influence: Influence::Inverse,
+        ..choices(3.0, correspondence(ZeroEnergyControl::None))
+    };
+    let f = state::<1>();
+    let system = waves(&body(cubic::<1>(), choices), &f);
+    let response = ModifiedMooneyRivlin::default().response(&f);
+    let tangent = response.expect("a response").tangent[(0, 0, 0, 0)];
+    for k in [0.3, 1.4, 3.0] {
+        // w X V = sign X: sum sin(j k) over sum j.
+        let gradient = [1.0, 2.0, 3.0]
+            .map(|j: f64| (j * k).sin())
+            .iter()
+            .sum::<f64>()
+            / 6.0;
+        let found = system.omega_squared(&SVector::from_element(k))[0].re;
+        assert!((found - tangent * gradient.powi(2) / 2.0).abs() < 1e-12 * tangent);
+    }
+}
+
+#[test]
+fn hourglass_forces_are_bonds_from_both_ends_where_the_gradient_is_silent() {
+    let (crystal, coefficient) = (cubic::<2>(), 0.3);
+    let control = ZeroEnergyControl::Hourglass { coefficient };
+    let of = |model| {
+        let body = body(crystal.clone(), choices(3.0, model));
+        waves(&body, &DeformationGradient::identity())
+    };
+    let (controlled, bonds) = (of(correspondence(control)), of(BONDS));
+    for k in half_reciprocal_vectors(&crystal) {
+        let pairs = controlled
+            .omega_squared(&k)
+            .into_iter()
+            .zip(bonds.omega_squared(&k));
+        for (found, bond) in pairs {
+            assert!((found.re / (2.0 * coefficient * bond.re) - 1.0).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn a_rotated_state_turns_the_stiffness() {
+    let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
+    let f = state::<2>();
+    let turned = f.with_leading(&(turn * f.leading::<2>()));
+    let hourglass = ZeroEnergyControl::Hourglass { coefficient: 0.3 };
+    for model in [BONDS, correspondence(hourglass)] {
+        let body = body(hexagonal(), choices(2.0, model));
+        let k = SVector::from([1.3, -0.4]);
+        let of = |f: &DeformationGradient| {
+            let matrix = waves(&body, f).stiffness().at(&k);
+            SMatrix::<f64, 2, 2>::from_fn(|i, j| matrix[(i, j)].re)
+        };
+        let expected = turn * of(&f) * turn.transpose();
+        assert!((of(&turned) - expected).amax() < 1e-11 * expected.amax());
+    }
+}
+
+#[test]
+fn a_horizon_that_sees_no_plane_is_refused_with_what_it_sees() {
+    let lattice = SMatrix::<f64, 2, 2>::new(1.0, 0.0, 0.0, 2.0);
+    let crystal = Crystal::of_lattice(BravaisLattice::new(lattice).expect("a lattice"));
+    let model = correspondence(ZeroEnergyControl::None);
+    let error = Peridynamics::new(crystal.clone(), choices(1.5, model)).expect_err("a line");
+    assert!(
+        matches!(error, MethodError::SupportTooSmall { neighbors: 3, .. }),
+        "{error}"
+    );
+    let error = Peridynamics::new(crystal.clone(), choices(40.0, model)).expect_err("too many");
+    assert!(
+        matches!(error, MethodError::SupportTooLarge { .. }),
+        "{error}"
+    );
+    let error =
+        Peridynamics::new(crystal.clone(), choices(f64::NAN, BONDS)).expect_err("no number");
+    assert!(matches!(error, MethodError::NotPositive { .. }), "{error}");
+    let control = ZeroEnergyControl::Penalty { coefficient: -1.0 };
+    let error = Peridynamics::new(crystal, choices(3.0, correspondence(control)));
+    assert!(matches!(error, Err(MethodError::Setting { .. })));
+    let sheared = DeformationGradient::new([[1.0, 0.0, 0.1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        .expect("a state");
+    let error = body(cubic::<2>(), choices(3.0, BONDS))
+        .waves(&ModifiedMooneyRivlin::default(), &sheared)
+        .expect_err("out of plane");
+    assert_eq!(error, MethodError::NotPlanar { dimension: 2 });
+    assert_eq!(body(cubic::<3>(), choices(1.0, BONDS)).neighbors(), 7.0);
+}
