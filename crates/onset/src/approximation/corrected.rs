@@ -91,15 +91,16 @@ pub(super) fn corrected<const D: usize>(
         inverse: inverted(&moment)?,
         differences,
     };
-    let second = order != Order::First;
     let gradient = |h: &SVector<f64, D>| correction.inverse.transpose() * h;
     let frozen = |w: &Weight<D>| correction.inverse.transpose() * w.hessian;
+    let (hessians, frozen_hessians) = match order {
+        Order::First => (Vec::new(), Vec::new()),
+        _ => (correction.hessians(), weights.iter().map(frozen).collect()),
+    };
     Ok(ShapeFunctions {
         gradients: correction.differences.iter().map(gradient).collect(),
-        hessians: second.then(|| correction.hessians()).unwrap_or_default(),
-        frozen_hessians: second
-            .then(|| weights.iter().map(frozen).collect())
-            .unwrap_or_default(),
+        hessians,
+        frozen_hessians,
         motion: (order == Order::Sensitivities).then(|| correction.motion()),
         values,
     })

@@ -32,7 +32,7 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
     ) -> Result<Self, MethodError> {
         let identity = DeformationGradient::identity();
         let eigenvalue = Stiffness::<D>::at(material, &identity)?.maximum_eigenvalue();
-        if !(eigenvalue > 0.0) {
+        if eigenvalue.is_nan() || eigenvalue <= 0.0 {
             return Err(MaterialError::NoWaves { eigenvalue }.into());
         }
         let speed_squared = eigenvalue / scheme.density();

@@ -49,16 +49,18 @@ impl<const D: usize> BlochBlocks<D> {
     /// The sum. Blocks that are zero to rounding are left out.
     pub fn sum(self, crystal: &Crystal<D>) -> BlochSum<D> {
         let largest = self.blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
+        let is_zero = |entry: &f64| entry.abs() <= 1e-15 * largest;
         let origin = |site: usize| crystal.position(&Particle::home(site));
         let terms = self.blocks.into_iter();
-        let terms = terms
-            .filter(|(_, block)| !(block.amax() <= 1e-15 * largest))
-            .map(|((from, to), block)| Term {
-                from,
-                to,
-                vector: crystal.position(&to) - origin(from),
-                block,
-            });
+        let terms =
+            terms
+                .filter(|(_, block)| !block.iter().all(is_zero))
+                .map(|((from, to), block)| Term {
+                    from,
+                    to,
+                    vector: crystal.position(&to) - origin(from),
+                    block,
+                });
         BlochSum {
             sites: crystal.sites().len(),
             terms: terms.collect(),
