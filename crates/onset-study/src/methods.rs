@@ -205,9 +205,7 @@ fn peridynamics<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>
     Ok(Box::new(Peridynamics::new(crystal, choices)?))
 }
 
-fn material_points<const D: usize>(
-    settings: &Settings,
-) -> Result<Box<dyn Scheme<D>>, MethodError> {
+fn material_points<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
     let (choices, method) = (&settings.discretization, &settings.method);
     let mass = method.grid_mass;
     let own = MaterialPointChoices {
