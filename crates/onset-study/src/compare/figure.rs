@@ -6,7 +6,7 @@ use crate::figure::{Axis, Figure, Marker, Panel, Points, Rule, palette};
 use onset::measures::{Load, StretchOnset};
 
 /// Numbers of this size and smaller are drawn at it: a logarithmic axis has no zero.
-const SMALLEST: f64 = 1e-6;
+const SMALLEST: f64 = 1e-4;
 
 impl Table {
     /// Onsets against the material's, wrong verdicts, errors of frequencies, and time steps: a line for each method.
@@ -116,7 +116,9 @@ impl Table {
     }
 
     fn errors(&self) -> Panel {
-        let axis = Axis::log("error (−)", (SMALLEST, 1.0)).covering([SMALLEST, 1.0]);
+        let all = self.measured().flat_map(|(_, m)| &m.dispersion);
+        let all = all.map(|error| error.error.max(SMALLEST));
+        let axis = Axis::log("error (−)", (SMALLEST, 1.0)).covering(all);
         let mut panel = Panel::new("Frequencies", axis, self.methods());
         let colors = [palette::VERMILION, palette::BLUE, palette::GREEN];
         for (count, color) in super::WAVELENGTHS.into_iter().zip(colors) {

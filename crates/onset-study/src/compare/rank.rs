@@ -16,8 +16,8 @@ const WAVELENGTH: f64 = 8.0;
 /// The rules, in the order in which they are applied.
 pub const RULES: [&str; 6] = [
     "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended.",
-    "2. Nor is one with modes without energy, or with waves slower than a tenth of the material's slowest wave: they grow \
-     under any disturbance, at no cost of energy.",
+    "2. Nor is one with modes without energy, which the slightest disturbance excites, or with waves slower than a tenth of the \
+     material's slowest wave, which are nearly such.",
     "3. Nor one that is unstable where the material is elliptic, on more than 0.5 % of the window of states: it shows fracture that \
      is not there.",
     "4. Nor one that is stable where the material is not elliptic, on more than 0.5 % of the window: it hides fracture that is there.",

@@ -1,5 +1,6 @@
 //! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
 
+use super::method::{METHOD_KEYS, MethodSettings};
 use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
 use onset::material::Parameter;
 use onset::method::Discretization;
@@ -117,6 +118,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     keys.extend(parameter_keys());
     keys.extend(Model::all().flat_map(Model::keys));
     keys.extend(DISCRETIZATION_KEYS);
+    keys.extend(METHOD_KEYS);
     keys
 });
 
@@ -183,10 +185,13 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "square",
             "rectangular",
             "hexagonal",
+            "honeycomb",
             "oblique",
             "simple-cubic",
             "body-centered-cubic",
             "face-centered-cubic",
+            "hexagonal-close-packed",
+            "diamond",
             "triclinic",
         ]),
         "arrangement of the particles",
@@ -203,6 +208,26 @@ const DISCRETIZATION_KEYS: &[Key] = &[
         "oblique and triclinic arrangement: components of the primitive vectors in spacings, one vector after the other",
     )
     .only_with(("discretization.arrangement", "oblique | triclinic")),
+    key(
+        "discretization.basis",
+        Kind::Numbers,
+        "more particles in the cell, the first being at the origin: their lattice coordinates, one particle after the other",
+    ),
+    key(
+        "discretization.cells",
+        Kind::Whole(1, 16),
+        "cells along each primitive vector that are taken together, so that their particles can differ",
+    ),
+    key(
+        "discretization.perturbation",
+        Kind::Number("1"),
+        "largest random offset of a particle along each axis, in spacings",
+    ),
+    key(
+        "discretization.seed",
+        Kind::Whole(0, 1_000_000_000),
+        "seed of the random offsets",
+    ),
     key(
         "discretization.spacing",
         Kind::Positive("length"),
@@ -416,7 +441,7 @@ impl Key {
         self.parts().0 == "material" && self.unit().is_some()
     }
 
-    const fn only_with(mut self, needed: (&'static str, &'static str)) -> Self {
+    pub(super) const fn only_with(mut self, needed: (&'static str, &'static str)) -> Self {
         self.only_with = Some(needed);
         self
     }
@@ -467,7 +492,12 @@ impl Key {
             }
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
-            (_, name) => field(serde_json::to_value(Discretization::default()), name),
+            (_, name) => match field(serde_json::to_value(Discretization::default()), name) {
+                serde_json::Value::Null => {
+                    field(serde_json::to_value(MethodSettings::default()), name)
+                }
+                default => default,
+            },
         }
     }
 

@@ -9,6 +9,7 @@ mod error;
 mod key;
 mod map;
 mod material;
+mod method;
 mod model;
 mod schema;
 mod state;
@@ -21,6 +22,7 @@ pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::MaterialSettings;
+pub use method::{Bonds, Control, Family, MethodSettings, Unknowns};
 pub use model::{Model, OwnModel};
 pub use schema::schema;
 pub use state::StateSettings;
@@ -42,8 +44,10 @@ use serde::de::value::{Error as ValueError, StrDeserializer};
 pub struct Settings {
     /// The material.
     pub material: MaterialSettings,
-    /// The discretization.
+    /// The discretization: arrangement, kernel, and the choices of kernel methods.
     pub discretization: Discretization,
+    /// The family of methods, with the choices of other families.
+    pub method: MethodSettings,
 }
 
 impl Settings {
@@ -63,7 +67,10 @@ impl Settings {
 
     /// The number of space dimensions of the discretization.
     pub fn dimension(&self) -> usize {
-        self.discretization.arrangement.dimension()
+        match self.method.method {
+            Family::FiniteElements => self.method.mesh.dimension(),
+            _ => self.discretization.arrangement.dimension(),
+        }
     }
 
     /// Applies one assignment `key=value`.
@@ -143,6 +150,19 @@ impl Settings {
                 &mut discretization.points,
                 value.numbers().map(<[f64]>::to_vec),
             ),
+            "discretization.basis" => assign(
+                &mut discretization.basis,
+                value.numbers().map(<[f64]>::to_vec),
+            ),
+            "discretization.cells" | "discretization.seed" => {
+                let whole = number.filter(|_| key.kind.accepts(value)).map(|n| n as u32);
+                let target = match name {
+                    "discretization.cells" => &mut discretization.cells,
+                    _ => &mut discretization.seed,
+                };
+                assign(target, whole)
+            }
+            "discretization.perturbation" => assign(&mut discretization.perturbation, number),
             "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
             "discretization.background" => {
                 assign(&mut discretization.background, value.word::<Background>())
@@ -158,6 +178,9 @@ impl Settings {
                 &mut discretization.linearization,
                 value.word::<Linearization>(),
             ),
+            name if name.starts_with("discretization.") => {
+                key.kind.accepts(value) && self.method.set(key.parts().1, value)
+            }
             "material.model" => assign(
                 &mut self.material.model,
                 match value {
@@ -182,8 +205,10 @@ impl Settings {
                 Some(value)
             }
             ("discretization", name) => {
-                let fields = serde_json::to_value(&self.discretization).ok()?;
-                match fields.get(name)? {
+                let own = serde_json::to_value(&self.discretization).ok()?;
+                let others = serde_json::to_value(&self.method).ok()?;
+                match own.get(name).or_else(|| others.get(name))? {
+                    serde_json::Value::Bool(on) => Some(Value::Switch(*on)),
                     serde_json::Value::String(word) => Some(Value::Word(word.clone())),
                     serde_json::Value::Array(numbers) => {
                         let numbers = numbers.iter().map(serde_json::Value::as_f64);

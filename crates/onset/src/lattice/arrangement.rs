@@ -3,8 +3,8 @@
 use super::{BravaisLattice, Fractional, LatticeError};
 use nalgebra::{SMatrix, SVector};
 
-/// How the particles are arranged: one at each point of a Bravais lattice. The centers of the
-/// Delaunay cells are the basis on which stress points may sit, see [`super::delaunay_centers`].
+/// How the particles are arranged: on a Bravais lattice, one or two in each cell. The centers of the
+/// Delaunay cells are the places at which stress points may sit, see [`super::delaunay_centers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -20,6 +20,8 @@ pub enum Arrangement {
     Rectangular,
     /// Two dimensions: equilateral triangles with rows along the first axis.
     Hexagonal,
+    /// Two dimensions: hexagons with a particle at each corner, two in a cell.
+    Honeycomb,
     /// Two dimensions: any primitive vectors.
     Oblique,
     /// Three dimensions: cubes with edges along the axes.
@@ -29,6 +31,11 @@ pub enum Arrangement {
     /// Three dimensions: cubes with edges along the axes and one more particle in the center of each face; the closest
     /// packing.
     FaceCenteredCubic,
+    /// Three dimensions: layers of triangles, every other one at the same place, two particles in a cell; the other closest
+    /// packing.
+    HexagonalClosePacked,
+    /// Three dimensions: every particle in the middle of four, two in a cell.
+    Diamond,
     /// Three dimensions: any primitive vectors.
     Triclinic,
 }
@@ -38,15 +45,18 @@ type Corners = &'static [(&'static str, [f64; 3])];
 
 impl Arrangement {
     /// All of them, by dimension.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Chain,
         Self::Square,
         Self::Rectangular,
         Self::Hexagonal,
+        Self::Honeycomb,
         Self::Oblique,
         Self::SimpleCubic,
         Self::BodyCenteredCubic,
         Self::FaceCenteredCubic,
+        Self::HexagonalClosePacked,
+        Self::Diamond,
         Self::Triclinic,
     ];
 
@@ -54,10 +64,16 @@ impl Arrangement {
     pub fn dimension(self) -> usize {
         match self {
             Self::Chain => 1,
-            Self::Square | Self::Rectangular | Self::Hexagonal | Self::Oblique => 2,
+            Self::Square
+            | Self::Rectangular
+            | Self::Hexagonal
+            | Self::Honeycomb
+            | Self::Oblique => 2,
             Self::SimpleCubic
             | Self::BodyCenteredCubic
             | Self::FaceCenteredCubic
+            | Self::HexagonalClosePacked
+            | Self::Diamond
             | Self::Triclinic => 3,
         }
     }
@@ -69,12 +85,29 @@ impl Arrangement {
             Self::Square => "square",
             Self::Rectangular => "rectangular",
             Self::Hexagonal => "hexagonal",
+            Self::Honeycomb => "honeycomb",
             Self::Oblique => "oblique",
             Self::SimpleCubic => "simple-cubic",
             Self::BodyCenteredCubic => "body-centered-cubic",
             Self::FaceCenteredCubic => "face-centered-cubic",
+            Self::HexagonalClosePacked => "hexagonal-close-packed",
+            Self::Diamond => "diamond",
             Self::Triclinic => "triclinic",
         }
+    }
+
+    /// The places of the particles of a cell, in lattice coordinates.
+    pub fn sites<const D: usize>(self) -> Vec<Fractional<D>> {
+        let second: Option<[f64; 3]> = match self {
+            Self::Honeycomb => Some([1.0 / 3.0, 1.0 / 3.0, 0.0]),
+            Self::HexagonalClosePacked => Some([1.0 / 3.0, 1.0 / 3.0, 0.5]),
+            Self::Diamond => Some([0.25; 3]),
+            _ => None,
+        };
+        let places = std::iter::once([0.0; 3]).chain(second);
+        places
+            .map(|place| SVector::from_fn(|i, _| place[i]))
+            .collect()
     }
 
     /// Whether its primitive vectors must be given.
@@ -163,6 +196,22 @@ impl Arrangement {
                 (1, 1) => 0.5 * 3.0_f64.sqrt(),
                 _ => diagonal,
             },
+            // Vectors between hexagons: sqrt(3) sides long.
+            Self::Honeycomb => match (i, j) {
+                (0, 0) => 3.0_f64.sqrt(),
+                (0, 1) => 0.5 * 3.0_f64.sqrt(),
+                (1, 1) => 1.5,
+                _ => 0.0,
+            },
+            // c/a = sqrt(8/3), which makes all twelve neighbors equally far.
+            Self::HexagonalClosePacked => match (i, j) {
+                (0, 1) => 0.5,
+                (1, 1) => 0.5 * 3.0_f64.sqrt(),
+                (2, 2) => (8.0_f64 / 3.0).sqrt(),
+                _ => diagonal,
+            },
+            // As face-centered cubic, with neighbors at a quarter of the cube's diagonal.
+            Self::Diamond => 2.0 * (1.0 - diagonal) / 3.0_f64.sqrt(),
             // Half of the cube's diagonals that are nearest to the axes; the edge is 2 / sqrt(3).
             Self::BodyCenteredCubic => (1.0 - 2.0 * diagonal) / 3.0_f64.sqrt(),
             // Half of the diagonals of the faces; the edge is sqrt(2).
@@ -191,7 +240,7 @@ impl Arrangement {
                 ("Γ", [0.0; 3]),
                 ("S", [0.5, 0.5, 0.0]),
             ],
-            Self::Hexagonal => &[
+            Self::Hexagonal | Self::Honeycomb => &[
                 ("Γ", [0.0; 3]),
                 ("M", [0.5, 0.0, 0.0]),
                 ("K", [2.0 / 3.0, 1.0 / 3.0, 0.0]),
@@ -221,13 +270,23 @@ impl Arrangement {
                 ("P", [0.25; 3]),
                 ("H", [0.5, -0.5, 0.5]),
             ],
-            Self::FaceCenteredCubic => &[
+            Self::FaceCenteredCubic | Self::Diamond => &[
                 ("Γ", [0.0; 3]),
                 ("X", [0.5, 0.0, 0.5]),
                 ("W", [0.5, 0.25, 0.75]),
                 ("L", [0.5; 3]),
                 ("Γ", [0.0; 3]),
                 ("K", [0.375, 0.375, 0.75]),
+            ],
+            Self::HexagonalClosePacked => &[
+                ("Γ", [0.0; 3]),
+                ("M", [0.5, 0.0, 0.0]),
+                ("K", [2.0 / 3.0, 1.0 / 3.0, 0.0]),
+                ("Γ", [0.0; 3]),
+                ("A", [0.0, 0.0, 0.5]),
+                ("L", [0.5, 0.0, 0.5]),
+                ("H", [2.0 / 3.0, 1.0 / 3.0, 0.5]),
+                ("A", [0.0, 0.0, 0.5]),
             ],
             Self::Triclinic => &[
                 ("X", [0.5, 0.0, 0.0]),

@@ -1,6 +1,6 @@
 //! Arrangements with several particles in a cell.
 
-use super::{BravaisLattice, Fractional, LatticeError, voronoi_volumes};
+use super::{Arrangement, BravaisLattice, Fractional, LatticeError, voronoi_volumes};
 use nalgebra::{SMatrix, SVector};
 
 /// A particle of a crystal: which of its cell, and which cell.
@@ -31,8 +31,8 @@ impl<const D: usize> Particle<D> {
 /// A Bravais lattice with a basis: particles at `X = sum_i (n_i + place_i) a_i`, each with its volume.
 ///
 /// ```
-/// use onset::lattice::Crystal;
-/// let honeycomb = Crystal::honeycomb(1.0)?;
+/// use onset::lattice::{Arrangement, Crystal};
+/// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
 /// assert_eq!(honeycomb.sites().len(), 2);
 /// assert!((honeycomb.volumes()[0] - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
 /// # Ok::<(), onset::lattice::LatticeError>(())
@@ -85,6 +85,14 @@ impl<const D: usize> Crystal<D> {
             sites,
             volumes,
         })
+    }
+
+    /// An arrangement without parameters, with the given distance between nearest particles.
+    ///
+    /// # Errors
+    /// [`LatticeError`] as for [`Arrangement::lattice`].
+    pub fn of(arrangement: Arrangement, spacing: f64) -> Result<Self, LatticeError> {
+        Self::new(arrangement.lattice(spacing)?, arrangement.sites())
     }
 
     /// One particle in each cell of a lattice.
@@ -211,60 +219,6 @@ impl<const D: usize> Crystal<D> {
     }
 }
 
-impl Crystal<2> {
-    /// The honeycomb: hexagons with a particle at each corner, `spacing` the length of their sides.
-    ///
-    /// # Errors
-    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
-    pub fn honeycomb(spacing: f64) -> Result<Self, LatticeError> {
-        let half = 0.5 * 3.0_f64.sqrt();
-        let vectors = SMatrix::<f64, 2, 2>::new(2.0 * half, half, 0.0, 1.5);
-        let sites = [0.0, 1.0 / 3.0].map(SVector::repeat);
-        Self::with_spacing(vectors, spacing, &sites)
-    }
-}
-
-impl Crystal<3> {
-    /// Hexagonal close packing with the ideal ratio `c/a = sqrt(8/3)`, `spacing` the distance of neighbors.
-    ///
-    /// # Errors
-    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
-    pub fn hexagonal_close_packed(spacing: f64) -> Result<Self, LatticeError> {
-        let (half, height) = (0.5 * 3.0_f64.sqrt(), (8.0_f64 / 3.0).sqrt());
-        let vectors = SMatrix::<f64, 3, 3>::new(1.0, 0.5, 0.0, 0.0, half, 0.0, 0.0, 0.0, height);
-        let third = 1.0 / 3.0;
-        let sites = [[0.0; 3], [third, third, 0.5]].map(SVector::from);
-        Self::with_spacing(vectors, spacing, &sites)
-    }
-
-    /// The diamond structure, `spacing` the distance of neighbors: two face-centered cubic lattices a quarter of the cube's
-    /// diagonal apart.
-    ///
-    /// # Errors
-    /// [`LatticeError::Spacing`] when the spacing is not positive and finite.
-    pub fn diamond(spacing: f64) -> Result<Self, LatticeError> {
-        // Half of the cube's edge: the neighbors are at a quarter of its diagonal.
-        let half = 2.0 / 3.0_f64.sqrt();
-        let vectors = SMatrix::<f64, 3, 3>::new(0.0, half, half, half, 0.0, half, half, half, 0.0);
-        let sites = [0.0, 0.25].map(SVector::repeat);
-        Self::with_spacing(vectors, spacing, &sites)
-    }
-}
-
-impl<const D: usize> Crystal<D> {
-    fn with_spacing(
-        unit: SMatrix<f64, D, D>,
-        spacing: f64,
-        sites: &[Fractional<D>],
-    ) -> Result<Self, LatticeError> {
-        let lattice = (spacing > 0.0 && spacing.is_finite())
-            .then(|| BravaisLattice::new(unit * spacing))
-            .flatten()
-            .ok_or(LatticeError::Spacing { value: spacing })?;
-        Self::new(lattice, sites.to_vec())
-    }
-}
-
 /// All cells between two corners, both included.
 pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> Vec<[i32; D]> {
     let mut cells = Vec::new();
@@ -297,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_particle_of_the_honeycomb_has_three_nearest_neighbors_and_six_next_ones() {
-        let honeycomb = Crystal::honeycomb(1.3).expect("a crystal");
+        let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.3).expect("a crystal");
         assert!((honeycomb.nearest_distance() - 1.3).abs() < 1e-12);
         for place in honeycomb.sites() {
             let within = |d: f64| honeycomb.within(place, d, &SMatrix::identity()).len();

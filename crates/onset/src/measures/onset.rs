@@ -72,7 +72,7 @@ impl Load {
 pub enum StretchOnset {
     /// The undeformed state is unstable already.
     AtRest,
-    /// At this stretch.
+    /// At this stretch; at 1 where the slightest strain is enough.
     At(f64),
     /// Not up to the last stretch that was looked at.
     NotBefore(f64),
@@ -157,6 +157,7 @@ fn first(
     match phase(beside)? {
         Phase::Stable => {}
         Phase::Undefined => return Ok(StretchOnset::Undefined(1.0)),
+        _ if phase(1.0)? == Phase::Stable => return Ok(StretchOnset::At(1.0)),
         _ => return Ok(StretchOnset::AtRest),
     }
     for n in 1..=STEPS {

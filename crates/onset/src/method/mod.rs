@@ -151,6 +151,15 @@ pub struct Discretization {
     /// Oblique and triclinic arrangement: the components of the primitive vectors in units of the spacing, one vector after
     /// the other.
     pub vectors: Vec<f64>,
+    /// More particles in the cell of the arrangement, of which the first is at the origin: their lattice coordinates, one particle
+    /// after the other. Takes the place of the arrangement's own.
+    pub basis: Vec<f64>,
+    /// Cells along each primitive vector that are taken together, so that their particles can differ.
+    pub cells: u32,
+    /// The largest random offset of a particle along each axis, in units of the spacing.
+    pub perturbation: f64,
+    /// The seed of the random offsets: the same for the same seed, everywhere.
+    pub seed: u32,
     /// Distance of nearest particles in the reference state, or what takes its place as the unit of `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
@@ -187,6 +196,10 @@ impl Default for Discretization {
             arrangement: Arrangement::Hexagonal,
             aspect: 1.0,
             vectors: Vec::new(),
+            basis: Vec::new(),
+            cells: 1,
+            perturbation: 0.0,
+            seed: 1,
             spacing: 1.0,
             density: 1.0,
             kernel: Kernel::QuarticSpline,
@@ -292,6 +305,15 @@ pub enum MethodError {
     /// The deformation itself.
     #[error(transparent)]
     Deformation(#[from] KinematicsError),
+    /// Several particles in a cell, where one is expected.
+    #[error(
+        "the cell holds {particles} particles; this question is answered for arrangements with one particle in a cell (for \
+         others ask `onset compare`, `onset modes`, `onset tune` and `onset map`)"
+    )]
+    SeveralParticles {
+        /// How many there are.
+        particles: usize,
+    },
     /// The equations of a linearization that are no derivative of forces.
     #[error(
         "the linearization `{linearization}` is not that of the forces of particles: it leaves some of their motion out, or moves \
@@ -392,6 +414,47 @@ impl MethodError {
     }
 }
 
+impl Discretization {
+    /// The particles in the reference state: the arrangement with its basis, cells taken together, offsets applied.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is out of range, or particles coincide.
+    pub fn crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
+        let lattice = self
+            .arrangement
+            .lattice_with(self.spacing, self.aspect, &self.vectors)?;
+        if self.basis.len() % D != 0 {
+            return Err(MethodError::Setting {
+                name: "basis",
+                value: self.basis.len() as f64,
+                expected: "as many numbers as particles times dimensions",
+            });
+        }
+        let own = self.basis.chunks_exact(D).map(SVector::from_column_slice);
+        let sites = if self.basis.is_empty() {
+            self.arrangement.sites()
+        } else {
+            std::iter::once(SVector::zeros()).chain(own).collect()
+        };
+        let crystal = Crystal::new(lattice, sites)?;
+        let crystal = match self.cells {
+            0 | 1 => crystal,
+            cells => crystal.supercell([cells as usize; D])?,
+        };
+        if !(0.0..=0.5).contains(&self.perturbation) {
+            return Err(MethodError::Setting {
+                name: "perturbation",
+                value: self.perturbation,
+                expected: "a number from 0 to 0.5, in units of the spacing",
+            });
+        }
+        if self.perturbation == 0.0 {
+            return Ok(crystal);
+        }
+        Ok(crystal.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?)
+    }
+}
+
 /// A method on its lattice, ready to be evaluated at any state.
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
@@ -410,9 +473,6 @@ impl<const D: usize> Method<D> {
     /// [`MethodError`] when a setting is out of range or `D` is not the arrangement's dimension.
     pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
         let Discretization {
-            arrangement,
-            aspect,
-            ref vectors,
             spacing,
             density,
             support,
@@ -432,7 +492,13 @@ impl<const D: usize> Method<D> {
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);
         }
-        let lattice = arrangement.lattice_with(spacing, aspect, vectors)?;
+        let crystal = discretization.crystal::<D>()?;
+        if crystal.sites().len() > 1 {
+            return Err(MethodError::SeveralParticles {
+                particles: crystal.sites().len(),
+            });
+        }
+        let lattice = *crystal.lattice();
         let rule = CellRule {
             stress_point_weight: discretization.stress_point_weight,
             gauss_points: discretization.gauss_points,

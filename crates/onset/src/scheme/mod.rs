@@ -9,7 +9,6 @@
 mod classical;
 pub mod conforming;
 pub mod element;
-mod gradient_point;
 pub mod kernel;
 mod lagrangian;
 mod layout;
@@ -17,6 +16,7 @@ mod linearized;
 mod material_point;
 mod patch;
 mod peridynamics;
+mod products;
 mod response;
 pub mod sph;
 pub mod stabilization;

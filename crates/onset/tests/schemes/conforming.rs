@@ -95,7 +95,7 @@ fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material()
     };
     assert_conforming(&hexagonal(), &quadratic);
     assert_conforming(&irregular(), &quadratic);
-    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
     assert_conforming(&honeycomb, &modified(0.4));
     let boxes = ConformingChoices {
         domain: SmoothingDomain::Boxes,

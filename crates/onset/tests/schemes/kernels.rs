@@ -180,7 +180,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
                 frame,
                 ..KernelChoices::default()
             };
-            let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+            let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
             let scheme = KernelScheme::new(honeycomb, quadrature, choices).expect("a scheme");
             // Three-fold axes through all particles: an equibiaxial stress leaves no force.
             assert_equilibrium(&scheme, &material, &plane([[1.1, 0.0], [0.0, 1.1]]));
@@ -322,4 +322,44 @@ fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square()
         softest > 1e-6 && softest < 0.01 * shear,
         "{softest} of {shear}"
     );
+}
+
+#[test]
+fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
+    let sheared = [[1.1, 0.12, -0.05], [0.04, 0.93, 0.08], [0.07, -0.03, 1.06]];
+    let sheared = DeformationGradient::new(sheared).expect("a deformation");
+    for approximation in [Approximation::Shepard, Approximation::Mls] {
+        let discretization = Discretization {
+            arrangement: Arrangement::FaceCenteredCubic,
+            support: 1.6,
+            approximation,
+            quadrature: Quadrature::Nodal,
+            frame: Frame::Eulerian,
+            ..Discretization::default()
+        };
+        assert_same_waves::<3>(discretization, &sheared);
+    }
+}
+
+#[test]
+fn closest_packing_and_diamond_have_the_waves_of_their_patches() {
+    let material = ModifiedMooneyRivlin::default();
+    let packed = Crystal::hexagonal_close_packed(1.0).expect("a crystal");
+    let diamond = Crystal::diamond(1.0).expect("a crystal");
+    let equal = DeformationGradient::from_stretches([1.05; 3]).expect("a state");
+    let sheared = [[1.1, 0.1, 0.0], [0.0, 0.95, 0.05], [0.0, 0.0, 1.0]];
+    let sheared = DeformationGradient::new(sheared).expect("a state");
+    for (crystal, radius) in [(packed, 1.2), (diamond, 1.2)] {
+        let choices = KernelChoices {
+            radius,
+            frame: Frame::Eulerian,
+            support_size: SupportSize::Convected,
+            ..KernelChoices::default()
+        };
+        let scheme = nodal(crystal, choices);
+        // No equal stress pulls a particle that has three-fold axes.
+        assert_equilibrium(&scheme, &material, &equal);
+        assert_waves_are_those_of_a_patch(&scheme, &material, &sheared);
+        assert_translations_are_free(&scheme, &material, &sheared);
+    }
 }

@@ -107,7 +107,7 @@ fn every_model_passes_the_battery_in_every_dimension() {
     checked(&cubic::<3>(), 1.0, &models);
     checked(&hexagonal(), 1.2, &models);
     // Where a particle is no center of inversion, the pair forces of a sheared state do not balance.
-    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
     checked(&honeycomb, 1.3, &models[2..]);
 }
 
@@ -314,7 +314,7 @@ fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
     }
     // Inversion hides it where there is one particle in a cell.
     assert!(system.is_hermitian());
-    let honeycomb = Crystal::honeycomb(1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
     let honeycomb = body(honeycomb, choices(2.0, correspondence(control)));
     assert!(!waves(&honeycomb, &state::<2>()).is_hermitian());
 }

@@ -294,7 +294,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
                 );
             }
         }
-        // Galerkin's forces have the motion of the quadrature points only: half of it.
+        // Galerkin integration has no force of the stress of a particle on itself: half of it.
         let choices = KernelChoices {
             density: 1.3,
             kernel,

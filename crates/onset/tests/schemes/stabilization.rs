@@ -192,6 +192,43 @@ fn the_published_artificial_stress_moves_the_tensile_onset_and_does_not_remove_i
 }
 
 #[test]
+fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_and_not_on_squares()
+{
+    // Cubic spline with h = 1.3 spacings, epsilon = 0.3, n = 4.
+    let choices = |epsilon: f64| UpdatedSphChoices {
+        kernel: Kernel::CubicSpline,
+        ..with_artificial_stress(2.6, epsilon)
+    };
+    let material = ModifiedMooneyRivlin::default();
+    let stiffness = Stiffness::<1>::at(&material, &rest()).expect("a tangent");
+    let lattice = Arrangement::Chain.lattice(1.0).expect("a lattice");
+    let along = ZoneSearch::<1>::of_lattice(lattice, stiffness.maximum_eigenvalue());
+    let chain_is_stable = |epsilon: f64, stretch: f64| {
+        let chain = updated(crystal::<1>(Arrangement::Chain), choices(epsilon));
+        let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
+        along.summary_of(&system).is_stable()
+    };
+    // W'' / (W'' + n W'^2 / W) = 0.0521 is enough near rest, over the whole zone.
+    assert!(!chain_is_stable(0.0515, 1.0001) && chain_is_stable(0.0527, 1.0001));
+    assert!(chain_is_stable(0.3, 1.1) && !chain_is_stable(0.3, 1.2));
+    let plane_is_stable = |arrangement: Arrangement, epsilon: f64, stretch: f64| {
+        let plane = updated(crystal::<2>(arrangement), choices(epsilon));
+        let system = waves(&plane, &stretched([stretch, stretch, 1.0]));
+        search(arrangement).summary_of(&system).is_stable()
+    };
+    let hexagonal = Arrangement::Hexagonal;
+    assert!(!plane_is_stable(hexagonal, 0.0, 1.001));
+    assert!(plane_is_stable(hexagonal, 0.3, 1.001) && plane_is_stable(hexagonal, 0.3, 1.1));
+    assert!(!plane_is_stable(hexagonal, 0.3, 1.2));
+    for epsilon in [0.0, 0.1, 0.2, 0.3, 0.5] {
+        assert!(
+            !plane_is_stable(Arrangement::Square, epsilon, 1.001),
+            "{epsilon}"
+        );
+    }
+}
+
+#[test]
 fn artificial_stress_leaves_compression_as_it_is() {
     let at = |epsilon: f64| {
         let hexagonal = updated(

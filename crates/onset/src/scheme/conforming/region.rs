@@ -289,7 +289,10 @@ mod tests {
         assert_sound(&square, &[4]);
         let hexagonal = Arrangement::Hexagonal.lattice::<2>(1.1).expect("a lattice");
         assert_sound(&Crystal::of_lattice(hexagonal), &[6]);
-        assert_sound(&Crystal::honeycomb(1.0).expect("a crystal"), &[3, 3]);
+        assert_sound(
+            &Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal"),
+            &[3, 3],
+        );
         let large = square.supercell([3, 3]).expect("a crystal");
         assert_sound(&large.perturbed(0.3, 5).expect("a crystal"), &[]);
     }

@@ -8,12 +8,9 @@
 mod point;
 mod shape;
 
-use super::gradient_point::GradientPoint;
+use super::lagrangian::{LagrangianPoint, Stressed, forces_at_rest, stressed};
 use super::layout::{Layout, assert_planar, assert_positive};
-use super::{
-    Interaction, Motion, PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses,
-    patch_forces,
-};
+use super::{Interaction, Motion, PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
 use crate::approximation::Approximation;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -78,10 +75,10 @@ pub enum CrystalQuadrature<const D: usize> {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::Crystal;
+/// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Scheme, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
-/// let honeycomb = Crystal::honeycomb(1.0)?;
+/// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
 /// let choices = KernelChoices { radius: 2.5, ..KernelChoices::default() };
 /// let scheme = KernelScheme::new(honeycomb, CrystalQuadrature::Nodal, choices)?;
 /// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
@@ -224,16 +221,17 @@ impl<const D: usize> KernelScheme<D> {
         work: impl FnOnce(&[KernelPoint<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
         let layout = self.layout(f)?;
+        let seen = self.points.iter().zip(self.seen(&layout)?);
+        if self.choices.frame == Frame::Lagrangian {
+            let points: Vec<LagrangianPoint<D>> = seen.map(Seen::fixed).collect();
+            let points = stressed(&points, material, f)?;
+            let points: Vec<_> = points.into_iter().map(KernelPoint::Material).collect();
+            return Ok(work(&points));
+        }
         let shape = self.shape(&layout);
         let response = PointResponse::new(material, f)?;
-        let configured = |(point, seen): (&Point<D>, Seen<D>)| match self.choices.frame {
-            Frame::Lagrangian => KernelPoint::Material(GradientPoint {
-                particles: seen.particles,
-                gradients: seen.shape.gradients,
-                volume: point.volume,
-                response: &response,
-            }),
-            Frame::Eulerian => KernelPoint::Spatial(SpatialPoint {
+        let moving = |(point, seen): (&Point<D>, Seen<D>)| {
+            KernelPoint::Spatial(SpatialPoint {
                 is_node: point.is_node,
                 particles: seen.particles,
                 positions: seen.positions,
@@ -243,17 +241,24 @@ impl<const D: usize> KernelScheme<D> {
                 volume: point.volume,
                 shape: &shape,
                 response: &response,
-            }),
+            })
         };
-        let seen = self.seen(&layout)?;
-        let points: Vec<_> = self.points.iter().zip(seen).map(configured).collect();
+        let points: Vec<_> = seen.map(moving).collect();
         Ok(work(&points))
+    }
+}
+
+impl<const D: usize> Seen<D> {
+    /// A point that stays with the material.
+    fn fixed((point, seen): (&Point<D>, Self)) -> LagrangianPoint<D> {
+        let gradients = seen.shape.gradients.into_iter().map(SVector::from);
+        LagrangianPoint::new(seen.particles.into_iter().zip(gradients), point.volume)
     }
 }
 
 /// A quadrature point at a state, of kernels of either kind of coordinates.
 enum KernelPoint<'a, const D: usize> {
-    Material(GradientPoint<'a, D>),
+    Material(Stressed<'a, D>),
     Spatial(SpatialPoint<'a, D>),
 }
 
@@ -300,9 +305,8 @@ impl<const D: usize> Scheme<D> for KernelScheme<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let at_rest = vec![SVector::zeros(); patch.len()];
         self.with_points(material, f, |points| {
-            patch_forces(patch, points, displacements, &at_rest)
+            forces_at_rest(patch, points, displacements)
         })
     }
 

@@ -1,8 +1,6 @@
 //! Quadrature points of kernels of current coordinates.
 
-use super::super::gradient_point::{
-    displacement_gradient, times_transpose, times_vector, transported,
-};
+use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
 use super::super::{Interaction, Motion, PointResponse};
 use super::shape::Shape;
 use crate::lattice::Particle;

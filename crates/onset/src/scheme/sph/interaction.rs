@@ -1,6 +1,6 @@
 //! The interactions that SPH is made of, as one kind.
 
-use super::super::gradient_point::GradientPoint;
+use super::super::lagrangian::Stressed;
 use super::super::stabilization::{BondPenalty, ViscousBond};
 use super::super::{Interaction, Motion};
 use super::stress::StressOf;
@@ -10,7 +10,7 @@ use crate::real::Real;
 /// An interaction of particles.
 pub(super) enum SphInteraction<'a, const D: usize> {
     /// Stress of a particle that sees fixed neighbors.
-    Fixed(GradientPoint<'a, D>),
+    Fixed(Stressed<'a, D>),
     /// Stress of a particle that sees moving ones.
     Moving(StressOf<'a, D>),
     Penalty(BondPenalty<'a, D>),

@@ -2,7 +2,8 @@
 //!
 //! Both take stress at the particles only. [`TotalLagrangianSph`] derives from an energy, sees fixed neighbors, and has no tensile
 //! instability; [`UpdatedSph`] is what the name first meant: forces between pairs of particles along the gradient of a kernel
-//! that moves with them, in one of several forms that are the same in the continuum and differ here.
+//! that moves with them, in one of several forms that are the same in the continuum and differ here. Neighbors are those of
+//! the homogeneous state: what is near enough to come in has no weight there.
 
 mod interaction;
 mod neighborhood;

@@ -1,9 +1,7 @@
 //! The forces that the stress of one particle exerts on itself and on its neighbors, with kernels that move.
 
-use super::super::gradient_point::{
-    displacement_gradient, times_transpose, times_vector, transported,
-};
 use super::super::layout::MovingWeight;
+use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
 use super::super::response::determinant;
 use super::super::stabilization::Repulsion;
 use super::super::{Interaction, Motion, PointResponse};

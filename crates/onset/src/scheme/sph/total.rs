@@ -1,12 +1,12 @@
 //! Total-Lagrangian SPH.
 
-use super::super::gradient_point::GradientPoint;
-use super::super::layout::{Layout, assert_planar, assert_positive};
+use super::super::lagrangian::{LagrangianPoint, forces_at_rest, stressed};
+use super::super::layout::{Layout, assert_positive};
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Slope, ViscousBond, assert_coefficients, smoothed_velocities,
     viscous_bonds, young_modulus,
 };
-use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses, patch_forces};
+use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use crate::bloch::{Mass, WaveSystem};
@@ -81,8 +81,8 @@ pub struct TotalLagrangianSph<const D: usize> {
     crystal: Crystal<D>,
     choices: TotalLagrangianChoices,
     neighborhoods: Vec<Neighborhood<D>>,
-    /// Gradients of the discrete deformation gradient, a list for each site.
-    gradients: Vec<Vec<[f64; D]>>,
+    /// The particles of the cell as points that see the deformation.
+    points: Vec<LagrangianPoint<D>>,
 }
 
 impl<const D: usize> TotalLagrangianSph<D> {
@@ -102,15 +102,19 @@ impl<const D: usize> TotalLagrangianSph<D> {
             .try_for_each(|v| v.assert_admissible())?;
         let layout = Layout::reference(choices.kernel, choices.radius);
         let neighborhoods = neighborhoods(&crystal, &layout)?;
-        let gradients = neighborhoods
-            .iter()
-            .map(|n| n.gradients(crystal.volumes(), choices.corrected))
-            .collect::<Result<_, _>>()?;
+        let point = |(neighborhood, volume): (&Neighborhood<D>, &f64)| {
+            let gradients = neighborhood.gradients(crystal.volumes(), choices.corrected)?;
+            let gradients = gradients.into_iter().map(SVector::from);
+            let seen = neighborhood.particles.iter().copied().zip(gradients);
+            Ok(LagrangianPoint::new(seen, *volume))
+        };
+        let particles = neighborhoods.iter().zip(crystal.volumes());
+        let points = particles.map(point).collect::<Result<_, MethodError>>()?;
         Ok(Self {
             crystal,
             choices,
             neighborhoods,
-            gradients,
+            points,
         })
     }
 
@@ -126,40 +130,39 @@ impl<const D: usize> TotalLagrangianSph<D> {
         f: &DeformationGradient,
         work: impl FnOnce(&[SphInteraction<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
-        assert_planar::<D>(f)?;
         let response = PointResponse::new(material, f)?;
-        let modulus = match self.choices.penalty {
-            0.0 => 0.0,
-            _ => young_modulus(material)?,
-        };
-        let mut interactions = Vec::new();
-        for (site, neighborhood) in self.neighborhoods.iter().enumerate() {
-            let gradients = &self.gradients[site];
-            let volumes = self.crystal.volumes();
-            interactions.push(SphInteraction::Fixed(GradientPoint {
-                particles: neighborhood.particles.clone(),
-                gradients: gradients.clone(),
-                volume: volumes[site],
-                response: &response,
-            }));
-            if self.choices.penalty > 0.0 {
-                let factor = 0.5 * self.choices.penalty * modulus * volumes[site];
-                let bonds = neighborhood.particles.iter().zip(&neighborhood.weights);
-                let stiffness = bonds.map(|(j, w)| factor * volumes[j.site] * w.value);
-                interactions.push(SphInteraction::Penalty(BondPenalty::new(
-                    neighborhood.particles.clone(),
-                    neighborhood.vectors.clone(),
-                    gradients.clone(),
-                    stiffness.collect(),
-                    &response,
-                )));
-            }
+        let points = stressed(&self.points, material, f)?;
+        let mut interactions: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
+        if self.choices.penalty > 0.0 {
+            let penalties = self.penalties(young_modulus(material)?, &response);
+            interactions.extend(penalties.map(SphInteraction::Penalty));
         }
         if let Some(viscosity) = &self.choices.viscosity {
             let bonds = self.viscous_bonds(viscosity, material, f)?;
             interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
         }
         Ok(work(&interactions))
+    }
+
+    fn penalties<'a>(
+        &'a self,
+        modulus: f64,
+        response: &'a PointResponse<'a, D>,
+    ) -> impl Iterator<Item = BondPenalty<'a, D>> {
+        let volumes = self.crystal.volumes();
+        let penalty = move |(neighborhood, point): (&Neighborhood<D>, &LagrangianPoint<D>)| {
+            let factor = 0.5 * self.choices.penalty * modulus * point.volume();
+            let bonds = neighborhood.particles.iter().zip(&neighborhood.weights);
+            let weights = bonds.map(|(j, w)| factor * volumes[j.site] * w.value);
+            BondPenalty::new(
+                neighborhood.particles.clone(),
+                neighborhood.vectors.clone(),
+                point.gradients().iter().map(|b| (*b).into()).collect(),
+                weights.collect(),
+                response,
+            )
+        };
+        self.neighborhoods.iter().zip(&self.points).map(penalty)
     }
 
     fn viscous_bonds(
@@ -229,9 +232,8 @@ impl<const D: usize> Scheme<D> for TotalLagrangianSph<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let at_rest = vec![SVector::zeros(); patch.len()];
         self.with_interactions(material, f, |interactions| {
-            patch_forces(patch, interactions, displacements, &at_rest)
+            forces_at_rest(patch, interactions, displacements)
         })
     }
 

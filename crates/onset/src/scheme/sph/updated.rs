@@ -1,11 +1,12 @@
 //! SPH with kernels of current coordinates.
 
+use super::super::lagrangian::forces_at_rest;
 use super::super::layout::{Layout, assert_planar, assert_positive};
 use super::super::stabilization::{
     ArtificialStress, ArtificialViscosity, Repulsion, Slope, ViscousBond, assert_coefficients,
     smoothed_velocities, viscous_bonds,
 };
-use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses, patch_forces};
+use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use super::stress::{Circle, StressOf, Surroundings};
@@ -355,9 +356,8 @@ impl<const D: usize> Scheme<D> for UpdatedSph<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let at_rest = vec![SVector::zeros(); patch.len()];
         self.with_interactions(material, f, |_, interactions| {
-            patch_forces(patch, interactions, displacements, &at_rest)
+            forces_at_rest(patch, interactions, displacements)
         })
     }
 

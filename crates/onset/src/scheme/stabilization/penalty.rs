@@ -1,6 +1,6 @@
 //! The zero-energy-mode penalty of total-Lagrangian SPH.
 
-use super::super::gradient_point::{displacement_gradient, times_vector};
+use super::super::products::{displacement_gradient, times_vector};
 use super::super::{Interaction, Motion, PointResponse};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;

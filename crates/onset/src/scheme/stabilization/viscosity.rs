@@ -1,6 +1,6 @@
 //! Artificial viscosity.
 
-use super::super::layout::{MovingWeight, assert_positive};
+use super::super::layout::MovingWeight;
 use super::super::{Interaction, Motion};
 use super::assert_coefficients;
 use crate::continuum::Stiffness;
@@ -131,7 +131,7 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
 }
 
 /// The viscous bonds of all pairs, each pair given from both of its ends: with its vector in the homogeneous state and its
-/// kernel. Masses and densities are those of the sites.
+/// kernel. Masses and densities are those of the sites; the scales are the reference density and the support radius.
 pub(in super::super) fn viscous_bonds<const D: usize>(
     viscosity: &ArtificialViscosity,
     material: &dyn Hyperelastic,
@@ -140,7 +140,6 @@ pub(in super::super) fn viscous_bonds<const D: usize>(
     densities: &[f64],
     pairs: impl Iterator<Item = ([Particle<D>; 2], [f64; D], Slope<D>)>,
 ) -> Result<Vec<ViscousBond<D>>, MethodError> {
-    assert_positive(&[("density", reference_density)])?;
     let undeformed = Stiffness::<D>::at(material, &DeformationGradient::identity())?;
     let speed = (undeformed.maximum_eigenvalue() / reference_density).sqrt();
     let share = match viscosity.switch {

@@ -1,0 +1,427 @@
+//! Which family of methods, and the choices of those beside the kernel methods.
+
+use super::Value;
+use super::key::{Key, Kind, key};
+use onset::method::CurrentLattice;
+use onset::scheme::conforming::SmoothingDomain;
+use onset::scheme::element::{ElementMass, ElementMesh, Integration};
+use onset::scheme::sph::{DensityEvolution, MomentumForm};
+use onset::scheme::stabilization::ViscositySwitch;
+use onset::scheme::{Calibration, GridFunctions, GridMass, Influence, PartialVolumes, PointLayout};
+use serde::{Deserialize, Serialize};
+
+/// A family of methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Shape functions of particles, forces integrated at points.
+    Kernel,
+    /// Smoothed particle hydrodynamics with kernels of material coordinates.
+    TotalLagrangianSph,
+    /// Smoothed particle hydrodynamics with kernels of current coordinates.
+    UpdatedSph,
+    /// Finite elements.
+    FiniteElements,
+    /// Stabilized conforming nodal integration.
+    Conforming,
+    /// Bonds, or families of them.
+    Peridynamics,
+    /// Material points on a grid.
+    MaterialPoints,
+}
+
+impl Family {
+    /// The words of the families.
+    pub const WORDS: &'static [&'static str] = &[
+        "kernel",
+        "total-lagrangian-sph",
+        "updated-sph",
+        "finite-elements",
+        "conforming",
+        "peridynamics",
+        "material-points",
+    ];
+}
+
+/// The law of the bonds of a peridynamic body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bonds {
+    /// Springs.
+    BondBased,
+    /// The deformation gradient of the family.
+    Correspondence,
+}
+
+/// What controls the zero-energy modes of correspondence peridynamics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// Nothing.
+    None,
+    /// Springs against the nonuniform deformation.
+    Penalty,
+    /// Forces along bonds.
+    Hourglass,
+}
+
+/// The unknowns of a material point method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unknowns {
+    /// Nodes of a grid in the reference state.
+    TotalLagrangian,
+    /// Nodes of the current grid, for one step.
+    Updated,
+    /// The points.
+    Particles,
+}
+
+/// The family, and the choices of those that are no kernel methods. Arrangement, spacing, density, kernel, support,
+/// approximation and support size are those of the discretization.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct MethodSettings {
+    /// The family.
+    pub method: Family,
+    /// SPH: gradients exact for linear fields.
+    pub corrected: bool,
+    /// Updated SPH: form of the forces.
+    pub momentum: MomentumForm,
+    /// Updated SPH: rule of the densities.
+    pub density_evolution: DensityEvolution,
+    /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
+    pub penalty: f64,
+    /// SPH: linear coefficient of artificial viscosity; zero without.
+    pub viscosity: f64,
+    /// SPH: when artificial viscosity acts.
+    pub viscosity_switch: ViscositySwitch,
+    /// Updated SPH: coefficient of artificial stress; zero without.
+    pub artificial_stress: f64,
+    /// Updated SPH: exponent of artificial stress.
+    pub artificial_stress_exponent: f64,
+    /// SPH: coefficient of XSPH.
+    pub velocity_smoothing: f64,
+    /// Finite elements: the mesh.
+    pub mesh: ElementMesh,
+    /// Finite elements: integration points.
+    pub integration: Integration,
+    /// Finite elements: coefficient of hourglass stiffness.
+    pub hourglass_stiffness: f64,
+    /// Finite elements: coefficient of hourglass viscosity.
+    pub hourglass_viscosity: f64,
+    /// Finite elements: masses.
+    pub mass: ElementMass,
+    /// Conforming nodal integration: regions of averaging.
+    pub smoothing_domain: SmoothingDomain,
+    /// Conforming nodal integration: coefficient of the modification.
+    pub modification: f64,
+    /// Peridynamics: the horizon in spacings.
+    pub horizon: f64,
+    /// Peridynamics: weights of the bonds.
+    pub influence: Influence,
+    /// Peridynamics: volumes at the horizon.
+    pub partial_volumes: PartialVolumes,
+    /// Peridynamics: the force between particles.
+    pub bonds: Bonds,
+    /// Bond-based peridynamics: from what the micromodulus is computed.
+    pub calibration: Calibration,
+    /// Correspondence peridynamics: control of zero-energy modes.
+    pub control: Control,
+    /// Correspondence peridynamics: its coefficient.
+    pub control_coefficient: f64,
+    /// Material points: along each side of a cell.
+    pub points_per_side: u32,
+    /// Material points: where they are in their cell.
+    pub layout: PointLayout,
+    /// Material points: a shift of all of them along each axis, in spacings.
+    pub offset: f64,
+    /// Material points: functions of the grid.
+    pub grid_functions: GridFunctions,
+    /// Material points: what is displaced.
+    pub unknowns: Unknowns,
+    /// Material points: masses of the nodes.
+    pub grid_mass: GridMass,
+    /// Material points: where grid and points are at a state.
+    pub grid: CurrentLattice,
+}
+
+impl Default for MethodSettings {
+    fn default() -> Self {
+        Self {
+            method: Family::Kernel,
+            corrected: true,
+            momentum: MomentumForm::Symmetric,
+            density_evolution: DensityEvolution::Continuity,
+            penalty: 0.0,
+            viscosity: 0.0,
+            viscosity_switch: ViscositySwitch::Averaged,
+            artificial_stress: 0.0,
+            artificial_stress_exponent: 4.0,
+            velocity_smoothing: 0.0,
+            mesh: ElementMesh::Quadrilaterals,
+            integration: Integration::Full,
+            hourglass_stiffness: 0.0,
+            hourglass_viscosity: 0.0,
+            mass: ElementMass::Lumped,
+            smoothing_domain: SmoothingDomain::Voronoi,
+            modification: 0.0,
+            horizon: 3.0,
+            influence: Influence::Constant,
+            partial_volumes: PartialVolumes::Whole,
+            bonds: Bonds::BondBased,
+            calibration: Calibration::Continuum,
+            control: Control::None,
+            control_coefficient: 0.0,
+            points_per_side: 2,
+            layout: PointLayout::Uniform,
+            offset: 0.0,
+            grid_functions: GridFunctions::Linear,
+            unknowns: Unknowns::TotalLagrangian,
+            grid_mass: GridMass::Lumped,
+            grid: CurrentLattice::Convected,
+        }
+    }
+}
+
+impl MethodSettings {
+    /// Sets a choice by its name; false when there is none with that name, or it takes no such value.
+    pub(super) fn set(&mut self, name: &str, value: &Value) -> bool {
+        let Ok(serde_json::Value::Object(mut fields)) = serde_json::to_value(&*self) else {
+            return false;
+        };
+        let Some(field) = fields.get_mut(name) else {
+            return false;
+        };
+        *field = match value {
+            Value::Number(number) if field.is_u64() => (*number as u64).into(),
+            Value::Number(number) => (*number).into(),
+            Value::Word(word) => word.as_str().into(),
+            Value::Switch(on) => (*on).into(),
+            Value::Numbers(_) | Value::Words(_) => return false,
+        };
+        match serde_json::from_value(serde_json::Value::Object(fields)) {
+            Ok(changed) => {
+                *self = changed;
+                true
+            }
+            Err(_) => false,
+        }
+    }
+}
+
+const SPH: (&str, &str) = (
+    "discretization.method",
+    "total-lagrangian-sph | updated-sph",
+);
+const TOTAL_SPH: (&str, &str) = ("discretization.method", "total-lagrangian-sph");
+const UPDATED_SPH: (&str, &str) = ("discretization.method", "updated-sph");
+const ELEMENTS: (&str, &str) = ("discretization.method", "finite-elements");
+const ONE_POINT: (&str, &str) = ("discretization.integration", "one-point");
+const CONFORMING: (&str, &str) = ("discretization.method", "conforming");
+const PERIDYNAMICS: (&str, &str) = ("discretization.method", "peridynamics");
+const BONDS: (&str, &str) = ("discretization.bonds", "bond-based");
+const CORRESPONDENCE: (&str, &str) = ("discretization.bonds", "correspondence");
+const CONTROL: (&str, &str) = ("discretization.control", "penalty | hourglass");
+const POINTS: (&str, &str) = ("discretization.method", "material-points");
+const CURRENT: (&str, &str) = ("discretization.unknowns", "updated | particles");
+
+/// The keys of families of methods, in the order of the documentation.
+pub(super) const METHOD_KEYS: &[Key] = &[
+    key(
+        "discretization.method",
+        Kind::Words(Family::WORDS),
+        "family of methods",
+    ),
+    key(
+        "discretization.corrected",
+        Kind::Switch,
+        "SPH: gradients corrected to be exact for linear fields",
+    )
+    .only_with(SPH),
+    key(
+        "discretization.momentum",
+        Kind::Words(&["symmetric", "mean", "difference"]),
+        "updated SPH: how two stresses become a force",
+    )
+    .only_with(UPDATED_SPH),
+    key(
+        "discretization.density-evolution",
+        Kind::Words(&["summation", "continuity"]),
+        "updated SPH: how densities follow the motion",
+    )
+    .only_with(UPDATED_SPH),
+    key(
+        "discretization.penalty",
+        Kind::Number("1"),
+        "total-Lagrangian SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller)",
+    )
+    .only_with(TOTAL_SPH),
+    key(
+        "discretization.viscosity",
+        Kind::Number("1"),
+        "SPH: linear coefficient of artificial viscosity (Monaghan)",
+    )
+    .only_with(SPH),
+    key(
+        "discretization.viscosity-switch",
+        Kind::Words(&["always", "averaged"]),
+        "SPH: whether artificial viscosity acts always, or as the mean of compression only",
+    )
+    .only_with(SPH),
+    key(
+        "discretization.artificial-stress",
+        Kind::Number("1"),
+        "updated SPH: coefficient of artificial stress (Gray, Monaghan, Swift)",
+    )
+    .only_with(UPDATED_SPH),
+    key(
+        "discretization.artificial-stress-exponent",
+        Kind::Number("1"),
+        "updated SPH: exponent of artificial stress",
+    )
+    .only_with(UPDATED_SPH),
+    key(
+        "discretization.velocity-smoothing",
+        Kind::Number("1"),
+        "SPH: coefficient of smoothed velocities (XSPH)",
+    )
+    .only_with(SPH),
+    key(
+        "discretization.mesh",
+        Kind::Words(&[
+            "bars",
+            "quadrilaterals",
+            "triangles",
+            "triangles-alternating",
+            "triangles-crossed",
+            "triangles-equilateral",
+            "bricks",
+            "tetrahedra",
+            "tetrahedra-alternating",
+            "tetrahedra-body-centered",
+        ]),
+        "finite elements: the mesh, which takes the place of the arrangement",
+    )
+    .only_with(ELEMENTS),
+    key(
+        "discretization.integration",
+        Kind::Words(&["full", "one-point"]),
+        "finite elements: integration points",
+    )
+    .only_with(ELEMENTS),
+    key(
+        "discretization.hourglass-stiffness",
+        Kind::Number("1"),
+        "finite elements: coefficient of hourglass stiffness (Flanagan, Belytschko)",
+    )
+    .only_with(ONE_POINT),
+    key(
+        "discretization.hourglass-viscosity",
+        Kind::Number("1"),
+        "finite elements: coefficient of hourglass viscosity (Flanagan, Belytschko)",
+    )
+    .only_with(ONE_POINT),
+    key(
+        "discretization.mass",
+        Kind::Words(&["lumped", "consistent"]),
+        "finite elements: mass matrix",
+    )
+    .only_with(ELEMENTS),
+    key(
+        "discretization.smoothing-domain",
+        Kind::Words(&["voronoi", "boxes"]),
+        "conforming nodal integration: where gradients are averaged (SCNI, SNNI)",
+    )
+    .only_with(CONFORMING),
+    key(
+        "discretization.modification",
+        Kind::Number("1"),
+        "conforming nodal integration: coefficient of the modification (M-SCNI), from 0 to 1",
+    )
+    .only_with(CONFORMING),
+    key(
+        "discretization.horizon",
+        Kind::Positive("1"),
+        "peridynamics: the horizon in spacings",
+    )
+    .only_with(PERIDYNAMICS),
+    key(
+        "discretization.influence",
+        Kind::Words(&["constant", "inverse", "conical", "gaussian"]),
+        "peridynamics: weights of the bonds",
+    )
+    .only_with(PERIDYNAMICS),
+    key(
+        "discretization.partial-volumes",
+        Kind::Words(&["whole", "inside", "tapered"]),
+        "peridynamics: volumes at the horizon",
+    )
+    .only_with(PERIDYNAMICS),
+    key(
+        "discretization.bonds",
+        Kind::Words(&["bond-based", "correspondence"]),
+        "peridynamics: the force between particles",
+    )
+    .only_with(PERIDYNAMICS),
+    key(
+        "discretization.calibration",
+        Kind::Words(&["continuum", "discrete"]),
+        "bond-based peridynamics: from what the micromodulus is computed",
+    )
+    .only_with(BONDS),
+    key(
+        "discretization.control",
+        Kind::Words(&["none", "penalty", "hourglass"]),
+        "correspondence peridynamics: control of zero-energy modes",
+    )
+    .only_with(CORRESPONDENCE),
+    key(
+        "discretization.control-coefficient",
+        Kind::Number("1"),
+        "correspondence peridynamics: coefficient of the control",
+    )
+    .only_with(CONTROL),
+    key(
+        "discretization.points-per-side",
+        Kind::Whole(1, 8),
+        "material points along each side of a cell",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.layout",
+        Kind::Words(&["uniform", "gauss"]),
+        "material points: where they are in their cell",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.offset",
+        Kind::Number("1"),
+        "material points: a shift of all of them along each axis, in spacings",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.grid-functions",
+        Kind::Words(&["linear", "gimp", "quadratic-spline", "cubic-spline"]),
+        "material points: functions of the grid",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.unknowns",
+        Kind::Words(&["total-lagrangian", "updated", "particles"]),
+        "material points: what is displaced",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.grid-mass",
+        Kind::Words(&["lumped", "consistent"]),
+        "material points: masses of the nodes",
+    )
+    .only_with(POINTS),
+    key(
+        "discretization.grid",
+        Kind::Words(&["convected", "regular"]),
+        "material points: where grid and points are at a state",
+    )
+    .only_with(CURRENT),
+];

@@ -1,0 +1,44 @@
+//! Discrete displacement gradients, and small products of matrices in numbers of any kind.
+
+use crate::real::Real;
+
+/// `sum_K u_K (x) g_K`.
+pub(super) fn displacement_gradient<R: Real, const D: usize>(
+    displacements: &[[R; D]],
+    gradients: &[[f64; D]],
+) -> [[R; D]; D] {
+    let mut sum = [[R::constant(0.0); D]; D];
+    for (u, g) in displacements.iter().zip(gradients) {
+        for i in 0..D {
+            for j in 0..D {
+                sum[i][j] = sum[i][j] + u[i] * g[j];
+            }
+        }
+    }
+    sum
+}
+
+/// `(1 + h) F`: the deformation gradient that a point carries after a step with the spatial displacement gradient `h`.
+pub(super) fn transported<R: Real, const D: usize>(
+    h: &[[R; D]; D],
+    f: &[[R; D]; D],
+) -> [[R; D]; D] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..D).fold(f[i][j], |sum, m| sum + h[i][m] * f[m][j]))
+    })
+}
+
+/// `A B^T`.
+pub(super) fn times_transpose<R: Real, const D: usize>(
+    a: &[[R; D]; D],
+    b: &[[R; D]; D],
+) -> [[R; D]; D] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..D).fold(R::constant(0.0), |sum, m| sum + a[i][m] * b[j][m]))
+    })
+}
+
+/// `A v`.
+pub(super) fn times_vector<R: Real, const D: usize>(a: &[[R; D]; D], v: &[R; D]) -> [R; D] {
+    std::array::from_fn(|i| (0..D).fold(R::constant(0.0), |sum, j| sum + a[i][j] * v[j]))
+}
