@@ -32,6 +32,10 @@ enum AnyMethod {
 }
 
 /// Method and material.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "always kept behind a box, once a study"
+)]
 enum Prepared<const D: usize> {
     /// A kernel method, with what is proved before any state if proofs are asked for.
     Kernel {
