@@ -1,9 +1,13 @@
 //! From settings to a discretization of any kind.
 
-use crate::answers::ProblemError;
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
-use onset::lattice::Crystal;
-use onset::method::{Background, Discretization, Frame, Linearization, Method, MethodError};
+use nalgebra::SVector;
+use onset::kinematics::{DeformationGradient, StraightPath};
+use onset::lattice::{BravaisLattice, Crystal};
+use onset::material::Hyperelastic;
+use onset::method::{
+    Background, CurrentLattice, Discretization, Frame, Linearization, Method, MethodError,
+};
 use onset::quadrature::{CellRule, Quadrature};
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration};
 use onset::scheme::element::{ElementChoices, FiniteElements, Formulation as ElementFormulation};
@@ -16,13 +20,109 @@ use onset::scheme::{
     BondModel, Formulation, MaterialPointChoices, MaterialPoints, Peridynamics,
     PeridynamicsChoices, Scheme, ZeroEnergyControl,
 };
+use onset::verdict::{
+    Assessment, PathError, PathScan, SchemeSurvey, scan_discretization, scan_scheme,
+};
+
+/// A discretization, with the fast ways of kernel methods where it is one.
+pub enum Discretized<const D: usize> {
+    /// A kernel method with one particle in a cell.
+    Kernel(Box<Method<D>>),
+    /// Any other one.
+    Scheme(Box<dyn Scheme<D>>),
+}
+
+impl<const D: usize> Discretized<D> {
+    /// The discretization that settings describe.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a setting is out of range, or the number of dimensions is not `D`.
+    pub fn new(settings: &Settings) -> Result<Self, MethodError> {
+        let is_kernel = settings.method.method == Family::Kernel;
+        if is_kernel && settings.discretization.crystal::<D>()?.sites().len() == 1 {
+            let method = Method::new(settings.discretization.clone())?;
+            return Ok(Self::Kernel(Box::new(method)));
+        }
+        Ok(Self::Scheme(scheme(settings)?))
+    }
+
+    /// The verdict on a state with its evidence.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    pub fn assess(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Assessment<D>, MethodError> {
+        match self {
+            Self::Kernel(method) => onset::verdict::assess(method, material, f),
+            Self::Scheme(scheme) => SchemeSurvey::new(&**scheme, material)?.assess(f),
+        }
+    }
+
+    /// All changes of stability along a path.
+    ///
+    /// # Errors
+    /// [`PathError`] when a state cannot be evaluated for another reason than its support.
+    pub fn scan(
+        &self,
+        material: &dyn Hyperelastic,
+        path: &StraightPath,
+    ) -> Result<PathScan, PathError> {
+        match self {
+            Self::Kernel(method) => scan_discretization(method, material, path),
+            Self::Scheme(scheme) => {
+                let survey =
+                    SchemeSurvey::new(&**scheme, material).map_err(|source| PathError::Method {
+                        parameter: 0.0,
+                        source,
+                    })?;
+                scan_scheme(&survey, path)
+            }
+        }
+    }
+
+    /// The lattice of the cells in the reference state.
+    pub fn lattice(&self) -> &BravaisLattice<D> {
+        match self {
+            Self::Kernel(method) => method.lattice(),
+            Self::Scheme(scheme) => scheme.crystal().lattice(),
+        }
+    }
+
+    /// The kernel method, where it is one.
+    pub fn kernel(&self) -> Option<&Method<D>> {
+        match self {
+            Self::Kernel(method) => Some(method),
+            Self::Scheme(_) => None,
+        }
+    }
+
+    /// A reference wave vector in the deformed lattice, `F^-T k`; on a regular arrangement, where particles that have not moved
+    /// stand for deformed ones, `k` itself.
+    pub fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, D>) -> SVector<f64, D> {
+        let choices = self.kernel().map(Method::discretization);
+        let is_regular = choices.is_some_and(|choices| {
+            choices.frame == Frame::Eulerian && choices.lattice == CurrentLattice::Regular
+        });
+        if is_regular {
+            return *k;
+        }
+        let map = f.leading::<D>();
+        let solved = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(j, i)])
+            .lu()
+            .solve(&nalgebra::DVector::from_fn(D, |i, _| k[i]));
+        solved.map_or(*k, |solved| SVector::from_fn(|i, _| solved[i]))
+    }
+}
 
 /// The discretization that settings describe.
 ///
 /// # Errors
-/// [`ProblemError`] when a setting is out of range, or the number of dimensions is not `D`.
-pub fn scheme<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, ProblemError> {
-    let found: Result<Box<dyn Scheme<D>>, MethodError> = match settings.method.method {
+/// [`MethodError`] when a setting is out of range, or the number of dimensions is not `D`.
+pub fn scheme<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
+    match settings.method.method {
         Family::Kernel => kernel(&settings.discretization),
         Family::TotalLagrangianSph => total_lagrangian(settings),
         Family::UpdatedSph => updated(settings),
@@ -30,8 +130,7 @@ pub fn scheme<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>,
         Family::Conforming => conforming(settings),
         Family::Peridynamics => peridynamics(settings),
         Family::MaterialPoints => material_points(settings),
-    };
-    Ok(found?)
+    }
 }
 
 fn kernel<const D: usize>(choices: &Discretization) -> Result<Box<dyn Scheme<D>>, MethodError> {

@@ -5,11 +5,13 @@ use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::sentence;
 use super::state::ComplexNumber;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use nalgebra::{SMatrix, SVector};
+use crate::methods::Discretized;
+use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::algebra::{Complex, eigenvalues};
-use onset::bloch::{dynamical_matrix, growth_rate};
+use onset::bloch::{DynamicalMatrix, WaveSystem, dynamical_matrix, growth_rate};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
+use onset::material::Hyperelastic;
 use onset::method::{CurrentLattice, Discretization, Frame, MethodError};
 use serde::Serialize;
 use thiserror::Error;
@@ -99,8 +101,12 @@ impl Diagram {
             .map_or(0, |sample| sample.wave_vector.len());
         let mut header = vec!["length".to_owned()];
         header.extend(columns("wave_vector", dimension));
-        header.extend(columns("omega_squared_re", dimension));
-        header.extend(columns("omega_squared_im", dimension));
+        let branches = self
+            .samples
+            .first()
+            .map_or(0, |sample| sample.omega_squared.len());
+        header.extend(columns("omega_squared_re", branches));
+        header.extend(columns("omega_squared_im", branches));
         header.extend(columns("continuum_omega_squared", dimension));
         let row = |(length, sample): (&f64, &DispersionAnswer)| {
             let particles = &sample.omega_squared;
@@ -134,8 +140,10 @@ impl Diagram {
         };
         let mut lines = Vec::new();
         for n in 0..branches {
+            // Cells with several particles have more branches than the continuum.
             let continuum = Line::new(line(&|sample| {
-                signed_frequency(Complex::new(sample.continuum_omega_squared[n], 0.0))
+                let own = sample.continuum_omega_squared.get(n);
+                own.map_or(f64::NAN, |own| signed_frequency(Complex::new(*own, 0.0)))
             }))
             .color(palette::GREY)
             .dashed();
@@ -217,12 +225,45 @@ fn at_wave_vector<const D: usize>(
     Ok(waves::<D>(problem, f)?(&k))
 }
 
+/// The dynamical matrix of any discretization.
+enum Matrix<const D: usize> {
+    Kernel(Box<DynamicalMatrix<D>>),
+    Scheme(Box<WaveSystem<D>>),
+}
+
+impl<const D: usize> Matrix<D> {
+    fn new(
+        method: &Discretized<D>,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Self, MethodError> {
+        Ok(match method {
+            Discretized::Kernel(method) => {
+                Self::Kernel(Box::new(dynamical_matrix(method, material, f)?))
+            }
+            Discretized::Scheme(scheme) => Self::Scheme(Box::new(scheme.waves(material, f)?)),
+        })
+    }
+
+    /// `D(k)` and its eigenvalues.
+    fn at(&self, k: &SVector<f64, D>) -> (DMatrix<Complex>, Vec<Complex>) {
+        match self {
+            Self::Kernel(matrix) => {
+                let d = matrix.at(k);
+                let dynamic = DMatrix::from_fn(D, D, |i, j| d[(i, j)]);
+                (dynamic, matrix.omega_squared(k).to_vec())
+            }
+            Self::Scheme(system) => (system.dynamical_matrix_at(k), system.omega_squared(k)),
+        }
+    }
+}
+
 fn waves<const D: usize>(
     problem: &Problem,
     f: &DeformationGradient,
 ) -> Result<impl Fn(&SVector<f64, D>) -> DispersionAnswer, ProblemError> {
-    let method = problem.method::<D>()?;
-    let matrix = dynamical_matrix(&method, &*problem.material, f)?;
+    let method = Discretized::<D>::new(&problem.settings)?;
+    let matrix = Matrix::new(&method, &*problem.material, f)?;
     let response = problem.material.response(f).map_err(MethodError::from)?;
     let stiffness = Stiffness::<D>::of(&response);
     let Discretization {
@@ -230,27 +271,29 @@ fn waves<const D: usize>(
         frame,
         lattice,
         ..
-    } = *method.discretization();
+    } = problem.settings.discretization;
+    let is_kernel = method.kernel().is_some();
     // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial,
     // and that of the reference F^T k.
     let to_reference = match (frame, lattice) {
-        (Frame::Eulerian, CurrentLattice::Regular) => f.leading::<D>().transpose(),
+        (Frame::Eulerian, CurrentLattice::Regular) if is_kernel => f.leading::<D>().transpose(),
         _ => SMatrix::identity(),
     };
     Ok(move |k: &SVector<f64, D>| {
-        let d = matrix.at(k);
+        let (d, omega_squared) = matrix.at(k);
         let continuum = stiffness
             .acoustic_tensor(&(to_reference * k))
             .map(|entry| Complex::new(entry / density, 0.0));
         DispersionAnswer {
             wave_vector: k.iter().copied().collect(),
-            omega_squared: matrix.omega_squared(k).map(ComplexNumber::from).to_vec(),
+            omega_squared: omega_squared.into_iter().map(ComplexNumber::from).collect(),
             continuum_omega_squared: eigenvalues(&continuum, 0.0)
                 .iter()
                 .map(|value| value.re)
                 .collect(),
-            dynamical_matrix: (0..D)
-                .map(|i| (0..D).map(|j| d[(i, j)].into()).collect())
+            dynamical_matrix: d
+                .row_iter()
+                .map(|row| row.iter().map(|entry| (*entry).into()).collect())
                 .collect(),
         }
     })
@@ -260,11 +303,11 @@ fn along_path<const D: usize>(
     problem: &Problem,
     f: &DeformationGradient,
 ) -> Result<Diagram, ProblemError> {
-    let method = problem.method::<D>()?;
+    let method = Discretized::<D>::new(&problem.settings)?;
     let waves = waves::<D>(problem, f)?;
-    let corners: Vec<(&'static str, SVector<f64, D>)> = method
-        .discretization()
-        .arrangement
+    let corners: Vec<(&'static str, SVector<f64, D>)> = problem
+        .settings
+        .zone()
         .zone_path::<D>()
         .into_iter()
         .map(|(name, fractional)| (name, method.lattice().reciprocal() * fractional))
@@ -303,15 +346,17 @@ impl std::fmt::Display for DispersionAnswer {
             "reference wave vector  {}",
             sentence::vector(&self.wave_vector)
         )?;
-        for (value, continuum) in self.omega_squared.iter().zip(&self.continuum_omega_squared) {
+        for (n, value) in self.omega_squared.iter().enumerate() {
             let imaginary = if value.im == 0.0 {
                 String::new()
             } else {
                 format!(" {:+.12} i", value.im)
             };
+            let continuum = self.continuum_omega_squared.get(n);
+            let beside = continuum.map_or(String::new(), |own| format!("   (continuum {own:.12})"));
             writeln!(
                 formatter,
-                "omega^2                {:.12}{imaginary}   (continuum {continuum:.12})",
+                "omega^2                {:.12}{imaginary}{beside}",
                 value.re
             )?;
         }

@@ -2,8 +2,6 @@
 
 use nalgebra::SVector;
 use onset::bloch::Mode;
-use onset::kinematics::DeformationGradient;
-use onset::method::{CurrentLattice, Discretization, Frame, Method};
 use onset::verdict::Assessment;
 
 /// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
@@ -24,22 +22,4 @@ pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64,
     } else {
         mode.wave_vector
     }
-}
-
-/// The wave vector in the lattice on which the kernels live, `F^-T k`. With Lagrangian kernels the
-/// particles sit on the deformed lattice too.
-pub(super) fn spatial<const D: usize>(
-    method: &Method<D>,
-    f: &DeformationGradient,
-    k: &SVector<f64, D>,
-) -> SVector<f64, D> {
-    let Discretization { frame, lattice, .. } = *method.discretization();
-    if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
-        return *k;
-    }
-    let map = f.leading::<D>();
-    let solved = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(j, i)])
-        .lu()
-        .solve(&nalgebra::DVector::from_fn(D, |i, _| k[i]));
-    solved.map_or(*k, |solved| SVector::from_fn(|i, _| solved[i]))
 }

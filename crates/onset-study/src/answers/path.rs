@@ -1,15 +1,13 @@
 //! The answer to: where along this path is stability lost, and regained?
 
 use super::in_dimension_of;
-use super::mode::{critical_mode, finite_wave_vector, spatial};
+use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::state::{ComplexNumber, list, rows};
+use crate::methods::Discretized;
 use onset::kinematics::{DeformationGradient, StraightPath};
-use onset::verdict::{
-    Crossing, MaterialAssessment, Onset, PathScan, Phase, assess, scan_discretization,
-    scan_material,
-};
+use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
 use serde::Serialize;
 
 /// Everything about a straight path.
@@ -109,11 +107,11 @@ fn answer<const D: usize>(
     to: &DeformationGradient,
 ) -> Result<PathAnswer, ProblemError> {
     let path = StraightPath::new(*from, *to)?;
-    let method = problem.method::<D>()?;
+    let method = Discretized::<D>::new(&problem.settings)?;
     // A state that the discretization cannot have is refused, rather than called undefined all along.
-    assess(&method, &*problem.material, from)?;
+    method.assess(&*problem.material, from)?;
     let continuum = scan_material::<D>(&*problem.material, &path)?;
-    let particles = scan_discretization(&method, &*problem.material, &path)?;
+    let particles = method.scan(&*problem.material, &path)?;
 
     let material_onset = match onset(&continuum) {
         Some((parameter, witness, tolerance, _)) => {
@@ -130,7 +128,7 @@ fn answer<const D: usize>(
     let discretization_onset = match onset(&particles) {
         Some((parameter, witness, tolerance, phase)) => {
             let f = path.at(witness)?;
-            let assessment = assess(&method, &*problem.material, &f)?;
+            let assessment = method.assess(&*problem.material, &f)?;
             let spectrum = &assessment.spectrum;
             // Just behind the onset nothing grows measurably yet: the softest mode is the critical one.
             let mode = if spectrum.flutters || witness == 0.0 {
@@ -144,7 +142,7 @@ fn answer<const D: usize>(
                 phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
-                spatial_wave_vector: list(&spatial(&method, &f, &wave_vector)),
+                spatial_wave_vector: list(&method.spatial(&f, &wave_vector)),
                 direction: list(
                     &mode
                         .wave_vector

@@ -1,6 +1,7 @@
 //! A problem: settings made into a material and a method, and deformations made from numbers.
 
-use crate::settings::{SettingError, Settings};
+use crate::methods::Discretized;
+use crate::settings::{Family, SettingError, Settings};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::lattice::LatticeError;
 use onset::material::{Hyperelastic, MaterialError};
@@ -218,23 +219,31 @@ impl Problem {
         let material = settings.material.build().map_err(MethodError::from)?;
         let problem = Self { settings, material };
         match problem.dimension() {
-            1 => problem.method::<1>().map(drop)?,
-            2 => problem.method::<2>().map(drop)?,
-            _ => problem.method::<3>().map(drop)?,
+            1 => drop(Discretized::<1>::new(&problem.settings)?),
+            2 => drop(Discretized::<2>::new(&problem.settings)?),
+            _ => drop(Discretized::<3>::new(&problem.settings)?),
         }
         Ok(problem)
     }
 
     /// The number of space dimensions.
     pub fn dimension(&self) -> usize {
-        self.settings.discretization.arrangement.dimension()
+        self.settings.dimension()
     }
 
-    /// The method.
+    /// The kernel method, for questions that are answered for these alone.
     ///
     /// # Errors
-    /// [`ProblemError`] when a setting is out of range.
+    /// [`ProblemError`] when a setting is out of range, or it is another method.
     pub fn method<const D: usize>(&self) -> Result<Method<D>, ProblemError> {
+        if self.settings.method.method != Family::Kernel {
+            return Err(MethodError::Incompatible {
+                choice: "this question",
+                other: "a discretization.method other than \"kernel\"",
+                hint: "state (without --certify), dispersion, path, map (without certify), compare, modes and tune answer for all",
+            }
+            .into());
+        }
         Ok(Method::new(self.settings.discretization.clone())?)
     }
 }

@@ -1,12 +1,13 @@
 //! Verdicts in plain English.
 
-use super::mode::{critical_mode, finite_wave_vector, spatial};
-use crate::settings::word_of;
+use super::mode::{critical_mode, finite_wave_vector};
+use crate::methods::Discretized;
+use crate::settings::{Family, word_of};
 use nalgebra::SVector;
 use onset::bloch::Stability;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Discretization, Frame, Method};
+use onset::method::{Discretization, Frame};
 use onset::verdict::{Assessment, Verdict};
 
 /// A gradient norm below which a discretization that is not deficient is called weak.
@@ -31,13 +32,13 @@ pub(super) fn of_correction(
 
 /// The sentence of an assessment.
 pub(super) fn of<const D: usize>(
-    method: &Method<D>,
+    method: &Discretized<D>,
     assessment: &Assessment<D>,
     f: &DeformationGradient,
 ) -> String {
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
-    let k = spatial(method, f, &finite_wave_vector(mode));
+    let k = method.spatial(f, &finite_wave_vector(mode));
     let wave = wave(&k);
     let growth = growth(spectrum.growth_rate());
     let tension = if assessment.material.mean_stress() >= 0.0 {
@@ -66,12 +67,13 @@ pub(super) fn of<const D: usize>(
             vector(assessment.material.minimum.direction.as_slice())
         ),
         Verdict::RankDeficient => {
-            let when = match method.discretization().frame {
-                Frame::Lagrangian => "at any state",
-                Frame::Eulerian => "at this state",
+            let frame = method.kernel().map(|method| method.discretization().frame);
+            let when = match frame {
+                Some(Frame::Lagrangian) => "at any state",
+                _ => "at this state",
             };
             let which = if mode.is_long_wave {
-                let along = spatial(method, f, &mode.wave_vector).normalize();
+                let along = method.spatial(f, &mode.wave_vector).normalize();
                 format!("even long waves along {} have", vector(along.as_slice()))
             } else {
                 format!("a wave of {wave} has")
@@ -137,6 +139,16 @@ pub(super) fn number(value: f64) -> String {
     } else {
         format!("{value:.4e}")
     }
+}
+
+/// A method of another family than the kernel methods.
+pub(super) fn family(family: Family, discretization: &Discretization) -> String {
+    let arrangement = match family {
+        Family::FiniteElements => String::new(),
+        _ => format!(", {} arrangement", discretization.arrangement.name()),
+    };
+    let spacing = number(discretization.spacing);
+    format!("{}{arrangement}, spacing {spacing}", word_of(&family))
 }
 
 /// A vector with four decimals.

@@ -2,18 +2,19 @@
 
 use super::certificate::CertificateAnswer;
 use super::in_dimension_of;
-use super::mode::{critical_mode, finite_wave_vector, spatial};
+use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use crate::settings::{Settings, Value};
+use crate::methods::Discretized;
+use crate::settings::{Family, MethodSettings, Settings, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::certificate::{certify, certify_in_space};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
-use onset::method::{Discretization, Method, MethodError};
-use onset::verdict::{Assessment, SurveyedState, Verdict, assess};
+use onset::method::{Discretization, MethodError};
+use onset::verdict::{Assessment, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -117,8 +118,13 @@ impl SpaceAnswer {
 /// The discretization at a state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscretizationAnswer {
-    /// All settings.
+    /// Arrangement, and the choices of kernel methods.
     pub settings: Discretization,
+    /// The family of methods.
+    pub family: Family,
+    /// The choices of another family than the kernel methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<MethodSettings>,
     /// Whether no mode grows.
     pub stable: bool,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
@@ -179,13 +185,14 @@ fn answer<const D: usize>(
     f: &DeformationGradient,
     tolerance: Option<f64>,
 ) -> Result<StateAnswer, ProblemError> {
-    let method = problem.method::<D>()?;
-    let assessment = assess(&method, &*problem.material, f)?;
+    let method = Discretized::<D>::new(&problem.settings)?;
+    let assessment = method.assess(&*problem.material, f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
     let mut sentence = sentence::of(&method, &assessment, f);
     if let Some(tolerance) = tolerance {
-        let proved = certify(&method, &*problem.material, f, tolerance)?;
+        let kernel = problem.method::<D>()?;
+        let proved = certify(&kernel, &*problem.material, f, tolerance)?;
         let in_space =
             certify_in_space(&*problem.material, f, tolerance).map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
@@ -208,7 +215,7 @@ fn answer<const D: usize>(
         deformation_gradient: *f.components(),
         material: material_answer(&problem.settings, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(&method, &assessment, f),
+        discretization: discretization_answer(&problem.settings, &method, &assessment, f),
     })
 }
 
@@ -242,7 +249,8 @@ fn material_answer<const D: usize>(
 }
 
 fn discretization_answer<const D: usize>(
-    method: &Method<D>,
+    settings: &Settings,
+    method: &Discretized<D>,
     assessment: &Assessment<D>,
     f: &DeformationGradient,
 ) -> DiscretizationAnswer {
@@ -250,12 +258,14 @@ fn discretization_answer<const D: usize>(
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     DiscretizationAnswer {
-        settings: method.discretization().clone(),
+        settings: settings.discretization.clone(),
+        family: settings.method.method,
+        method: (settings.method.method != Family::Kernel).then(|| settings.method.clone()),
         stable: spectrum.is_stable(),
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,
         wave_vector: list(&wave_vector),
-        spatial_wave_vector: list(&spatial(method, f, &wave_vector)),
+        spatial_wave_vector: list(&method.spatial(f, &wave_vector)),
         polarization: list(&mode.polarization.map(|component| component.re)),
         polarization_imaginary: list(&mode.polarization.map(|component| component.im)),
         growth_rate: spectrum.growth_rate(),
@@ -335,7 +345,10 @@ impl std::fmt::Display for StateAnswer {
         writeln!(
             formatter,
             "discretization          {}",
-            sentence::settings(&d.settings)
+            match d.family {
+                Family::Kernel => sentence::settings(&d.settings),
+                family => sentence::family(family, &d.settings),
+            }
         )?;
         writeln!(
             formatter,

@@ -2,11 +2,12 @@
 
 use super::in_dimension_of;
 use super::problem::{Problem, ProblemError};
+use crate::methods::Discretized;
 use crate::settings::{Axis, MapSettings, Quantity, Study, Value, word_of};
 use onset::approximation::Order;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, MethodError};
-use onset::verdict::judge;
+use onset::verdict::{SchemeSurvey, judge};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -169,7 +170,10 @@ fn sampled(study: &Study, along: usize) -> Vec<Vec<f64>> {
 /// Whether particles and material exist at a state.
 fn look<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> {
     problem.material.response(f).map_err(MethodError::from)?;
-    problem.method::<D>()?.configuration(f, Order::First)?;
+    match Discretized::<D>::new(&problem.settings)? {
+        Discretized::Kernel(method) => drop(method.configuration(f, Order::First)?),
+        Discretized::Scheme(scheme) => drop(scheme.waves(&*problem.material, f)?),
+    }
     Ok(())
 }
 
@@ -195,7 +199,11 @@ fn has_verdict<const D: usize>(
     problem: &Problem,
     f: &DeformationGradient,
 ) -> Result<bool, ProblemError> {
-    Ok(judge(&problem.method::<D>()?, &*problem.material, f).is_ok())
+    let material = &*problem.material;
+    Ok(match Discretized::<D>::new(&problem.settings)? {
+        Discretized::Kernel(method) => judge(&method, material, f).is_ok(),
+        Discretized::Scheme(scheme) => SchemeSurvey::new(&*scheme, material)?.state(f).is_ok(),
+    })
 }
 
 fn named(study: &Study, coordinates: &[f64]) -> String {

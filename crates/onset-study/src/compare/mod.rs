@@ -113,6 +113,7 @@ fn measured<const D: usize>(
     material: &dyn onset::material::Hyperelastic,
 ) -> Row {
     let measured = scheme::<D>(&candidate.settings)
+        .map_err(ProblemError::from)
         .and_then(|scheme| Measured::of(&*scheme, material, &comparison.options));
     Row {
         name: candidate.name.clone(),

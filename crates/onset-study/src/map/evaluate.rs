@@ -2,13 +2,16 @@
 
 use super::record::{Finding, Proof, Record};
 use crate::answers::ProblemError;
+use crate::methods::Discretized;
 use crate::settings::{MapSettings, Settings};
 use nalgebra::SVector;
 use onset::certificate::{Certainty, Certificate, Certifier, Foundation};
 use onset::continuum::AcousticMinimum;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Method, MethodError};
-use onset::verdict::{MaterialAssessment, Survey, SurveyedState};
+use onset::material::Hyperelastic;
+use onset::method::MethodError;
+use onset::scheme::Scheme;
+use onset::verdict::{MaterialAssessment, SchemeSurvey, Survey, SurveyedState};
 
 /// Material and discretization, ready to be asked about states.
 pub struct Evaluator {
@@ -25,10 +28,18 @@ enum AnyMethod {
     Spatial(Box<Prepared<3>>),
 }
 
-/// Method and material, and what is proved of them before any state if proofs are asked for.
-struct Prepared<const D: usize> {
-    survey: Survey<D>,
-    foundation: Option<Foundation<D>>,
+/// Method and material.
+enum Prepared<const D: usize> {
+    /// A kernel method, with what is proved before any state if proofs are asked for.
+    Kernel {
+        survey: Survey<D>,
+        foundation: Option<Foundation<D>>,
+    },
+    /// Any other method.
+    Scheme {
+        scheme: Box<dyn Scheme<D>>,
+        material: Box<dyn Hyperelastic>,
+    },
 }
 
 impl Evaluator {
@@ -38,7 +49,7 @@ impl Evaluator {
     /// # Errors
     /// [`ProblemError`] when the settings are not admissible.
     pub fn new(settings: Settings, map: &MapSettings, many: bool) -> Result<Self, ProblemError> {
-        let (method, stiffness) = match settings.discretization.arrangement.dimension() {
+        let (method, stiffness) = match settings.dimension() {
             1 => {
                 let (prepared, stiffness) = prepared::<1>(&settings, map, many)?;
                 (prepared.map(AnyMethod::Chain), stiffness)
@@ -78,29 +89,42 @@ impl Evaluator {
         prepared: &Prepared<D>,
         states: &[DeformationGradient],
     ) -> Vec<Result<Record, ProblemError>> {
-        let surveyed = prepared.survey.states(states);
-        let records = states.iter().zip(surveyed);
-        records
-            .map(|(f, surveyed)| self.record(prepared, f, surveyed))
-            .collect()
+        match prepared {
+            Prepared::Kernel { survey, foundation } => {
+                let (method, material) = (survey.method(), survey.material());
+                let certifier = foundation.map(|foundation| {
+                    Certifier::founded(foundation, method, material, self.tolerance)
+                });
+                let records = states.iter().zip(survey.states(states));
+                records
+                    .map(|(f, surveyed)| self.record(material, certifier.as_ref(), f, surveyed))
+                    .collect()
+            }
+            Prepared::Scheme { scheme, material } => {
+                let survey = SchemeSurvey::new(&**scheme, &**material);
+                let state = |f: &DeformationGradient| match &survey {
+                    Ok(survey) => self.record::<D>(&**material, None, f, survey.state(f)),
+                    Err(error) => self.record::<D>(&**material, None, f, Err(error.clone())),
+                };
+                states.iter().map(state).collect()
+            }
+        }
     }
 
     fn record<const D: usize>(
         &self,
-        prepared: &Prepared<D>,
+        material: &dyn Hyperelastic,
+        certifier: Option<&Certifier<'_, D>>,
         f: &DeformationGradient,
         surveyed: Result<SurveyedState<D>, MethodError>,
     ) -> Result<Record, ProblemError> {
-        let survey = &prepared.survey;
-        let (method, material) = (survey.method(), survey.material());
         match surveyed {
             Ok(state) => {
                 let record = self.surveyed(&state);
-                let Some(foundation) = prepared.foundation else {
-                    return Ok(record);
-                };
-                let certifier = Certifier::founded(foundation, method, material, self.tolerance);
-                Ok(self.certified(record, &state, &certifier.certify(f)?))
+                match certifier {
+                    Some(certifier) => Ok(self.certified(record, &state, &certifier.certify(f)?)),
+                    None => Ok(record),
+                }
             }
             Err(error) if error.is_about_support() => {
                 let minimum = MaterialAssessment::<D>::new(material, f)
@@ -184,10 +208,10 @@ fn prepared<const D: usize>(
     many: bool,
 ) -> Result<(Option<Box<Prepared<D>>>, f64), ProblemError> {
     let density = settings.discretization.density;
-    match Method::<D>::new(settings.discretization.clone()) {
-        Ok(method) => {
-            let material = settings.material.build().map_err(MethodError::from)?;
-            let mut survey = Survey::new(method, material).map_err(MethodError::from)?;
+    let material = settings.material.build().map_err(MethodError::from)?;
+    let prepared = match Discretized::<D>::new(settings) {
+        Ok(Discretized::Kernel(method)) => {
+            let mut survey = Survey::new(*method, material).map_err(MethodError::from)?;
             let stiffness = survey.speed_squared() * density;
             if many {
                 survey = survey.for_many_states()?;
@@ -198,11 +222,30 @@ fn prepared<const D: usize>(
             } else {
                 None
             };
-            Ok((Some(Box::new(Prepared { survey, foundation })), stiffness))
+            return Ok((
+                Some(Box::new(Prepared::Kernel { survey, foundation })),
+                stiffness,
+            ));
         }
-        Err(error) if error.is_about_support() => Ok((None, f64::NAN)),
-        Err(error) => Err(error.into()),
-    }
+        Ok(Discretized::Scheme(_)) if map.certify => {
+            return Err(MethodError::Incompatible {
+                choice: "map.certify",
+                other: "a method other than a kernel method with one particle in a cell",
+                hint: "leave it out; the search over the zone answers for all methods",
+            }
+            .into());
+        }
+        Ok(Discretized::Scheme(scheme)) => Prepared::Scheme { scheme, material },
+        Err(error) if error.is_about_support() => return Ok((None, f64::NAN)),
+        Err(error) => return Err(error.into()),
+    };
+    let stiffness = match &prepared {
+        Prepared::Scheme { scheme, material } => {
+            SchemeSurvey::new(&**scheme, &**material)?.speed_squared() * density
+        }
+        Prepared::Kernel { survey, .. } => survey.speed_squared() * density,
+    };
+    Ok((Some(Box::new(prepared)), stiffness))
 }
 
 fn components<const D: usize>(vector: &SVector<f64, D>) -> [f64; 3] {

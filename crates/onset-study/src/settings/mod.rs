@@ -35,6 +35,7 @@ use onset::method::{
     Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
 };
 use onset::quadrature::Quadrature;
+use onset::scheme::element::ElementMesh;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
@@ -70,6 +71,21 @@ impl Settings {
         match self.method.method {
             Family::FiniteElements => self.method.mesh.dimension(),
             _ => self.discretization.arrangement.dimension(),
+        }
+    }
+
+    /// The arrangement whose zone the waves have: that of the nodes with finite elements.
+    pub fn zone(&self) -> Arrangement {
+        match (self.method.method, self.dimension()) {
+            (Family::FiniteElements, 1) => Arrangement::Chain,
+            (Family::FiniteElements, 2)
+                if self.method.mesh == ElementMesh::TrianglesEquilateral =>
+            {
+                Arrangement::Hexagonal
+            }
+            (Family::FiniteElements, 2) => Arrangement::Square,
+            (Family::FiniteElements, _) => Arrangement::SimpleCubic,
+            _ => self.discretization.arrangement,
         }
     }
 

@@ -11,7 +11,9 @@ mod probe;
 mod scheme;
 mod survey;
 
-pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
+pub use path::{
+    Crossing, Onset, PathError, PathScan, scan_discretization, scan_material, scan_scheme,
+};
 pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
 pub use scheme::SchemeSurvey;
 pub use survey::{Survey, SurveyedState};

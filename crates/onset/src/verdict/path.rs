@@ -1,5 +1,6 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
+use super::SchemeSurvey;
 use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
 use crate::algebra::GoldenSection;
 use crate::kinematics::{KinematicsError, StraightPath};
@@ -156,6 +157,26 @@ pub fn scan_discretization<const D: usize>(
             source,
         })?;
         probe.at(&f).map_err(|source| PathError::Method {
+            parameter: s,
+            source,
+        })
+    })
+}
+
+/// All losses and returns of the stability of a discretization of any kind along a path.
+///
+/// # Errors
+/// [`PathError`] when a state cannot be evaluated for another reason than its support.
+pub fn scan_scheme<const D: usize>(
+    survey: &SchemeSurvey<'_, D>,
+    path: &StraightPath,
+) -> Result<PathScan, PathError> {
+    scan(&|s| {
+        let f = path.at(s).map_err(|source| PathError::Kinematics {
+            parameter: s,
+            source,
+        })?;
+        survey.probe(&f).map_err(|source| PathError::Method {
             parameter: s,
             source,
         })

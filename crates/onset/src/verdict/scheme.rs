@@ -1,7 +1,8 @@
 //! Verdicts on discretizations of any kind.
 
-use super::{MaterialAssessment, Phase, Probe, SurveyedState};
-use crate::bloch::{SpectrumSummary, Stability, WaveSystem, ZoneSearch};
+use super::{Assessment, MaterialAssessment, Phase, Probe, SurveyedState, decided};
+use crate::algebra::{Complex, eigenvalues};
+use crate::bloch::{Mode, SpectrumSummary, Stability, WaveSystem, ZoneSearch};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
@@ -93,6 +94,41 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
             &spectrum,
             self.has_zero_mode(&spectrum),
         ))
+    }
+
+    /// The verdict on a state with its evidence. In place of the norm of the discrete gradient stands the squared frequency of the softest
+    /// mode in the undeformed body over that of the material's slowest wave: zero for a mode without energy.
+    ///
+    /// # Errors
+    /// [`MethodError`] when scheme or material cannot be evaluated there.
+    pub fn assess(&self, f: &DeformationGradient) -> Result<Assessment<D>, MethodError> {
+        let material = MaterialAssessment::<D>::new(self.material, f)?;
+        let spectrum = self.spectrum(f)?;
+        let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
+        let verdict = decided(
+            material.is_elliptic,
+            spectrum.is_stable(),
+            self.has_zero_mode(&spectrum),
+            long_waves_grow,
+        );
+        let gradient_norm = self.relative_frequency_squared(&spectrum.softest)?;
+        Ok(Assessment {
+            verdict,
+            material,
+            spectrum,
+            gradient_norm,
+        })
+    }
+
+    /// The squared frequency of the slowest wave at rest over that of the material, with the wave vector of a mode.
+    fn relative_frequency_squared(&self, mode: &Mode<D>) -> Result<f64, MethodError> {
+        if mode.is_long_wave {
+            return Ok(1.0);
+        }
+        let stiffness = Stiffness::<D>::at(self.material, &DeformationGradient::identity())?;
+        let tensor = stiffness.acoustic_tensor(&mode.wave_vector) / self.scheme.density();
+        let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
+        Ok(self.reference.omega_squared(&mode.wave_vector)[0].re / exact)
     }
 
     /// The phase of the particles at a state, with the scaled measure of the softest wave.

@@ -2,10 +2,11 @@
 
 use super::super::{Origin, Quantity, SettingError, Settings, StateSettings};
 use super::Study;
+use crate::methods::Discretized;
 use onset::kinematics::KinematicsError;
 use onset::lattice::LatticeError;
 use onset::material::MaterialError;
-use onset::method::{Method, MethodError};
+use onset::method::MethodError;
 
 impl Study {
     /// Checks the study as a whole.
@@ -262,9 +263,9 @@ impl Study {
 /// Builds material and method.
 fn built(settings: &Settings) -> Result<(), MethodError> {
     settings.material.build()?;
-    match settings.discretization.arrangement.dimension() {
-        1 => Method::<1>::new(settings.discretization.clone()).map(drop),
-        2 => Method::<2>::new(settings.discretization.clone()).map(drop),
-        _ => Method::<3>::new(settings.discretization.clone()).map(drop),
+    match settings.dimension() {
+        1 => Discretized::<1>::new(settings).map(drop),
+        2 => Discretized::<2>::new(settings).map(drop),
+        _ => Discretized::<3>::new(settings).map(drop),
     }
 }
