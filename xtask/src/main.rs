@@ -57,17 +57,31 @@ const TESTS_WITHOUT_FORTRAN: &[&str] = &[
 ];
 
 /// The figures that README and book show.
-const FIGURES: &[Step] = &[(
-    "figures",
-    &[
-        "run",
-        "--release",
-        "--",
-        "reproduce",
-        "--out",
-        "target/reproduction",
-    ],
-)];
+const FIGURES: &[Step] = &[
+    (
+        "figures",
+        &[
+            "run",
+            "--release",
+            "--",
+            "reproduce",
+            "--out",
+            "target/reproduction",
+        ],
+    ),
+    (
+        "comparison",
+        &[
+            "run",
+            "--release",
+            "--",
+            "compare",
+            "comparisons/methods-2d.toml",
+            "--out",
+            "target/comparison",
+        ],
+    ),
+];
 
 fn main() -> ExitCode {
     let task = std::env::args().nth(1);
@@ -164,9 +178,9 @@ fn write_schema() -> bool {
     })
 }
 
-/// Copies what README and book show from the reproduction.
+/// Copies what README and book show from the reproduction and the comparison.
 fn copy_figures() -> bool {
-    let names = [
+    let reproduced = [
         "figure-02",
         "figure-04",
         "figure-05",
@@ -174,11 +188,15 @@ fn copy_figures() -> bool {
         "figure-08",
         "figure-10",
     ];
-    names.iter().all(|name| {
-        let from = format!("target/reproduction/{name}.svg");
-        let to = format!("book/src/figures/{name}.svg");
-        std::fs::create_dir_all("book/src/figures")
-            .and_then(|()| std::fs::copy(&from, &to))
-            .is_ok()
-    })
+    let reproduced = reproduced.map(|name| (format!("target/reproduction/{name}.svg"), name));
+    let compared = ("target/comparison/compare.svg".to_owned(), "methods-2d");
+    reproduced
+        .into_iter()
+        .chain([compared])
+        .all(|(from, name)| {
+            let to = format!("book/src/figures/{name}.svg");
+            std::fs::create_dir_all("book/src/figures")
+                .and_then(|()| std::fs::copy(&from, &to))
+                .is_ok()
+        })
 }

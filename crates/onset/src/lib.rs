@@ -13,6 +13,7 @@
 //! 8. [`scheme`]: discretizations of any other kind, by their forces.
 //! 9. [`verdict`]: stable or not, why, and where along a path that changes.
 //! 10. [`certificate`]: the same answer proved, or left open.
+//! 11. [`time_step`], [`measures`]: which steps are stable, and how good a method is beside others.
 //!
 //! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
 //!

@@ -266,6 +266,25 @@ mod tests {
     }
 
     #[test]
+    fn damping_takes_its_part_of_the_step_from_the_other_integrators_too() {
+        // From the trace and the determinant of a step, with y = omega dt, omega = 2. Predictor-corrector: y^2/4 + xi y (1 - xi y) = 1.
+        // Kick-drift-kick: y^2/4 (2 - xi y) = 1 + (1 - xi y)^2.
+        let k = SVector::from_element(PI);
+        for ratio in [0.01, 0.1, 0.3, 0.45] {
+            let system = chain(ratio, 0.0);
+            let of = |integrator| 2.0 * critical_time_step_at(&system, integrator, &k);
+            let expected =
+                2.0 * ((1.0 - 3.0 * ratio * ratio).sqrt() - ratio) / (1.0 - 4.0 * ratio * ratio);
+            let found = of(Integrator::PredictorCorrector);
+            assert!((found - expected).abs() < 1e-4, "{found} for {expected}");
+            let y = of(Integrator::KickDriftKick);
+            let damped = 1.0 - ratio * y;
+            let residual = 0.25 * y * y * (1.0 + damped) - 1.0 - damped * damped;
+            assert!(residual.abs() < 3e-4, "{residual} at {y}");
+        }
+    }
+
+    #[test]
     fn the_damping_of_the_whole_chain_is_decided_at_its_shortest_wave() {
         let system = chain(0.3, 0.0);
         let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);

@@ -1,6 +1,7 @@
 //! Discretizations by their forces: one battery that each passes, and closed forms.
 
 mod battery;
+mod chains;
 mod classical;
 mod conforming;
 mod elements;
