@@ -344,8 +344,8 @@ fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
 #[test]
 fn closest_packing_and_diamond_have_the_waves_of_their_patches() {
     let material = ModifiedMooneyRivlin::default();
-    let packed = Crystal::of(Arrangement::HexagonalClosePacked, 1.0).expect("a crystal");
-    let diamond = Crystal::of(Arrangement::Diamond, 1.0).expect("a crystal");
+    let packed = Crystal::<3>::of(Arrangement::HexagonalClosePacked, 1.0).expect("a crystal");
+    let diamond = Crystal::<3>::of(Arrangement::Diamond, 1.0).expect("a crystal");
     let equal = DeformationGradient::from_stretches([1.05; 3]).expect("a state");
     let sheared = [[1.1, 0.1, 0.0], [0.0, 0.95, 0.05], [0.0, 0.0, 1.0]];
     let sheared = DeformationGradient::new(sheared).expect("a state");
