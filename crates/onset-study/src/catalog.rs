@@ -192,6 +192,12 @@ const ROWS: &[Row] = &[
                 "the paper",
             ),
             (
+                "honeycomb",
+                "2D: a1 = h (sqrt(3), 0), a2 = h/2 (sqrt(3), 3), second particle at (a1 + a2)/3; 3 neighbors, \
+                 cell sqrt(27)/2 h^2",
+                "hexagons; two particles in a cell",
+            ),
+            (
                 "oblique",
                 "2D: a1, a2 = h times the four numbers of discretization.vectors",
                 "a Bravais lattice",
@@ -212,6 +218,18 @@ const ROWS: &[Row] = &[
                 "3D: a1 = h/sqrt(2) (0, 1, 1), a2 = h/sqrt(2) (1, 0, 1), a3 = h/sqrt(2) (1, 1, 0); 12 neighbors, \
                  cell h^3/sqrt(2)",
                 "a Bravais lattice, the closest packing",
+            ),
+            (
+                "hexagonal-close-packed",
+                "3D: a1 = h (1, 0, 0), a2 = h (1/2, sqrt(3)/2, 0), a3 = h (0, 0, sqrt(8/3)), second particle at \
+                 (a1 + a2)/3 + a3/2; 12 neighbors, cell sqrt(2) h^3",
+                "a closest packing; two particles in a cell",
+            ),
+            (
+                "diamond",
+                "3D: a1 = 2h/sqrt(3) (0, 1, 1), a2 = 2h/sqrt(3) (1, 0, 1), a3 = 2h/sqrt(3) (1, 1, 0), second particle at \
+                 (a1 + a2 + a3)/4; 4 neighbors, cell 16/sqrt(27) h^3",
+                "carbon's; two particles in a cell",
             ),
             (
                 "triclinic",

@@ -178,8 +178,13 @@ mod tests {
             assert!(names.contains(&format!("material.{}", parameter.name).as_str()));
         }
         names.retain(|name| !name.starts_with("material."));
-        let others = "stretch-1 stretch-2 stretch-3 shear rotation discretization.spacing discretization.density \
-                      discretization.support";
+        let others = "stretch-1 stretch-2 stretch-3 shear rotation discretization.aspect discretization.perturbation \
+                      discretization.spacing discretization.density discretization.support \
+                      discretization.stress-point-weight discretization.penalty discretization.viscosity \
+                      discretization.artificial-stress discretization.artificial-stress-exponent \
+                      discretization.velocity-smoothing discretization.hourglass-stiffness \
+                      discretization.hourglass-viscosity discretization.modification discretization.horizon \
+                      discretization.control-coefficient discretization.offset";
         assert_eq!(names.join(" "), others);
         assert_eq!(Quantity::of_name("discretization.frame"), None);
     }

@@ -445,6 +445,7 @@ mod tests {
         for key in KEYS.iter() {
             let words = match (key.words(), key.kind) {
                 ([], Kind::Whole(..)) => &["2"],
+                ([], Kind::Switch) => &["true"],
                 ([], _) => &["1.5"],
                 (words, _) => words,
             };
@@ -467,6 +468,7 @@ mod tests {
         ])
         .expect("valid");
         let json = serde_json::to_value(&settings.discretization).expect("serializable");
+        let method = serde_json::to_value(&settings.method).expect("serializable");
         assert_eq!(json["support-size"], "scaled");
         assert_eq!(json["quadrature"], "stress-points-only");
         assert_eq!(word_of(&settings.discretization.linearization), "paper");
@@ -474,11 +476,10 @@ mod tests {
             .iter()
             .filter_map(|key| key.name.strip_prefix("discretization."))
             .collect();
-        let fields: Vec<&str> = json
-            .as_object()
-            .expect("a table")
-            .keys()
-            .map(String::as_str)
+        let fields: Vec<&str> = [&json, &method]
+            .into_iter()
+            .filter_map(|value| value.as_object())
+            .flat_map(|table| table.keys().map(String::as_str))
             .collect();
         assert_eq!(fields, keys, "the table of keys is the structure");
     }

@@ -472,6 +472,16 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
     (model, value)
 }
 
+/// The lines without which a key has no effect.
+fn needed(key: &Key) -> String {
+    let Some((name, words)) = key.only_with else {
+        return String::new();
+    };
+    let word = words.split(" | ").next().unwrap_or_default();
+    let of_needed = study_keys().find(|key| key.name == name).map(needed);
+    format!("{}{name} = \"{word}\"\n", of_needed.unwrap_or_default())
+}
+
 /// The default that a parameter has in the first law that has it.
 fn default_of(key: &Key) -> f64 {
     Model::all()
@@ -528,6 +538,10 @@ fn every_quantity_can_be_an_axis() {
             Quantity::Stretch(1) => (String::new(), "stretch-2", range(1.1)),
             Quantity::Setting(key) if key.is_parameter() => {
                 (setting(key).0, "stretch-1", range(default_of(key)))
+            }
+            Quantity::Setting(key) => {
+                let default = key.default_json().as_f64().filter(|value| *value > 0.0);
+                (needed(key), "stretch-1", range(default.unwrap_or(0.1)))
             }
             _ => (String::new(), "stretch-1", range(1.1)),
         };
