@@ -353,7 +353,7 @@ pub struct TuneArguments {
     #[arg(long, value_name = "LOW,HIGH", default_value = "0,1", value_parser = interval, allow_hyphen_values = true)]
     pub range: (f64, f64),
     /// Smallest and largest stretch of the states on which verdicts are compared.
-    #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = interval)]
+    #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = window, allow_hyphen_values = true)]
     pub stretches: (f64, f64),
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
@@ -381,6 +381,16 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
         .ok_or_else(|| "expected two numbers, the smaller one first, for example 0,1".to_owned())
 }
 
+/// A window of stretches as typed.
+fn window(text: &str) -> Result<(f64, f64), String> {
+    interval(text)
+        .ok()
+        .filter(|(low, _)| *low > 0.0)
+        .ok_or_else(|| {
+            "expected two positive stretches, the smaller one first, for example 0.7,1.5".to_owned()
+        })
+}
+
 /// A question for a method.
 #[derive(Debug, Args)]
 pub struct RecommendArguments {
@@ -390,8 +400,8 @@ pub struct RecommendArguments {
     #[arg(long, value_name = "D", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "file")]
     pub dimension: u8,
     /// Smallest and largest stretch that the simulation will see, for example 0.8,1.6; short for compare.stretches.
-    #[arg(long, value_name = "LOW,HIGH")]
-    pub stretches: Option<String>,
+    #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true)]
+    pub stretches: Option<(f64, f64)>,
     /// The energy of a law of one's own; short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
     pub energy: Option<String>,

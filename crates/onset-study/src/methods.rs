@@ -20,6 +20,7 @@ use onset::scheme::{
     BondModel, Formulation, MaterialPointChoices, MaterialPoints, Peridynamics,
     PeridynamicsChoices, Scheme, ZeroEnergyControl,
 };
+use onset::time_step::Integrator;
 use onset::verdict::{
     Assessment, PathError, PathScan, SchemeSurvey, scan_discretization, scan_scheme,
 };
@@ -81,6 +82,26 @@ impl<const D: usize> Discretized<D> {
                 scan_scheme(&survey, path)
             }
         }
+    }
+
+    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    pub fn damped_time_steps(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Vec<(Integrator, f64)>, MethodError> {
+        let Self::Scheme(scheme) = self else {
+            return Ok(Vec::new());
+        };
+        let survey = SchemeSurvey::new(&**scheme, material)?;
+        if !survey.is_damped() {
+            return Ok(Vec::new());
+        }
+        let step = |integrator| Ok((integrator, survey.critical_time_step(f, integrator)?));
+        Integrator::ALL.into_iter().map(step).collect()
     }
 
     /// The lattice of the cells in the reference state.

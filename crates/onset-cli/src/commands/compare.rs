@@ -25,8 +25,8 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
 /// The methods of a file, or those that the program knows, ranked.
 pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     let mut assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
-    if let Some(stretches) = &arguments.stretches {
-        assignments.push(format!("compare.stretches={stretches}"));
+    if let Some((low, high)) = arguments.stretches {
+        assignments.push(format!("compare.stretches={low},{high}"));
     }
     let comparison = match &arguments.file {
         Some(file) => read(file, &assignments)?,
@@ -71,5 +71,12 @@ fn evaluated(comparison: &Comparison, quiet: bool) -> Result<Table, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    Ok(table)
+    let first = table.rows.first();
+    let failed = first.and_then(|row| Some((&row.name, row.measured.as_ref().err()?)));
+    match failed.filter(|_| table.rows.iter().all(|row| row.measured.is_err())) {
+        Some((name, why)) => Err(Failure::input(format!(
+            "none of the methods can be evaluated; \"{name}\": {why}"
+        ))),
+        None => Ok(table),
+    }
 }

@@ -143,7 +143,8 @@ fn numbers_have_17_significant_digits() {
             let value = line.rsplit(": ").next().unwrap_or(line);
             value.trim().trim_end_matches(',')
         }) {
-            if !item.starts_with(|c: char| c == '-' || c.is_ascii_digit()) {
+            let is_count = item.bytes().all(|c| c.is_ascii_digit());
+            if is_count || !item.starts_with(|c: char| c == '-' || c.is_ascii_digit()) {
                 continue;
             }
             numbers += 1;

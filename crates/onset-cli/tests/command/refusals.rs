@@ -224,7 +224,7 @@ fn numbers_of_the_discretization_must_be_positive_and_finite() {
                 &[&format!("discretization.{key}={value}")],
                 &[
                     &format!("discretization.{key}"),
-                    "must be a positive finite number",
+                    "expected a positive finite number",
                 ],
             );
         }

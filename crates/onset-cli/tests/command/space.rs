@@ -78,7 +78,7 @@ fn lattices_that_are_none_are_refused_with_a_hint() {
         ),
         (
             "state --stretch 1.1,1 set arrangement=rectangular set aspect=-1",
-            "a positive number",
+            "a positive finite number",
         ),
         (
             "state --stretch 1.1,1 set arrangement=simple-cubic",

@@ -357,7 +357,8 @@ impl std::fmt::Display for DispersionAnswer {
             writeln!(
                 formatter,
                 "omega^2                {:.12}{imaginary}{beside}",
-                value.re
+                // Adding zero turns a negative zero into a plain one.
+                value.re + 0.0
             )?;
         }
         Ok(())

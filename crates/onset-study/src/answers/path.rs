@@ -13,6 +13,9 @@ use serde::Serialize;
 /// Everything about a straight path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathAnswer {
+    /// Number of space dimensions of the particles.
+    #[serde(skip)]
+    pub dimension: usize,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
@@ -156,6 +159,7 @@ fn answer<const D: usize>(
         None => None,
     };
     Ok(PathAnswer {
+        dimension: D,
         from: *from.components(),
         to: *to.components(),
         material_onset,
@@ -245,7 +249,12 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None => writeln!(
                 formatter,
-                "The material stays strongly elliptic along the whole path, for waves in the plane of the particles."
+                "The material stays strongly elliptic along the whole path{}.",
+                match self.dimension {
+                    1 => ", for waves along the chain of particles",
+                    2 => ", for waves in the plane of the particles",
+                    _ => "",
+                }
             )?,
         }
         match &self.discretization_onset {
@@ -313,10 +322,13 @@ fn at(place: &Place) -> String {
     } else {
         ""
     };
+    // Those of the plane, and in space all.
+    let stresses: Vec<String> = (0..place.stretch.len().max(2))
+        .map(|i| format!("s{0}{0} = {1:.6}", i + 1, place.cauchy[i][i]))
+        .collect();
     format!(
-        "stretch {}{start} (s11 = {:.6}, s22 = {:.6})",
+        "stretch {}{start} ({})",
         stretches(&place.stretch),
-        place.cauchy[0][0],
-        place.cauchy[1][1]
+        stresses.join(", ")
     )
 }

@@ -35,6 +35,16 @@ pub enum ProblemError {
         /// What was typed.
         text: String,
     },
+    /// A patch that is too large to be drawn and exported.
+    #[error(
+        "the patch has {particles:.1e} particles; at most {admitted:.0e} are admitted\n  hint: choose fewer --cells"
+    )]
+    Patch {
+        /// Particles of the patch.
+        particles: f64,
+        /// How many are admitted.
+        admitted: f64,
+    },
     /// A wave vector of which double precision cannot tell the phase.
     #[error(
         "the wave vector is too large: |k| times the spacing is {value:.1e}; at most 1e6 is admitted"
@@ -73,11 +83,11 @@ pub enum ProblemError {
 fn hint(error: &MethodError) -> &'static str {
     match error {
         MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
-            "\n  hint: enlarge discretization.support; the support of an Eulerian kernel can also follow the particles, \
+            "\n  hint: enlarge discretization.support, in peridynamics discretization.horizon; the support of an Eulerian kernel can also follow the particles, \
              discretization.support-size=scaled or convected"
         }
         MethodError::SupportTooLarge { .. } => {
-            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual); the support of an Eulerian kernel can \
+            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual), in peridynamics discretization.horizon; the support of an Eulerian kernel can \
              also follow the particles, discretization.support-size=scaled or convected"
         }
         MethodError::NotPlanar { .. } => {

@@ -14,6 +14,7 @@ use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::{Discretization, MethodError};
+use onset::time_step::Integrator;
 use onset::verdict::{Assessment, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -146,8 +147,11 @@ pub struct DiscretizationAnswer {
     pub flutter: bool,
     /// Largest frequency.
     pub maximum_omega: f64,
-    /// Critical time step of central differences, `2 / maximum_omega`; `null` where no mode oscillates.
+    /// Critical time step of central differences without damping, `2 / maximum_omega`; `null` where no mode oscillates.
     pub critical_time_step: Option<f64>,
+    /// Critical time steps of integrators where damping makes them differ, by their names.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub damped_time_steps: BTreeMap<&'static str, f64>,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
     /// Smallest scaled measure of the long-wave limit.
@@ -207,6 +211,7 @@ fn answer<const D: usize>(
             corrected != searched,
         ));
     }
+    let steps = method.damped_time_steps(&*problem.material, f)?;
     let in_space = SpaceAnswer::new(&assessment.material.response);
     Ok(StateAnswer {
         verdict,
@@ -215,7 +220,7 @@ fn answer<const D: usize>(
         deformation_gradient: *f.components(),
         material: material_answer(&problem.settings, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(&problem.settings, &method, &assessment, f),
+        discretization: discretization_answer(&problem.settings, &method, &assessment, f, steps),
     })
 }
 
@@ -253,6 +258,7 @@ fn discretization_answer<const D: usize>(
     method: &Discretized<D>,
     assessment: &Assessment<D>,
     f: &DeformationGradient,
+    steps: Vec<(Integrator, f64)>,
 ) -> DiscretizationAnswer {
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
@@ -272,6 +278,10 @@ fn discretization_answer<const D: usize>(
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
         critical_time_step: Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        damped_time_steps: steps
+            .into_iter()
+            .map(|(integrator, step)| (integrator.name(), step))
+            .collect(),
         minimum_scaled_wave_vector: list(&finite_wave_vector(&spectrum.softest)),
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
@@ -377,7 +387,18 @@ impl std::fmt::Display for StateAnswer {
         if let Some(step) = d.critical_time_step {
             write!(
                 formatter,
-                "; central differences need a time step below {step:.6}"
+                "; central differences {}need a time step below {step:.6}",
+                if d.damped_time_steps.is_empty() {
+                    ""
+                } else {
+                    "without damping "
+                }
+            )?;
+        }
+        for (integrator, step) in &d.damped_time_steps {
+            write!(
+                formatter,
+                "\n  with damping          {integrator} needs a time step below {step:.6}"
             )?;
         }
         match &self.certificate {

@@ -76,12 +76,8 @@ impl Table {
             } else {
                 Marker::Circle
             };
-            panel = panel.with(
-                Points::new(points.collect())
-                    .marker(marker)
-                    .color(color)
-                    .named(load.name()),
-            );
+            let points = Points::new(points.collect()).marker(marker).color(color);
+            panel = with_some(panel, points.named(load.name()));
         }
         panel
     }
@@ -95,24 +91,25 @@ impl Table {
                 .map(|(height, m)| (100.0 * share(m), height));
             Points::new(points.filter(|(share, _)| *share > 0.0).collect())
         };
-        Panel::new("Wrong verdicts", axis, self.methods())
-            .with(
-                of(|m| m.fidelity.false_instability)
-                    .color(palette::ORANGE)
-                    .named("unstable though the material is elliptic"),
-            )
-            .with(
-                of(|m| m.fidelity.missed_instability)
-                    .marker(Marker::Square)
-                    .color(palette::BLACK)
-                    .named("stable though the material is not elliptic"),
-            )
-            .with(
-                of(|m| m.fidelity.rank_deficient)
-                    .marker(Marker::Triangle)
-                    .color(palette::PURPLE)
-                    .named("stable, but with modes without energy"),
-            )
+        let series = [
+            of(|m| m.fidelity.false_instability)
+                .color(palette::ORANGE)
+                .named("unstable though the material is elliptic"),
+            of(|m| m.fidelity.missed_instability)
+                .marker(Marker::Square)
+                .color(palette::BLACK)
+                .named("stable though the material is not elliptic"),
+            of(|m| m.fidelity.rank_deficient)
+                .marker(Marker::Triangle)
+                .color(palette::PURPLE)
+                .named("stable, but with modes without energy"),
+            of(|m| m.fidelity.undefined)
+                .marker(Marker::Cross)
+                .color(palette::BLACK)
+                .named("the method is not defined"),
+        ];
+        let panel = Panel::new("Wrong verdicts", axis, self.methods());
+        series.into_iter().fold(panel, with_some)
     }
 
     fn errors(&self) -> Panel {
@@ -127,6 +124,7 @@ impl Table {
                 .map(|(height, m)| (m.dispersion_at(count).max(SMALLEST), height));
             panel = panel.with(
                 Points::new(points.collect())
+                    .marker(Marker::Square)
                     .color(color)
                     .named(format!("{count:.0} particles a wavelength")),
             );
@@ -138,10 +136,16 @@ impl Table {
         let numbers = self.measured().map(|(_, m)| m.courant);
         let axis = Axis::linear("c Δt / spacing (−)", (0.0, 2.0)).covering(numbers.chain([0.0]));
         let points = self.measured().map(|(height, m)| (m.courant, height));
-        Panel::new("Critical time step", axis, self.methods()).with(
-            Points::new(points.collect())
-                .marker(Marker::Square)
-                .color(palette::BLUE),
-        )
+        Panel::new("Critical time step", axis, self.methods())
+            .with(Points::new(points.collect()).color(palette::BLACK))
+    }
+}
+
+/// The panel with points, if there are any: the legend names what is there.
+fn with_some(panel: Panel, points: Points) -> Panel {
+    if points.points.is_empty() {
+        panel
+    } else {
+        panel.with(points)
     }
 }

@@ -15,7 +15,8 @@ const WAVELENGTH: f64 = 8.0;
 
 /// The rules, in the order in which they are applied.
 pub const RULES: [&str; 6] = [
-    "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended.",
+    "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended; nor one that is not defined \
+     on more than 0.5 % of the window of states, for want of neighbors.",
     "2. Nor is one with modes without energy, which the slightest disturbance excites, or with waves slower than a tenth of the \
      material's slowest wave, which are nearly such.",
     "3. Nor one that is unstable where the material is elliptic, on more than 0.5 % of the window of states: it shows fracture that \
@@ -148,6 +149,15 @@ fn excluded(measured: &Measured) -> Option<(usize, String)> {
         .any(|pair| pair.method == onset::measures::StretchOnset::AtRest);
     if at_rest && measured.zero_modes == 0 {
         return Some((1, "unstable in the undeformed state".to_owned()));
+    }
+    if fidelity.undefined > WRONG {
+        return Some((
+            1,
+            format!(
+                "not defined on {} of the window",
+                percent(fidelity.undefined)
+            ),
+        ));
     }
     if measured.zero_modes > 0 {
         let number = measured.zero_modes;

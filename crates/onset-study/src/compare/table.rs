@@ -24,6 +24,8 @@ pub struct Table {
 /// A column of the table: its short head, what it means, and the cell of a method.
 pub(super) struct Column {
     pub(super) head: String,
+    /// The head in the CSV file.
+    pub(super) name: String,
     pub(super) meaning: String,
     pub(super) cell: Box<dyn Fn(&Measured) -> String>,
     /// The number behind the cell, for the CSV file.
@@ -32,6 +34,7 @@ pub(super) struct Column {
 
 fn column(
     head: impl Into<String>,
+    name: impl Into<String>,
     meaning: impl Into<String>,
     number: impl Fn(&Measured) -> f64 + Clone + 'static,
     shown: impl Fn(f64) -> String + 'static,
@@ -39,6 +42,7 @@ fn column(
     let of_cell = number.clone();
     Column {
         head: head.into(),
+        name: name.into(),
         meaning: meaning.into(),
         cell: Box::new(move |measured| shown(of_cell(measured))),
         number: Box::new(number),
@@ -49,13 +53,19 @@ impl Table {
     /// The columns after the name.
     pub(super) fn columns(&self) -> Vec<Column> {
         let mut columns = vec![
+            Column {
+                head: "zero modes".to_owned(),
+                name: "zero_modes".to_owned(),
+                meaning: "wave vectors with modes without energy, of k and -k one; * where they fill lines or more of the zone"
+                    .to_owned(),
+                cell: Box::new(|m| {
+                    let more = if m.zero_share > 0.0 { "*" } else { "" };
+                    format!("{}{more}", m.zero_modes)
+                }),
+                number: Box::new(|m| m.zero_modes as f64),
+            },
             column(
-                "zero modes",
-                "wave vectors with modes without energy, of k and -k one; * where they fill part of the zone",
-                |m| m.zero_modes as f64,
-                |x| format!("{x:.0}"),
-            ),
-            column(
+                "weakest",
                 "weakest",
                 "lowest frequency over that of the material's slowest wave",
                 |m| m.weakest,
@@ -65,6 +75,7 @@ impl Table {
         for count in WAVELENGTHS {
             columns.push(column(
                 format!("disp. {count:.0}"),
+                format!("dispersion_{count:.0}"),
                 format!("largest error of a frequency at {count:.0} particles a wavelength"),
                 move |m| m.dispersion_at(count),
                 percent,
@@ -72,6 +83,7 @@ impl Table {
         }
         columns.push(column(
             "long waves",
+            "long_wave_error",
             "largest error of the stiffness that long waves feel",
             |m| m.long_wave_error,
             percent,
@@ -86,6 +98,7 @@ impl Table {
             };
             columns.push(Column {
                 head: short(load).to_owned(),
+                name: format!("onset_{}", load.name().replace(' ', "_")),
                 meaning: format!(
                     "stretch at which stability is lost in {}; the material: {}",
                     load.name(),
@@ -100,23 +113,34 @@ impl Table {
         columns.extend([
             column(
                 "false",
+                "false_instability",
                 "share of the window of states that is unstable though the material is elliptic",
                 |m| m.fidelity.false_instability,
                 percent,
             ),
             column(
                 "missed",
+                "missed_instability",
                 "share of the window that is stable though the material is not elliptic",
                 |m| m.fidelity.missed_instability,
                 percent,
             ),
             column(
+                "undefined",
+                "undefined",
+                "share of the window on which the law is defined, but the method is not: too few neighbors",
+                |m| m.fidelity.undefined,
+                percent,
+            ),
+            column(
                 "Courant",
+                "courant",
                 "critical time step times speed of sound over the distance of neighbors",
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             ),
             column(
+                "neighbors",
                 "neighbors",
                 "particles that an evaluation of the force on one particle looks at",
                 |m| m.neighbors,
@@ -143,7 +167,7 @@ impl Table {
         let columns = self.columns();
         let mut text = String::from("method");
         for column in &columns {
-            text.push_str(&format!(",{}", column.head.replace(['.', ' '], "_")));
+            text.push_str(&format!(",{}", column.name));
         }
         text.push_str(",note\n");
         for row in &self.rows {

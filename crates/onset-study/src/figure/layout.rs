@@ -18,6 +18,8 @@ const GAP: f64 = 18.0;
 /// Length of a tick, and the white to its label.
 const TICK: f64 = 5.0;
 const TICK_GAP: f64 = 4.0;
+/// Baseline to baseline of named ticks.
+const NAME: f64 = 17.0;
 /// White between the tick labels and the label of the axis.
 const LABEL_GAP: f64 = 8.0;
 /// The color bar: white before it, and its width.
@@ -272,7 +274,9 @@ fn box_size(panel: &Panel, width: f64) -> (f64, f64) {
         (end - start).abs()
     };
     if !panel.equal_aspect || panel.x.scale != panel.y.scale {
-        return (width, (0.75 * width).round());
+        // Names below each other need their lines.
+        let names = panel.y.ticks.as_ref().map_or(0, Vec::len);
+        return (width, (0.75 * width).round().max(NAME * names as f64));
     }
     // Beyond a shape of 1 to 8 a panel is a line; there the longer side is cut rather than the figure.
     let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);

@@ -11,6 +11,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::scheme::Scheme;
+use onset::time_step::Integrator;
 use onset::verdict::{MaterialAssessment, SchemeSurvey, Survey, SurveyedState};
 
 /// Material and discretization, ready to be asked about states.
@@ -20,6 +21,8 @@ pub struct Evaluator {
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
     tolerance: f64,
+    /// Whose critical time step is told.
+    integrator: Integrator,
 }
 
 enum AnyMethod {
@@ -29,6 +32,10 @@ enum AnyMethod {
 }
 
 /// Method and material.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "always kept behind a box, once a study"
+)]
 enum Prepared<const D: usize> {
     /// A kernel method, with what is proved before any state if proofs are asked for.
     Kernel {
@@ -68,6 +75,7 @@ impl Evaluator {
             method,
             stiffness,
             tolerance: map.tolerance,
+            integrator: map.integrator,
         })
     }
 
@@ -102,9 +110,22 @@ impl Evaluator {
             }
             Prepared::Scheme { scheme, material } => {
                 let survey = SchemeSurvey::new(&**scheme, &**material);
-                let state = |f: &DeformationGradient| match &survey {
-                    Ok(survey) => self.record::<D>(&**material, None, f, survey.state(f)),
-                    Err(error) => self.record::<D>(&**material, None, f, Err(error.clone())),
+                let state = |f: &DeformationGradient| {
+                    let surveyed = match &survey {
+                        Ok(survey) => survey.state(f),
+                        Err(error) => Err(error.clone()),
+                    };
+                    let record = self.record::<D>(&**material, None, f, surveyed)?;
+                    match &survey {
+                        Ok(survey) if survey.is_damped() && record.finding.verdict.is_some() => {
+                            let step = survey.critical_time_step(f, self.integrator)?;
+                            Ok(Record {
+                                critical_time_step: if step.is_finite() { step } else { f64::NAN },
+                                ..record
+                            })
+                        }
+                        _ => Ok(record),
+                    }
                 };
                 states.iter().map(state).collect()
             }

@@ -18,6 +18,9 @@ use onset::verdict::SchemeSurvey;
 use serde::Serialize;
 use std::fmt;
 
+/// Particles of the largest patch.
+const LARGEST: f64 = 40_000.0;
+
 /// What is shown of modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModesQuestion {
@@ -84,7 +87,7 @@ impl ModesAnswer {
     /// The spurious modes of the discretization in the undeformed body.
     ///
     /// # Errors
-    /// [`ProblemError`] when material or method are not admissible.
+    /// [`ProblemError`] when material or method are not admissible, or the patch is too large.
     pub fn new(settings: &Settings, question: &ModesQuestion) -> Result<Self, ProblemError> {
         match settings.dimension() {
             1 => Self::of::<1>(settings, question),
@@ -99,9 +102,16 @@ impl ModesAnswer {
     ) -> Result<Self, ProblemError> {
         let material = settings.material.build().map_err(MethodError::from)?;
         let scheme = scheme::<D>(settings)?;
+        let crystal = scheme.crystal();
+        let particles = (question.cells as f64).powi(D as i32) * crystal.sites().len() as f64;
+        if particles > LARGEST {
+            return Err(ProblemError::Patch {
+                particles,
+                admitted: LARGEST,
+            });
+        }
         let survey = SchemeSurvey::new(&*scheme, &*material)?;
         let found = spurious_modes(&survey, question.weak)?;
-        let crystal = scheme.crystal();
         let patch = PeriodicPatch::new(crystal, [question.cells; D]);
         Ok(Self {
             dimension: D,
@@ -214,7 +224,7 @@ impl fmt::Display for ModesAnswer {
                 mode.kind()
             )?;
         }
-        if self.zero_share > 0.02 {
+        if self.zero_share > 0.0 {
             writeln!(
                 formatter,
                 "\nmodes without energy on {:.1} % of the zone, not only at single wave vectors: those above are some of them",

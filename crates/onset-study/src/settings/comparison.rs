@@ -189,17 +189,21 @@ impl Comparison {
         let Some((name, text)) = assignment.split_once('=') else {
             return self.common.assign(assignment);
         };
-        let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name.trim()) else {
+        let origin = Origin::CommandLine(format!("--set {assignment}"));
+        let name = name.trim();
+        let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name) else {
+            if name.starts_with("compare.") {
+                let names = COMPARISON_KEYS.iter().map(|key| key.name);
+                return Err(unknown_key(name, names, origin));
+            }
             return self.common.assign(assignment);
         };
         let value = Value::typed(text.trim(), Some(known.kind));
         if known.kind.accepts(&value) && self.options.set(known.parts().1, &value) {
             return Ok(());
         }
-        let origin = Origin::CommandLine(format!("--set {assignment}"));
         let message = format!("`{}` cannot be {value}", known.name);
-        let hint = format!("expected {} ({})", known.expects(), known.meaning);
-        Err(SettingError::new(origin, message).hint(hint))
+        Err(SettingError::new(origin, message).hint(expected(known)))
     }
 
     /// The number of space dimensions of all methods.
@@ -233,6 +237,7 @@ impl Comparison {
     ) -> Result<Candidate, SettingError> {
         let mut settings = self.common.clone();
         let mut name = None;
+        let mut own_keys = Vec::new();
         for (key, value) in in_order(table) {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("name", DeValue::String(text)) if !text.trim().is_empty() => {
@@ -254,8 +259,12 @@ impl Comparison {
                     };
                     let typed = typed(known, value, file)?;
                     settings.set(known.name, &typed, file.of(value))?;
+                    own_keys.push((known, file.of(key)));
                 }
             }
+        }
+        for (key, origin) in own_keys {
+            settings.check_effect(key, origin)?;
         }
         let name = name.ok_or_else(|| {
             SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
@@ -277,12 +286,20 @@ impl Comparison {
             let given = typed(known, value, file)?;
             if !(known.kind.accepts(&given) && self.options.set(known.parts().1, &given)) {
                 let message = format!("`{name}` cannot be {}", described_value(value.get_ref()));
-                let hint = format!("expected {} ({})", known.expects(), known.meaning);
-                return Err(SettingError::new(file.of(value), message).hint(hint));
+                return Err(SettingError::new(file.of(value), message).hint(expected(known)));
             }
         }
         Ok(())
     }
+}
+
+/// What an option expects, and what it means.
+fn expected(key: &Key) -> String {
+    let expects = match key.name {
+        "compare.stretches" => "two positive numbers, the smaller one first".to_owned(),
+        _ => key.expects(),
+    };
+    format!("expected {expects} ({})", key.meaning)
 }
 
 /// A value as told in a message, lists with their numbers.

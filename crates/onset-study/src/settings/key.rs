@@ -387,6 +387,15 @@ pub const MAP_KEYS: &[Key] = &[
         "states along an edge of a tile, the unit of work and of storage",
     ),
     key(
+        "map.integrator",
+        Kind::Words(&[
+            "central-differences",
+            "kick-drift-kick",
+            "predictor-corrector",
+        ]),
+        "integrator whose critical time step is stored; all are alike without damping",
+    ),
+    key(
         "map.outputs",
         Kind::Subset(OUTPUTS),
         "numbers that are stored of each state, beside verdict and stability",

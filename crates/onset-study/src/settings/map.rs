@@ -1,6 +1,7 @@
 //! How a map is made.
 
 use super::Value;
+use onset::time_step::Integrator;
 use serde::{Serialize, Serializer};
 
 /// The numbers of a state that a map can hold, by their names in the store.
@@ -66,6 +67,8 @@ pub struct MapSettings {
     pub tolerance: f64,
     /// States along an edge of a tile.
     pub tile: usize,
+    /// The integrator whose critical time step is stored; all are alike without damping.
+    pub integrator: Integrator,
     /// The numbers that are stored, beside verdict and stability.
     pub outputs: Outputs,
 }
@@ -78,6 +81,7 @@ impl Default for MapSettings {
             certify: false,
             tolerance: 1e-3,
             tile: 64,
+            integrator: Integrator::CentralDifferences,
             outputs: Outputs([true; OUTPUTS.len()]),
         }
     }
@@ -92,6 +96,10 @@ impl MapSettings {
             ("certify", Value::Switch(on)) => self.certify = *on,
             ("tolerance", Value::Number(number)) => self.tolerance = *number,
             ("tile", Value::Number(number)) => self.tile = *number as usize,
+            ("integrator", value) => match value.word() {
+                Some(integrator) => self.integrator = integrator,
+                None => return false,
+            },
             ("outputs", Value::Words(names)) => match Outputs::of(names) {
                 Some(outputs) => self.outputs = outputs,
                 None => return false,

@@ -41,6 +41,34 @@ impl Family {
         "peridynamics",
         "material-points",
     ];
+
+    /// Whether the family reads a key that several families share.
+    pub(super) fn reads(self, key: &str) -> bool {
+        let Some(name) = key.strip_prefix("discretization.") else {
+            return true;
+        };
+        match name {
+            "aspect" | "vectors" | "basis" | "cells" | "perturbation" | "seed" => {
+                !matches!(self, Self::FiniteElements | Self::MaterialPoints)
+            }
+            "arrangement" => self != Self::FiniteElements,
+            "kernel" | "support" => !matches!(
+                self,
+                Self::FiniteElements | Self::MaterialPoints | Self::Peridynamics
+            ),
+            "approximation" => matches!(self, Self::Kernel | Self::Conforming),
+            "support-size" => matches!(self, Self::Kernel | Self::UpdatedSph),
+            "quadrature"
+            | "stress-point-weight"
+            | "gauss-points"
+            | "points"
+            | "frame"
+            | "background"
+            | "lattice"
+            | "linearization" => self == Self::Kernel,
+            _ => true,
+        }
+    }
 }
 
 /// The law of the bonds of a peridynamic body.

@@ -211,6 +211,50 @@ impl Settings {
 }
 
 impl Settings {
+    /// Refuses a key that the method does not read.
+    ///
+    /// # Errors
+    /// [`SettingError`] with what the key needs.
+    pub fn check_effect(&self, key: &Key, origin: Origin) -> Result<(), SettingError> {
+        let family = self.method.method;
+        if !family.reads(key.name) {
+            let word = self.value("discretization.method");
+            let word = word.map_or_else(String::new, |word| word.to_string());
+            let message = format!(
+                "`{}` has no effect: discretization.method is {word}",
+                key.name
+            );
+            return Err(SettingError::new(origin, message).hint(format!(
+                "leave `{}` out, or choose another method",
+                key.name
+            )));
+        }
+        // The size of the support of updated particles needs no frame.
+        let needed = key
+            .only_with
+            .filter(|_| family != Family::UpdatedSph || key.name != "discretization.support-size");
+        let Some((needed, words)) = needed else {
+            return Ok(());
+        };
+        if let Some(needed) = Key::named(needed) {
+            self.check_effect(needed, origin.clone())?;
+        }
+        let value = self.value(needed).map(|value| value.to_string());
+        let is = |word: &str| {
+            value
+                .as_deref()
+                .is_some_and(|value| value.trim_matches('"') == word)
+        };
+        if words.split(" | ").any(is) {
+            return Ok(());
+        }
+        let message = format!("`{}` has no effect: {needed} is not {words}", key.name);
+        Err(SettingError::new(origin, message).hint(format!(
+            "leave `{}` out, or set {needed} to {words}",
+            key.name
+        )))
+    }
+
     /// The value of a key; `None` when there is no such key, or for a constant of another material.
     pub fn value(&self, name: &str) -> Option<Value> {
         match name.split_once('.')? {

@@ -6,6 +6,7 @@ use crate::compare::Measured;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::methods::scheme;
 use crate::settings::{CompareSettings, Settings};
+use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -45,8 +46,8 @@ impl Tried {
     pub fn hides(&self) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             let later = measured.onsets.iter().any(|pair| {
-                let is_missed =
-                    pair.material.stretch().is_some() && pair.method.stretch().is_none();
+                let is_missed = pair.material.stretch().is_some()
+                    && matches!(pair.method, StretchOnset::NotBefore(_));
                 pair.ratio() > 1.0 + LATER || is_missed
             });
             later || measured.fidelity.missed_instability > WRONG
@@ -72,12 +73,13 @@ impl TuneAnswer {
     /// Looks at all values, on all cores, and refines where the cure begins; `told` is called with each value of the grid.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material is not admissible, or no value is.
+    /// [`ProblemError`] when the material is not admissible, no value is, or the method does not read the coefficient.
     pub fn new(
         settings: &Settings,
         question: &TuneQuestion,
         told: impl Fn(f64) + Sync,
     ) -> Result<Self, ProblemError> {
+        question.check(settings)?;
         let tried = |value: f64| -> Tried {
             let measured = question
                 .settings(settings, value)

@@ -42,9 +42,16 @@ impl TuneQuestion {
             .filter(is_coefficient)
             .find(|key| key.name == name)
         else {
-            let message = format!("`{name}` is no coefficient: it takes {}", found.expects());
+            let message = match found.parts().0 {
+                "discretization" => {
+                    format!("`{name}` is no coefficient: it takes {}", found.expects())
+                }
+                section => {
+                    format!("`{name}` is no coefficient of the method: it is one of the {section}")
+                }
+            };
             return Err(SettingError::new(origin(), message)
-                .hint("give a key of [discretization] that takes a number"));
+                .hint("give a key of [discretization] that takes a number, for example discretization.penalty"));
         };
         if stretches.0 <= 0.0 {
             let message = format!(
@@ -62,29 +69,39 @@ impl TuneQuestion {
         })
     }
 
+    /// Refuses a coefficient that the method does not read.
+    ///
+    /// # Errors
+    /// [`SettingError`] with what the coefficient needs.
+    pub fn check(&self, settings: &Settings) -> Result<(), SettingError> {
+        settings.check_effect(self.key, Origin::CommandLine(self.key.name.to_owned()))
+    }
+
     /// The name of the coefficient.
     pub fn key(&self) -> &'static str {
         self.key.name
     }
 
-    /// The values that are looked at: evenly in the logarithm, with zero where the range begins there.
+    /// The values that are looked at: evenly in the logarithm, with zero where the range begins there; evenly where it begins
+    /// below.
     pub fn values(&self) -> Vec<f64> {
         let [low, high] = self.range;
         let last = (VALUES - 1) as f64;
-        if low < 0.0 {
-            return (0..VALUES)
-                .map(|n| low + (high - low) * n as f64 / last)
-                .collect();
+        let even = |low: f64, high: f64| move |n: usize| low + (high - low) * n as f64 / last;
+        let powers = |low: f64| move |n: usize| low * (high / low).powf(n as f64 / last);
+        let mut values: Vec<f64> = if low < 0.0 {
+            (0..VALUES).map(even(low, high)).collect()
+        } else if low > 0.0 {
+            (0..VALUES).map(powers(low)).collect()
+        } else {
+            let positive = (0..VALUES).map(powers(SMALLEST * high));
+            std::iter::once(0.0).chain(positive).collect()
+        };
+        // The ends of the range are what was asked for, to the last digit.
+        if let [first, .., end] = &mut values[..] {
+            (*first, *end) = (low, high);
         }
-        if low > 0.0 {
-            let ratio = (high / low).ln();
-            return (0..VALUES)
-                .map(|n| low * (ratio * n as f64 / last).exp())
-                .collect();
-        }
-        let ratio = SMALLEST.recip().ln();
-        let positive = (0..VALUES).map(|n| high * SMALLEST * (ratio * n as f64 / last).exp());
-        std::iter::once(0.0).chain(positive).collect()
+        values
     }
 
     /// The settings with a value of the coefficient.

@@ -4,9 +4,16 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Whether no neighbor on the periodic grid, of which the first half is known, is lower.
 pub(crate) fn is_well<const D: usize>(values: &[f64], index: usize, n: usize) -> bool {
-    if !values[index].is_finite() {
-        return false;
-    }
+    values[index].is_finite() && !has_neighbor::<D>(values, index, n, |other| other < values[index])
+}
+
+/// Whether a neighbor on the periodic grid, of which the first half is known, has a finite value with a property.
+pub(crate) fn has_neighbor<const D: usize>(
+    values: &[f64],
+    index: usize,
+    n: usize,
+    has_property: impl Fn(f64) -> bool,
+) -> bool {
     let mut coordinates = [0_usize; D];
     let mut rest = index;
     for i in (0..D).rev() {
@@ -14,7 +21,10 @@ pub(crate) fn is_well<const D: usize>(values: &[f64], index: usize, n: usize) ->
         rest /= n;
     }
     let flat = |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
-    (0..3_usize.pow(D as u32)).all(|neighbor| {
+    let neighbors = 3_usize.pow(D as u32);
+    // The one in the middle is the point itself.
+    let mut others = (0..neighbors).filter(|neighbor| *neighbor != neighbors / 2);
+    others.any(|neighbor| {
         let mut code = neighbor;
         let beside: [usize; D] = std::array::from_fn(|i| {
             let step = code % 3;
@@ -29,7 +39,7 @@ pub(crate) fn is_well<const D: usize>(values: &[f64], index: usize, n: usize) ->
         };
         values
             .get(known)
-            .is_none_or(|other| !other.is_finite() || *other >= values[index])
+            .is_some_and(|other| other.is_finite() && has_property(*other))
     })
 }
 

@@ -13,7 +13,8 @@ use crate::real::Real;
 /// use onset::real::Jet;
 /// let bump = FunctionOfOne::parse("let p = 1 - q; p^3*(1 + 3*q)", "q")?;
 /// assert_eq!(bump.at(0.5), 0.3125);
-/// assert_eq!(bump.at(Jet::variables([0.5])).gradient, [-1.5]);
+/// let [q] = Jet::variables([0.5]);
+/// assert_eq!(bump.at(q).gradient, [-1.5]);
 /// # Ok::<(), onset::formula::FormulaError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

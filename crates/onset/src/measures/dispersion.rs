@@ -1,11 +1,12 @@
 //! Errors of frequencies and of the long-wave limit.
 
+use crate::algebra::Complex;
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
 use crate::verdict::SchemeSurvey;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::{PI, TAU};
 
 /// Directions that are looked at in the plane.
@@ -97,16 +98,40 @@ fn frequency_error<const D: usize>(
     stiffness: &Stiffness<D>,
     k: &SVector<f64, D>,
 ) -> f64 {
+    let density = survey.scheme().density();
+    let error = |found: f64, exact: f64| ((found.max(0.0) / exact).sqrt() - 1.0).abs();
     let system: &WaveSystem<D> = survey.reference();
-    let found = system.omega_squared(k);
-    let exact = continuum(stiffness, survey.scheme().density(), k);
-    let error =
-        |(found, exact): (&crate::algebra::Complex, &f64)| (found.re.max(0.0) / exact).sqrt() - 1.0;
-    found
-        .iter()
-        .zip(&exact)
-        .map(error)
-        .map(f64::abs)
+    if system.size() == D {
+        let found = system.omega_squared(k);
+        let exact = continuum(stiffness, density, k);
+        let pairs = found.iter().zip(&exact);
+        return pairs
+            .map(|(found, exact)| error(found.re, *exact))
+            .fold(0.0, f64::max);
+    }
+    // With several particles in a cell the zone is folded: the branch of a wave is the mode most like it.
+    let tensor = stiffness.acoustic_tensor(k) / density;
+    let symmetric = DMatrix::from_fn(D, D, |i, j| 0.5 * (tensor[(i, j)] + tensor[(j, i)]));
+    let exact = symmetric.symmetric_eigen();
+    let modes = system.modes(k);
+    let likeness = |displacements: &DVector<Complex>, wave: usize| {
+        let along = |(row, z): (usize, &Complex)| z * exact.eigenvectors[(row % D, wave)];
+        displacements
+            .iter()
+            .enumerate()
+            .map(along)
+            .sum::<Complex>()
+            .norm()
+    };
+    (0..D)
+        .map(|wave| {
+            let alike = modes
+                .iter()
+                .max_by(|a, b| likeness(&a.1, wave).total_cmp(&likeness(&b.1, wave)));
+            alike.map_or(f64::NAN, |(found, _)| {
+                error(found.re, exact.eigenvalues[wave])
+            })
+        })
         .fold(0.0, f64::max)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
-use crate::verdict::{SchemeSurvey, Verdict};
+use crate::verdict::{Phase, SchemeSurvey, Verdict, probe_material};
 
 /// A window of states: stretches along the first two axes (one in one dimension), cell-centered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +24,10 @@ pub struct Fidelity {
     pub missed_instability: f64,
     /// Rank deficient: stable, but with modes without energy.
     pub rank_deficient: f64,
-    /// Not defined: too few neighbors, or outside of the law's domain.
+    /// Defined by the law, but not by the method: too few neighbors.
     pub undefined: f64,
+    /// Outside of the law's domain.
+    pub outside_law: f64,
     /// Elliptic.
     pub elliptic: f64,
 }
@@ -33,7 +35,7 @@ pub struct Fidelity {
 impl Fidelity {
     /// The share of the states on which material and method agree.
     pub fn agreement(&self) -> f64 {
-        1.0 - self.false_instability - self.missed_instability - self.undefined
+        1.0 - self.false_instability - self.missed_instability - self.undefined - self.outside_law
     }
 }
 
@@ -55,6 +57,10 @@ pub fn fidelity<const D: usize>(
         for column in 0..n {
             let second = if D == 1 { 1.0 } else { stretch(row) };
             let f = DeformationGradient::from_stretches([stretch(column), second, 1.0])?;
+            if probe_material::<D>(survey.material(), &f)?.0 == Phase::Undefined {
+                found.outside_law += share;
+                continue;
+            }
             match survey.state(&f) {
                 Ok(state) => {
                     found.elliptic += if state.is_elliptic { share } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Waves that a discretization does not resist: zero-energy modes and weak ones.
 
 use super::dispersion::continuum;
-use crate::algebra::{Complex, is_well, settled};
+use crate::algebra::{Complex, has_neighbor, is_well, settled};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
@@ -41,8 +41,8 @@ impl<const D: usize> SpuriousMode<D> {
 pub struct SpuriousModes<const D: usize> {
     /// Modes without energy first, then the weak ones by their frequency; of `k` and `-k` one.
     pub modes: Vec<SpuriousMode<D>>,
-    /// The share of the wave vectors of the grid at which some mode has no energy: more than single points where methods
-    /// are rank deficient on whole lines, or everywhere.
+    /// The share of the zone on which modes without energy fill lines, planes, or all of it; zero where they are at single wave
+    /// vectors only.
     pub zero_share: f64,
     /// The lowest relative frequency anywhere: 1 where no wave is slower than the material's.
     pub weakest: f64,
@@ -99,7 +99,10 @@ impl<const D: usize> Spurious<'_, '_, D> {
             .map(|index| self.ratio(&wave_vector(index)))
             .collect();
         let known = values.iter().filter(|value| value.is_finite());
-        let zeros = known.clone().filter(|value| **value <= ZERO).count();
+        let zeros = (1..half)
+            .filter(|index| values[*index] <= ZERO)
+            .filter(|index| has_neighbor::<D>(&values, *index, n, |value| value <= ZERO))
+            .count();
         let zero_share = zeros as f64 / known.clone().count().max(1) as f64;
         let least = known.fold(f64::INFINITY, |a, b| a.min(*b));
 
@@ -162,10 +165,12 @@ impl<const D: usize> Spurious<'_, '_, D> {
         let system = self.survey.reference();
         let zero = SVector::zeros();
         let modes = system.modes(&zero);
-        let largest = modes.last().map_or(0.0, |(value, _)| value.norm());
+        // All modes of the cell may be free: the scale is that of the material's waves.
+        let spacing = self.survey.scheme().crystal().nearest_distance();
+        let scale = self.survey.speed_squared() / (spacing * spacing);
         let free = modes
             .iter()
-            .filter(|(value, _)| value.re <= ZERO * largest)
+            .filter(|(value, _)| value.re <= ZERO * scale)
             .count();
         let nullity = free.checked_sub(D).filter(|nullity| *nullity > 0)?;
         // The part of a free mode that is no translation.

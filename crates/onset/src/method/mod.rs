@@ -221,14 +221,6 @@ impl Default for Discretization {
 /// Why a method cannot be set up or evaluated at a state.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MethodError {
-    /// A setting is not a positive finite number.
-    #[error("discretization.{name} is {value:?}; it must be a positive finite number")]
-    NotPositive {
-        /// The setting's name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
     /// A setting is not one of the numbers that are admitted.
     #[error("discretization.{name} is {value:?}; expected {expected}")]
     Setting {
@@ -326,18 +318,6 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
-    /// A number is out of its range.
-    #[error("{name} is {value:?}; expected a number {}", range(*.least, *.most))]
-    OutOfRange {
-        /// The setting's name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The least that it may be.
-        least: f64,
-        /// The most that it may be.
-        most: f64,
-    },
     /// Elements that cannot be set up.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -358,38 +338,33 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
-/// A range in words.
-fn range(least: f64, most: f64) -> String {
-    if most == f64::MAX {
-        format!("of {least} or more")
-    } else {
-        format!("from {least} to {most}")
-    }
-}
-
 impl MethodError {
     /// A number that must be positive and finite.
     pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
-        let is_positive = value > 0.0 && value.is_finite();
-        is_positive
-            .then_some(())
-            .ok_or(Self::NotPositive { name, value })
+        let is_admitted = value > 0.0 && value.is_finite();
+        Self::require(is_admitted, name, value, "a positive finite number")
     }
 
-    /// A number that must be in a range.
-    pub(crate) fn within(
+    /// A number that must be zero, or positive and finite.
+    pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Self> {
+        let is_admitted = value >= 0.0 && value.is_finite();
+        let expected = "zero or a positive finite number";
+        Self::require(is_admitted, name, value, expected)
+    }
+
+    /// A condition on a setting.
+    pub(crate) fn require(
+        is_admitted: bool,
         name: &'static str,
         value: f64,
-        least: f64,
-        most: f64,
+        expected: &'static str,
     ) -> Result<(), Self> {
-        let is_within = (least..=most).contains(&value);
-        is_within.then_some(()).ok_or(Self::OutOfRange {
+        let refused = Self::Setting {
             name,
             value,
-            least,
-            most,
-        })
+            expected,
+        };
+        is_admitted.then_some(()).ok_or(refused)
     }
 
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
@@ -423,7 +398,7 @@ impl Discretization {
         let lattice = self
             .arrangement
             .lattice_with(self.spacing, self.aspect, &self.vectors)?;
-        if self.basis.len() % D != 0 {
+        if !self.basis.len().is_multiple_of(D) {
             return Err(MethodError::Setting {
                 name: "basis",
                 value: self.basis.len() as f64,
@@ -485,9 +460,7 @@ impl<const D: usize> Method<D> {
             ("density", density),
             ("support", support),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(MethodError::NotPositive { name, value });
-            }
+            MethodError::positive(name, value)?;
         }
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);

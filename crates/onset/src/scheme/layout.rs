@@ -214,13 +214,9 @@ pub(super) fn assert_planar<const D: usize>(f: &DeformationGradient) -> Result<(
 
 /// Refuses settings that are not positive and finite.
 pub(super) fn assert_positive(settings: &[(&'static str, f64)]) -> Result<(), MethodError> {
-    match settings.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
-        Some((name, value)) => Err(MethodError::NotPositive {
-            name,
-            value: *value,
-        }),
-        None => Ok(()),
-    }
+    settings
+        .iter()
+        .try_for_each(|(name, value)| MethodError::positive(name, *value))
 }
 
 /// The inverse; not a number where the matrix is singular, which the check of the wave system reports.

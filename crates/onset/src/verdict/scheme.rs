@@ -8,6 +8,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::method::MethodError;
 use crate::scheme::Scheme;
+use crate::time_step::{Integrator, critical_time_step};
 
 /// Modes whose scaled measure at rest is below this have no energy.
 const ZERO: f64 = 1e-9;
@@ -79,6 +80,24 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
     pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
         let system = self.scheme.waves(self.material, f)?;
         Ok(self.search.summary_of(&system))
+    }
+
+    /// The largest stable time step of an integrator at a state, damping included. Time.
+    ///
+    /// # Errors
+    /// [`MethodError`] when scheme or material cannot be evaluated there.
+    pub fn critical_time_step(
+        &self,
+        f: &DeformationGradient,
+        integrator: Integrator,
+    ) -> Result<f64, MethodError> {
+        let system = self.scheme.waves(self.material, f)?;
+        Ok(critical_time_step(&system, integrator, &self.search))
+    }
+
+    /// Whether forces depend on velocities, so that integrators have different time steps.
+    pub fn is_damped(&self) -> bool {
+        self.reference.damping().is_some()
     }
 
     /// The verdict on a state, with numbers.

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use onset::lattice::{
     Arrangement, BravaisLattice, BrillouinZone, LatticeError, delaunay_centers, voronoi_volumes,
 };
-use onset::quadrature::Quadrature;
+use onset::quadrature::{CellRule, Quadrature};
 use proptest::prelude::*;
 
 const CUBIC: [Arrangement; 3] = [
@@ -283,12 +283,16 @@ fn lattices_from_vectors_are_those_with_names() {
         rectangular.vectors(),
         &nalgebra::Matrix2::new(2.0, 0.0, 0.0, 3.0)
     );
+    let rule = CellRule::default();
     for points in [
         Quadrature::StressPoints
-            .points(&rectangular)
+            .points(&rectangular, &rule)
             .expect("points"),
         Quadrature::StressPoints
-            .points(&Arrangement::Square.lattice::<2>(2.0).expect("a lattice"))
+            .points(
+                &Arrangement::Square.lattice::<2>(2.0).expect("a lattice"),
+                &rule,
+            )
             .expect("points"),
     ] {
         assert_eq!(points.len(), 2);

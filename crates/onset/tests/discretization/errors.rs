@@ -143,7 +143,7 @@ fn settings_that_are_not_positive_are_refused_by_name() {
         ] {
             let error = Method::<2>::new(discretization).map(|_| ());
             assert!(
-                matches!(error, Err(MethodError::NotPositive { name, .. }) if name == setting),
+                matches!(error, Err(MethodError::Setting { name, .. }) if name == setting),
                 "{error:?}"
             );
         }

@@ -354,7 +354,7 @@ fn choices_out_of_range_are_refused() {
     let refused = |choices: ConformingChoices| {
         ConformingIntegration::new(square(), &choices).expect_err("out of range")
     };
-    let out_of_range = |error| matches!(error, MethodError::OutOfRange { .. });
+    let out_of_range = |error| matches!(error, MethodError::Setting { .. });
     assert!(out_of_range(refused(modified(-0.1))));
     assert!(out_of_range(refused(modified(1.1))));
     assert!(out_of_range(refused(modified(f64::NAN))));
@@ -372,6 +372,6 @@ fn choices_out_of_range_are_refused() {
     assert!(refused(radius(1e6)).is_about_support());
     assert!(matches!(
         refused(radius(-1.0)),
-        MethodError::NotPositive { .. }
+        MethodError::Setting { name: "radius", .. }
     ));
 }

@@ -578,7 +578,7 @@ fn settings_that_make_no_method_are_refused_with_what_is_expected() {
     assert!(
         matches!(
             error,
-            MethodError::NotPositive {
+            MethodError::Setting {
                 name: "spacing",
                 ..
             }

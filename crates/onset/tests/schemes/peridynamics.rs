@@ -439,7 +439,16 @@ fn a_horizon_that_sees_no_plane_is_refused_with_what_it_sees() {
     );
     let error =
         Peridynamics::new(crystal.clone(), choices(f64::NAN, BONDS)).expect_err("no number");
-    assert!(matches!(error, MethodError::NotPositive { .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            MethodError::Setting {
+                name: "horizon",
+                ..
+            }
+        ),
+        "{error}"
+    );
     let control = ZeroEnergyControl::Penalty { coefficient: -1.0 };
     let error = Peridynamics::new(crystal, choices(3.0, correspondence(control)));
     assert!(matches!(error, Err(MethodError::Setting { .. })));

@@ -109,7 +109,7 @@ proptest! {
         let choices = discretization(Arrangement::SimpleCubic, Frame::Eulerian, Quadrature::StressPointsOnly);
         let method = Method::<3>::new(choices).expect("a method");
         let volume = method.lattice().cell_volume();
-        let points = vec![QuadraturePoint { place: Vector3::from(place), volume, is_node: false, second_moments: None }];
+        let points = vec![QuadraturePoint::new(Vector3::from(place), volume)];
         compared(&method.with_quadrature_points(points), &state(&(f * 0.98)))?;
     }
 }

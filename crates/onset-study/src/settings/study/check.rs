@@ -207,9 +207,7 @@ impl Study {
     /// Where the setting that an error is about was made.
     fn origin_of_method_error(&self, error: &MethodError) -> Origin {
         match error {
-            MethodError::NotPositive { name, .. } => {
-                self.origin_of(&format!("discretization.{name}"))
-            }
+            MethodError::Setting { name, .. } => self.origin_of(&format!("discretization.{name}")),
             MethodError::Lattice(LatticeError::Aspect { .. }) => {
                 self.origin_of("discretization.aspect")
             }

@@ -22,9 +22,10 @@ use nalgebra::{SMatrix, SVector};
 use region::Region;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
-/// Points along an edge beyond which nothing is gained.
-const MOST_BOUNDARY_POINTS: usize = 16;
+/// Points along an edge; beyond these nothing is gained.
+const BOUNDARY_POINTS: RangeInclusive<usize> = 1..=16;
 
 /// Where gradients are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,11 +116,21 @@ impl<const D: usize> ConformingIntegration<D> {
     pub fn new(crystal: Crystal<D>, choices: &ConformingChoices) -> Result<Self, MethodError> {
         MethodError::positive("density", choices.density)?;
         MethodError::positive("radius", choices.radius)?;
-        MethodError::within("modification", choices.modification, 0.0, 1.0)?;
-        let (count, most) = (choices.boundary_points as f64, MOST_BOUNDARY_POINTS as f64);
-        MethodError::within("boundary-points", count, 1.0, most)?;
-        let functions = Functions::new(&crystal, choices)?;
         let c = choices.modification;
+        MethodError::require(
+            (0.0..=1.0).contains(&c),
+            "modification",
+            c,
+            "a number from 0 to 1",
+        )?;
+        let count = choices.boundary_points;
+        MethodError::require(
+            BOUNDARY_POINTS.contains(&count),
+            "boundary-points",
+            count as f64,
+            "a whole number from 1 to 16",
+        )?;
+        let functions = Functions::new(&crystal, choices)?;
         let mut points = Vec::new();
         for (site, volume) in crystal.volumes().iter().enumerate() {
             let region = match choices.domain {

@@ -165,7 +165,7 @@ impl<const D: usize> FiniteElements<D> {
             ("hourglass-viscosity", formulation.hourglass_viscosity),
         ];
         for (name, value) in control {
-            MethodError::within(name, value, 0.0, f64::MAX)?;
+            MethodError::not_negative(name, value)?;
             if value > 0.0 && formulation.integration == Integration::Full {
                 return Err(MeshError::NeedlessControl.into());
             }

@@ -163,9 +163,7 @@ impl<const D: usize> MaterialPoints<D> {
     pub fn new(choices: MaterialPointChoices) -> Result<Self, MethodError> {
         let (spacing, density) = (choices.spacing, choices.density);
         for (name, value) in [("spacing", spacing), ("density", density)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(MethodError::NotPositive { name, value });
-            }
+            MethodError::positive(name, value)?;
         }
         let lattice = BravaisLattice::new(SMatrix::<f64, D, D>::identity() * spacing)
             .filter(|lattice| lattice.cell_volume().is_normal())

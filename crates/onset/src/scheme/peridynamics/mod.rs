@@ -228,9 +228,7 @@ impl<const D: usize> Peridynamics<D> {
     /// [`MethodError`] when a setting is out of range, or when a family is so small that its shape tensor is singular.
     pub fn new(crystal: Crystal<D>, choices: PeridynamicsChoices) -> Result<Self, MethodError> {
         for (name, value) in [("density", choices.density), ("horizon", choices.horizon)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(MethodError::NotPositive { name, value });
-            }
+            MethodError::positive(name, value)?;
         }
         if let BondModel::Correspondence { control } = choices.model {
             control.check()?;
@@ -335,14 +333,8 @@ impl<const D: usize> Peridynamics<D> {
 impl ZeroEnergyControl {
     fn check(self) -> Result<(), MethodError> {
         match self {
-            Self::Penalty { coefficient } | Self::Hourglass { coefficient }
-                if !(coefficient >= 0.0 && coefficient.is_finite()) =>
-            {
-                Err(MethodError::Setting {
-                    name: "control.coefficient",
-                    value: coefficient,
-                    expected: "zero or a positive finite number",
-                })
+            Self::Penalty { coefficient } | Self::Hourglass { coefficient } => {
+                MethodError::not_negative("control.coefficient", coefficient)
             }
             _ => Ok(()),
         }

@@ -24,12 +24,7 @@ use crate::method::MethodError;
 
 /// Refuses coefficients that are negative or not finite.
 pub(super) fn assert_coefficients(given: &[(&'static str, f64)]) -> Result<(), MethodError> {
-    match given.iter().find(|(_, v)| !(*v >= 0.0 && v.is_finite())) {
-        Some((name, value)) => Err(MethodError::Setting {
-            name,
-            value: *value,
-            expected: "zero or a positive finite number",
-        }),
-        None => Ok(()),
-    }
+    given
+        .iter()
+        .try_for_each(|(name, value)| MethodError::not_negative(name, *value))
 }
