@@ -4,6 +4,7 @@ mod audit;
 mod boundary;
 mod certify;
 mod check;
+mod compare;
 mod documents;
 mod files;
 mod formula;
@@ -15,11 +16,13 @@ mod map_python;
 mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
+mod modes;
 mod notions;
 mod numbers;
 mod plot;
 mod refusals;
 mod space;
+mod tune;
 #[cfg(unix)]
 mod umat;
 

@@ -10,6 +10,7 @@ mod row;
 mod table;
 
 pub use rank::{RULES, Ranked, Recommendation, recommended};
+pub(crate) use row::outcome;
 pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 

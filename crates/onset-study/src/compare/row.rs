@@ -10,7 +10,8 @@ use onset::measures::{
 use onset::scheme::Scheme;
 use onset::time_step::critical_time_step;
 use onset::verdict::SchemeSurvey;
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 /// Wavelengths, in distances of neighbors, at which frequencies are compared.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
@@ -22,7 +23,19 @@ pub struct Row {
     /// How it is called.
     pub name: String,
     /// What is measured, or why nothing is.
+    #[serde(flatten, serialize_with = "outcome")]
     pub measured: Result<Measured, String>,
+}
+
+/// What is measured as `measured`, or why nothing is as `note`.
+pub(crate) fn outcome<S: Serializer>(
+    measured: &Result<Measured, String>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut fields = serializer.serialize_struct("Outcome", 2)?;
+    fields.serialize_field("measured", &measured.as_ref().ok())?;
+    fields.serialize_field("note", &measured.as_ref().err())?;
+    fields.end()
 }
 
 /// What is measured of a method; of the undeformed body unless said otherwise.

@@ -39,8 +39,17 @@ impl ModesAnswer {
 
     fn moving(&self, mode: &ShownMode) -> String {
         let margin = self.spacing;
+        let shown = self.shown(mode);
+        let seen = |all: &[[f64; 3]]| -> Vec<[f64; 2]> {
+            shown.iter().map(|n| self.seen(&all[*n]).into()).collect()
+        };
+        let (positions, now, later) = (
+            seen(&mode.positions),
+            seen(&mode.displacements),
+            seen(&mode.quarter),
+        );
         let ends = |axis: usize| {
-            let all = mode.positions.iter().map(move |x| x[axis]);
+            let all = positions.iter().map(move |x| x[axis]);
             let low = all.clone().fold(f64::INFINITY, f64::min);
             let high = all.fold(f64::NEG_INFINITY, f64::max);
             (low - margin, high + margin)
@@ -53,12 +62,7 @@ impl ModesAnswer {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" \
              role=\"img\" aria-label=\"moving particles\">"
         );
-        for ((x, u), quarter) in mode
-            .positions
-            .iter()
-            .zip(&mode.displacements)
-            .zip(&mode.quarter)
-        {
+        for ((x, u), quarter) in positions.iter().zip(&now).zip(&later) {
             let along = |axis: usize| {
                 let at = |frame: usize| {
                     let (sine, cosine) = (TAU * frame as f64 / FRAMES as f64).sin_cos();

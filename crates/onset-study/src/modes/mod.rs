@@ -10,6 +10,7 @@ use crate::answers::ProblemError;
 use crate::methods::scheme;
 use crate::settings::Settings;
 use nalgebra::SVector;
+use onset::algebra::Complex;
 use onset::lattice::Crystal;
 use onset::measures::{SpuriousMode, spurious_modes};
 use onset::method::MethodError;
@@ -136,21 +137,29 @@ impl ShownMode {
         amplitude: f64,
     ) -> Self {
         let k = mode.wave_vector;
-        let largest = mode
-            .displacements
-            .iter()
-            .map(|own| own.norm())
-            .fold(0.0, f64::max);
-        let scale = amplitude * crystal.nearest_distance() / largest.max(f64::MIN_POSITIVE);
         let in_space =
             |x: SVector<f64, D>| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0));
         let particles = patch.particles();
-        // Re and -Im of g exp(i k.X): the mode now and a quarter of a period later.
+        // The time at which the particle that moves most is farthest out: its g is turned until g.g is real and positive.
+        let square = |own: &SVector<Complex, D>| own.iter().map(|z| z * z).sum::<Complex>();
+        let most = mode
+            .displacements
+            .iter()
+            .max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let time = most.map_or(0.0, |own| 0.5 * square(own).arg());
+        // Re and Im of g exp(i k.X): the mode now and a quarter of a period later.
+        let turned = |particle: &onset::lattice::Particle<D>| {
+            let phase = k.dot(&crystal.position(particle)) - time;
+            mode.displacements[particle.site] * Complex::new(phase.cos(), phase.sin())
+        };
+        let largest = particles
+            .iter()
+            .map(|particle| turned(particle).map(|z| z.re).norm())
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let scale = amplitude * crystal.nearest_distance() / largest;
         let at = |is_quarter: bool| {
-            let displaced = |particle: &onset::lattice::Particle<D>| {
-                let phase = k.dot(&crystal.position(particle));
-                let turn = onset::algebra::Complex::new(phase.cos(), phase.sin());
-                let own = mode.displacements[particle.site] * turn;
+            let displaced = |particle| {
+                let own = turned(particle);
                 in_space(own.map(|z| scale * if is_quarter { z.im } else { z.re }))
             };
             particles.iter().map(displaced).collect()

@@ -2,7 +2,7 @@
 
 use super::TuneQuestion;
 use crate::answers::ProblemError;
-use crate::compare::Measured;
+use crate::compare::{Measured, outcome};
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::methods::scheme;
 use crate::settings::{CompareSettings, Settings};
@@ -29,6 +29,7 @@ pub struct Tried {
     /// The value.
     pub value: f64,
     /// What is measured; why not where it cannot be.
+    #[serde(flatten, serialize_with = "outcome")]
     pub measured: Result<Measured, String>,
 }
 
@@ -166,7 +167,8 @@ impl TuneAnswer {
             .columns(3)
             .with(marked(
                 Panel::new("Weakest wave of the undeformed body", axis(), unit())
-                    .with(line(&|m| m.weakest).color(palette::BLUE)),
+                    .with(line(&|m| m.weakest).color(palette::BLUE))
+                    .with(Rule::horizontal(STRONG).dotted().named("strong enough")),
             ))
             .with(marked(
                 Panel::new("Wrong verdicts", axis(), shares)

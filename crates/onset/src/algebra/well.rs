@@ -43,8 +43,11 @@ pub(crate) fn has_neighbor<const D: usize>(
     })
 }
 
-/// Follows a well to its bottom: Newton's method with differences as long as it gains, else the best point of the stencil, with
-/// ever smaller steps. `steps` are the initial ones, as columns.
+/// Rounds in which a well is followed, at most.
+const ROUNDS: usize = 64;
+
+/// Follows a well to its bottom: Newton's method with differences, downhill where the curvature is negative, or the best point of
+/// the stencil, with smaller steps once the bottom is within reach. `steps` are the initial ones, as columns.
 pub(crate) fn settled<const D: usize>(
     at: &impl Fn(&SVector<f64, D>) -> f64,
     start: (f64, SVector<f64, D>),
@@ -52,18 +55,24 @@ pub(crate) fn settled<const D: usize>(
 ) -> (f64, SVector<f64, D>) {
     let mut best = start;
     let mut size = 0.5;
-    while size > 1e-6 {
-        let before = best.0;
-        let center = best.1;
-        let point = |weights: [f64; D]| center + steps * SVector::from(weights) * size;
-        let unit = |i: usize, s: f64| std::array::from_fn(|j| if i == j { s } else { 0.0 });
-        let mut tried = Vec::with_capacity(3 * D * D);
+    for _ in 0..ROUNDS {
+        if size <= 1e-6 {
+            break;
+        }
+        let (before, center) = best;
+        // The largest weight of the best point: at one it is as far as the stencil reaches, and the bottom may be beyond.
+        let mut moved = 0.0;
         let mut ask = |weights: [f64; D]| {
-            let k = point(weights);
+            let weights = SVector::from(weights);
+            let k = center + steps * weights * size;
             let value = at(&k);
-            tried.push((value, k));
+            if value < best.0 {
+                best = (value, k);
+                moved = weights.amax();
+            }
             value
         };
+        let unit = |i: usize, s: f64| std::array::from_fn(|j| if i == j { s } else { 0.0 });
         let (mut gradient, mut hessian) = (DVector::zeros(D), DMatrix::zeros(D, D));
         for i in 0..D {
             let (plus, minus) = (ask(unit(i, 1.0)), ask(unit(i, -1.0)));
@@ -88,17 +97,31 @@ pub(crate) fn settled<const D: usize>(
                 hessian[(j, i)] = mixed;
             }
         }
-        let newton = hessian.cholesky().map(|factors| factors.solve(&gradient));
-        if let Some(step) = newton.filter(|step| step.iter().all(|x| x.is_finite())) {
+        if let Some(step) = downhill(hessian, &gradient) {
             let bounded = 2.0 / step.amax().max(2.0);
-            ask(std::array::from_fn(|i| -bounded * step[i]));
+            ask(std::array::from_fn(|i| bounded * step[i]));
         }
-        for (value, k) in tried {
-            if value < best.0 {
-                best = (value, k);
-            }
-        }
-        size *= if best.0 < before { 0.5 } else { 0.25 };
+        size *= match moved {
+            0.0 => 0.25,
+            near if near < 1.0 => 0.5,
+            _ => 1.0,
+        };
     }
     best
+}
+
+/// The step of Newton's method, with the sizes of the curvatures in place of the curvatures: along a valley, not up to its ridge.
+fn downhill(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
+    let is_finite = hessian.iter().chain(gradient).all(|x| x.is_finite());
+    let eigen =
+        nalgebra::SymmetricEigen::try_new(is_finite.then_some(hessian)?, f64::EPSILON, 100)?;
+    let mut step = DVector::zeros(gradient.len());
+    for (curvature, axis) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        step -= axis * (axis.dot(gradient) / curvature.abs());
+    }
+    step.iter().all(|x| x.is_finite()).then_some(step)
 }

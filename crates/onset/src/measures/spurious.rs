@@ -21,7 +21,8 @@ pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
     pub wave_vector: SVector<f64, D>,
     /// Its frequency over that of the slowest wave of the material with the same wave vector: zero for a zero-energy mode.
-    /// Not a number at `k = 0`, where the material has no wave.
+    /// Not a number at `k = 0`, where the material has no wave. With several particles in a cell the wave vector is known up to
+    /// reciprocal vectors only, and the longest wave is taken: a shorter one is weaker than told.
     pub relative_frequency: f64,
     /// How many independent modes have no energy at this wave vector, translations not counted.
     pub nullity: usize,
@@ -44,7 +45,7 @@ pub struct SpuriousModes<const D: usize> {
     /// The share of the zone on which modes without energy fill lines, planes, or all of it; zero where they are at single wave
     /// vectors only.
     pub zero_share: f64,
-    /// The lowest relative frequency anywhere: 1 where no wave is slower than the material's.
+    /// The lowest relative frequency anywhere, long waves included: 1 where no wave is slower than the material's.
     pub weakest: f64,
 }
 
@@ -125,6 +126,12 @@ impl<const D: usize> Spurious<'_, '_, D> {
         let mut weakest = least;
         for (ratio, k) in bottoms {
             weakest = weakest.min(ratio);
+            // A well whose bottom is at k = 0 is no wave: the stiffness of all long waves is too low.
+            let fractional = lattice.vectors().transpose() * k / std::f64::consts::TAU;
+            let from_zero = fractional - fractional.map(f64::round);
+            if from_zero.amax() < 1.0 / n as f64 {
+                continue;
+            }
             let mode = self.mode(&self.survey.search().folded(&k), ratio);
             let is_known = modes.iter().any(|known| self.is_same(known, &mode));
             if !is_known && modes.len() < LISTED {

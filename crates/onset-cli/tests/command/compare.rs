@@ -1,0 +1,222 @@
+//! `onset compare` and `onset recommend`.
+
+use super::{fresh_place, number, onset};
+use serde_json::Value;
+
+/// The comparison of methods in the plane that comes with the program, on a few states.
+const PLANE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../comparisons/methods-2d.toml"
+);
+
+/// A comparison written to a file of its own, with what the command says to it.
+fn compared(text: &str, more: &[&str]) -> (super::Answer, std::path::PathBuf) {
+    let folder = fresh_place("compare");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("methods.toml");
+    std::fs::write(&file, text).expect("a file");
+    let (file, out) = (file.display().to_string(), folder.display().to_string());
+    let mut arguments = vec!["compare", file.as_str(), "--out", out.as_str()];
+    arguments.extend(more);
+    (onset(&arguments), folder)
+}
+
+#[track_caller]
+fn assert_refused(text: &str, facts: &[&str]) {
+    let (answer, folder) = compared(text, &[]);
+    let told = &answer.stderr;
+    assert_eq!(answer.code, Some(2), "{text}: {told}");
+    assert_eq!(answer.stdout, "", "{text}");
+    assert!(told.starts_with("error: "), "{text}: {told}");
+    assert!(!told.contains("panicked"), "{text}: {told}");
+    for fact in facts {
+        assert!(told.contains(fact), "{text}: no `{fact}` in: {told}");
+    }
+    assert!(!folder.join("compare.csv").exists(), "nothing is written");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn twenty_methods_stand_in_one_table() {
+    let folder = fresh_place("twenty");
+    let out = folder.display().to_string();
+    let arguments = ["compare", PLANE, "--set", "compare.states=2", "--out", &out];
+    let answer = onset(&arguments);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let csv = std::fs::read_to_string(folder.join("compare.csv")).expect("a file");
+    assert_eq!(csv.lines().count(), 21);
+    for name in csv.lines().skip(1).map(|line| line.split(",0.0").next()) {
+        let name = name.expect("a name").trim_matches('"');
+        let first = name.split([',', '"']).next().expect("a name");
+        assert!(answer.stdout.contains(first), "{first}");
+    }
+    for file in ["compare.html", "compare.svg", "compare.png"] {
+        assert!(folder.join(file).is_file(), "{file}");
+    }
+    let page = std::fs::read_to_string(folder.join("compare.html")).expect("a file");
+    assert_eq!(page.matches("<tr>").count(), 21);
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn a_method_that_cannot_be_evaluated_says_why_in_its_row() {
+    let text = "[[methods]]\nname = 'good'\n[[methods]]\nname = 'lonely, \"far\"'\nsupport = 0.5\n";
+    let (answer, folder) = compared(text, &["--json"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    assert!(number(&document, "/rows/0/measured/courant") > 0.0);
+    assert!(document["rows"][0]["note"].is_null());
+    assert!(document["rows"][1]["measured"].is_null());
+    let note = document["rows"][1]["note"].as_str().expect("why");
+    assert!(note.contains("within the support radius 0.5"), "{note}");
+    let csv = std::fs::read_to_string(folder.join("compare.csv")).expect("a file");
+    assert!(csv.contains("\n\"lonely, \"\"far\"\"\",,"), "{csv}");
+    assert!(csv.contains("within the support radius 0.5"), "{csv}");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn without_any_method_that_can_be_evaluated_the_input_is_wrong() {
+    assert_refused(
+        "[[methods]]\nname = 'lonely'\nsupport = 0.5\n",
+        &[
+            "none of the methods",
+            "\"lonely\"",
+            "support radius 0.5",
+            "hint",
+        ],
+    );
+}
+
+#[test]
+fn comparisons_that_are_wrong_are_refused_with_the_place() {
+    let one = |more: &str| format!("[[methods]]\nname = 'a'\n{more}\n");
+    for (text, facts) in [
+        (String::new(), vec!["1:1", "no methods", "[[methods]]"]),
+        ("[[methods]]\n".to_owned(), vec!["1:1", "no `name`"]),
+        ("methods = 3\n".to_owned(), vec!["`methods` cannot be 3"]),
+        (
+            "[[method]]\n".to_owned(),
+            vec!["1:3", "did you mean `methods`"],
+        ),
+        (one("suport = 2"), vec!["3:1", "did you mean `support`"]),
+        (one("frame = 'euler'"), vec!["3:9", "lagrangian | eulerian"]),
+        (
+            one("[[methods]]\nname = 'a'"),
+            vec!["two methods are called \"a\""],
+        ),
+        (
+            one("[[methods]]\nname = 'b'\narrangement = 'chain'"),
+            vec!["3:1", "\"b\" has 1 dimension(s)"],
+        ),
+        (
+            one("penalty = 0.5"),
+            vec!["3:1", "no effect", "total-lagrangian-sph"],
+        ),
+        (
+            one("method = 'peridynamics'\nquadrature = 'nodal'"),
+            vec![
+                "4:1",
+                "`discretization.quadrature` has no effect",
+                "peridynamics",
+            ],
+        ),
+        (
+            one("integration = 'one-point'\nmesh = 'bricks'"),
+            vec!["no effect", "finite-elements"],
+        ),
+        (
+            one("[compare]\nstretches = [0.7, 1.0, 1.5]"),
+            vec!["4:13", "two positive numbers, the smaller one first"],
+        ),
+        (
+            one("[compare]\nstretches = [1.5, 0.7]"),
+            vec!["two positive numbers"],
+        ),
+        (
+            one("[compare]\nstates = 1"),
+            vec!["a whole number from 2 to 256"],
+        ),
+        (
+            one("[compare]\nstats = 3"),
+            vec!["did you mean `compare.states`"],
+        ),
+        (one("[compare]\nweak = -1"), vec!["a positive number"]),
+        (
+            one("[compare]\nintegrator = 'leapfrog'"),
+            vec!["kick-drift-kick"],
+        ),
+    ] {
+        assert_refused(&text, &facts);
+    }
+}
+
+#[test]
+fn a_wrong_assignment_to_a_comparison_names_the_key_that_was_meant() {
+    for (assignment, fact) in [
+        ("compare.stats=3", "did you mean `compare.states`"),
+        ("compare.stretches=2,1", "two positive numbers"),
+        ("compare.tension=0.5", "more than 1"),
+    ] {
+        let answer = onset(&["compare", PLANE, "--set", assignment]);
+        assert_eq!(answer.code, Some(2), "{assignment}");
+        assert!(
+            answer.stderr.contains(fact),
+            "{assignment}: {}",
+            answer.stderr
+        );
+    }
+}
+
+#[test]
+fn keys_that_a_family_does_read_are_taken() {
+    let text = "[discretization]\nquadrature = 'nodal'\n\
+                [[methods]]\nname = 'a'\nmethod = 'updated-sph'\nsupport-size = 'scaled'\n\
+                [[methods]]\nname = 'b'\nmethod = 'finite-elements'\nintegration = 'one-point'\nhourglass-stiffness = 0.1\n";
+    let (answer, folder) = compared(text, &["--quiet"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert_eq!((answer.stdout.as_str(), answer.stderr.as_str()), ("", ""));
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn the_recommended_method_has_no_spurious_modes() {
+    let answer = onset(&[
+        "recommend",
+        "--stretches",
+        "0.9,1.2",
+        "--set",
+        "compare.states=2",
+        "--json",
+    ]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    let best = &document["ranking"][0];
+    assert!(best["excluded"].is_null(), "{best}");
+    let rows = document["table"]["rows"].as_array().expect("rows");
+    let row = rows
+        .iter()
+        .find(|row| row["name"] == best["name"])
+        .expect("its row");
+    assert_eq!(row["measured"]["zero-modes"], 0);
+    assert!(number(row, "/measured/weakest") >= 0.1);
+    // Nodal integration is excluded for its modes.
+    let ranking = document["ranking"].as_array().expect("a ranking");
+    let nodal = ranking
+        .iter()
+        .find(|one| one["name"] == "Lagrangian Shepard, nodal");
+    assert_eq!(nodal.expect("nodal")["excluded"][0], 2);
+}
+
+#[test]
+fn windows_that_are_none_are_refused() {
+    for window in ["2,1", "0.8", "-1,2", "0,1", "a,b"] {
+        let answer = onset(&["recommend", "--stretches", window]);
+        assert_eq!(answer.code, Some(2), "{window}");
+        assert!(
+            answer.stderr.contains("two positive stretches"),
+            "{}",
+            answer.stderr
+        );
+    }
+}

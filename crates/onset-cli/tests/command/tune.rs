@@ -1,0 +1,104 @@
+//! `onset tune`.
+
+use super::{document, fresh_place, number, onset, onset_line};
+
+const PENALTY: &str = "set method=total-lagrangian-sph set arrangement=square";
+
+#[test]
+fn the_penalty_is_tuned_between_too_little_and_too_much() {
+    let answer = document(&format!("tune discretization.penalty {PENALTY} --quiet"));
+    let value = number(&answer, "/recommended");
+    assert_eq!(answer["is-curable"], true);
+    // The value itself is strong enough, and one a little smaller is not: asked directly.
+    let weakest = |value: f64| {
+        let line = format!("modes {PENALTY} set penalty={value}");
+        number(&document(&line), "/weakest")
+    };
+    assert!(weakest(value) >= 0.1, "{}", weakest(value));
+    assert!(weakest(0.99 * value) < 0.1, "{}", weakest(0.99 * value));
+    let tried = answer["tried"].as_array().expect("values");
+    let values: Vec<f64> = tried.iter().map(|one| number(one, "/value")).collect();
+    assert!(values.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert_eq!((values[0], values[values.len() - 1]), (0.0, 1.0));
+    assert_eq!(tried[0]["measured"]["zero-modes"], 3);
+}
+
+#[test]
+fn values_that_a_method_refuses_say_why() {
+    let line =
+        "tune discretization.stress-point-weight set arrangement=square --range 0.5,1 --quiet";
+    let answer = onset_line(line);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(
+        answer.stdout.contains("stress-point-weight is 1.0;"),
+        "{}",
+        answer.stdout
+    );
+}
+
+#[test]
+fn a_tuned_coefficient_is_drawn_and_listed() {
+    let folder = fresh_place("tune");
+    let out = folder.display().to_string();
+    let mut words = super::words(&format!("tune discretization.penalty {PENALTY} --quiet"));
+    words.extend(["--out".to_owned(), out]);
+    let answer = onset(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let csv = std::fs::read_to_string(folder.join("tune.csv")).expect("a file");
+    let columns = csv.lines().next().expect("a head").split(',').count();
+    assert!(
+        csv.lines().all(|line| line.split(',').count() == columns),
+        "{csv}"
+    );
+    for file in ["tune.svg", "tune.png"] {
+        assert!(folder.join(file).is_file(), "{file}");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn coefficients_that_are_none_are_refused() {
+    for (line, fact) in [
+        ("tune discretization.kernel", "is no coefficient"),
+        ("tune discretization.cells", "is no coefficient"),
+        ("tune material.mu", "is no coefficient of the method"),
+        (
+            "tune discretization.penalti",
+            "did you mean `discretization.penalty`",
+        ),
+        ("tune penalty", "did you mean `discretization.penalty`"),
+        (
+            "tune discretization.penalty",
+            "`discretization.penalty` has no effect: discretization.method is not total-lagrangian-sph",
+        ),
+        (
+            "tune discretization.hourglass-stiffness set method=finite-elements",
+            "discretization.integration is not one-point",
+        ),
+        (
+            "tune discretization.penalty --range 1,0",
+            "the smaller one first",
+        ),
+        (
+            "tune discretization.penalty --range 0,inf",
+            "the smaller one first",
+        ),
+        (
+            "tune discretization.penalty --stretches -1,2",
+            "two positive stretches",
+        ),
+        (
+            "tune discretization.penalty --stretches 1.5,0.7",
+            "two positive stretches",
+        ),
+        (
+            "tune discretization.penalty set method=total-lagrangian-sph --range -2,-1 --quiet",
+            "zero or a positive",
+        ),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
+        assert_eq!(answer.stdout, "", "{line}");
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+    }
+}

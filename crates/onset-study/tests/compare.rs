@@ -1,0 +1,269 @@
+//! Methods side by side: tables, ranking, and the files that come with the program.
+
+use onset::measures::{DispersionError, Fidelity, Load, OnsetPair, StretchOnset};
+use onset_study::compare::{Measured, PANELS, Row, Table, WAVELENGTHS, recommended};
+use onset_study::modes::{ModesAnswer, ModesQuestion, ShownMode};
+use onset_study::settings::{CompareSettings, Comparison, Settings};
+use onset_study::tune::TuneQuestion;
+
+/// What a faithful method would be told.
+fn good() -> Measured {
+    Measured {
+        zero_modes: 0,
+        zero_share: 0.0,
+        weak_modes: 0,
+        weakest: 0.8,
+        dispersion: WAVELENGTHS
+            .iter()
+            .map(|count| DispersionError {
+                particles_per_wavelength: *count,
+                error: 1.0 / count,
+            })
+            .collect(),
+        long_wave_error: 0.01,
+        onsets: vec![OnsetPair {
+            load: Load::UniaxialTension,
+            material: StretchOnset::At(2.0),
+            method: StretchOnset::At(2.0),
+        }],
+        fidelity: Fidelity {
+            elliptic: 1.0,
+            ..Fidelity::default()
+        },
+        critical_time_step: 0.5,
+        courant: 1.0,
+        neighbors: 10.0,
+    }
+}
+
+fn table(rows: Vec<(&str, Result<Measured, String>)>) -> Table {
+    Table {
+        title: String::new(),
+        material: "neo-hooke".to_owned(),
+        dimension: 1,
+        options: CompareSettings::default(),
+        rows: rows
+            .into_iter()
+            .map(|(name, measured)| Row {
+                name: name.to_owned(),
+                measured,
+            })
+            .collect(),
+    }
+}
+
+/// The rule that excludes a method.
+fn rule(measured: Measured) -> Option<usize> {
+    let ranked = recommended(&table(vec![("one", Ok(measured))]));
+    ranked[0].excluded.as_ref().map(|(rule, _)| *rule)
+}
+
+#[test]
+fn each_rule_excludes_what_it_says() {
+    let with = |change: fn(&mut Measured)| {
+        let mut measured = good();
+        change(&mut measured);
+        rule(measured)
+    };
+    assert_eq!(rule(good()), None);
+    assert_eq!(with(|m| m.onsets[0].method = StretchOnset::AtRest), Some(1));
+    assert_eq!(with(|m| m.fidelity.undefined = 0.01), Some(1));
+    assert_eq!(with(|m| m.zero_modes = 1), Some(2));
+    assert_eq!(with(|m| m.weakest = 0.09), Some(2));
+    assert_eq!(with(|m| m.weakest = 0.11), None);
+    assert_eq!(with(|m| m.fidelity.false_instability = 0.006), Some(3));
+    assert_eq!(with(|m| m.fidelity.missed_instability = 0.006), Some(4));
+    assert_eq!(with(|m| m.long_wave_error = 0.06), Some(5));
+    // What is outside of the law's domain is not the method's fault.
+    assert_eq!(with(|m| m.fidelity.outside_law = 0.5), None);
+}
+
+#[test]
+fn the_others_are_ranked_by_error_times_cost_and_the_excluded_come_last() {
+    let with = |change: fn(&mut Measured)| {
+        let mut measured = good();
+        change(&mut measured);
+        Ok(measured)
+    };
+    let ranked = recommended(&table(vec![
+        ("broken", Err("no neighbors\nand more".to_owned())),
+        ("rank deficient", with(|m| m.zero_modes = 3)),
+        ("dear", with(|m| m.neighbors = 30.0)),
+        ("good", with(|_| {})),
+        ("soft", with(|m| m.long_wave_error = 1.0)),
+        ("small steps", with(|m| m.courant = 0.5)),
+    ]));
+    let names: Vec<&str> = ranked.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "good",
+            "small steps",
+            "dear",
+            "soft",
+            "rank deficient",
+            "broken"
+        ]
+    );
+    assert_eq!(ranked[0].score, 10.0 / 8.0);
+    assert_eq!(ranked[1].score, 20.0 / 8.0);
+    let (rule, why) = ranked[5].excluded.as_ref().expect("excluded");
+    assert_eq!((*rule, why.as_str()), (1, "no neighbors"));
+}
+
+#[test]
+fn names_with_commas_and_quotes_stay_one_field_of_the_csv_file() {
+    let csv = table(vec![
+        ("a, \"b\"", Ok(good())),
+        ("c", Err("one\ntwo, three".to_owned())),
+    ])
+    .csv();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 3);
+    assert!(
+        lines[0].starts_with("method,zero_modes,weakest,dispersion_4,"),
+        "{csv}"
+    );
+    assert!(lines[0].ends_with(",neighbors,note"), "{csv}");
+    assert!(
+        lines[1].starts_with("\"a, \"\"b\"\"\",0.0000000000000000e0,"),
+        "{csv}"
+    );
+    assert!(lines[2].starts_with("c,,,"), "{csv}");
+    assert!(lines[2].ends_with(",\"one two, three\""), "{csv}");
+    let fields = lines[0].split(',').count();
+    assert_eq!(
+        lines[1].split(',').count(),
+        fields + 1,
+        "one comma in quotes"
+    );
+    assert_eq!(
+        lines[2].split(',').count(),
+        fields + 1,
+        "one comma in quotes"
+    );
+}
+
+#[test]
+fn modes_that_fill_lines_are_marked_in_the_table() {
+    let mut filled = good();
+    (filled.zero_modes, filled.zero_share) = (32, 0.1);
+    let text = table(vec![("filled", Ok(filled)), ("good", Ok(good()))]).to_string();
+    assert!(text.contains(" 32* "), "{text}");
+    assert_eq!(
+        text.matches('*').count(),
+        2,
+        "in the table and in its legend: {text}"
+    );
+}
+
+#[test]
+fn wave_vectors_are_told_as_fractions_where_they_are() {
+    let at = |fractional: &[f64]| {
+        let mode = ShownMode {
+            wave_vector: fractional.to_vec(),
+            fractional: fractional.to_vec(),
+            relative_frequency: Some(0.25),
+            nullity: 0,
+            positions: Vec::new(),
+            displacements: Vec::new(),
+            quarter: Vec::new(),
+        };
+        mode.place()
+    };
+    assert_eq!(at(&[0.5, -1.0 / 3.0]), "(1/2, -1/3)");
+    assert_eq!(at(&[0.0, 1.0, 5.0 / 12.0]), "(0, 1, 5/12)");
+    assert_eq!(at(&[0.123456]), "(0.1235)");
+    assert_eq!(at(&[-1e-17]), "(0)");
+}
+
+#[test]
+fn the_values_of_a_coefficient_begin_and_end_where_the_range_does() {
+    let values = |low, high| {
+        TuneQuestion::new("discretization.penalty", (low, high), (0.7, 1.5))
+            .expect("a question")
+            .values()
+    };
+    for (low, high) in [(0.0, 1.0), (0.1, 0.3), (-1.0, 2.0), (0.0, 7.3), (1e-8, 1e8)] {
+        let all = values(low, high);
+        assert_eq!((all[0], all[all.len() - 1]), (low, high));
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+    }
+    // Evenly in the logarithm.
+    let all = values(0.0, 1.0);
+    assert_eq!(all.len(), 14);
+    assert!((all[1] - 1e-4).abs() < 1e-18);
+    assert!((all[3] / all[2] - all[9] / all[8]).abs() < 1e-12);
+}
+
+#[test]
+fn every_method_of_the_comparisons_of_the_program_is_measured() {
+    for (dimension, (name, text)) in PANELS.iter().enumerate() {
+        // A few states are enough here.
+        let comparison =
+            Comparison::parse(name, text, &["compare.states=2"]).expect("a comparison");
+        assert_eq!(comparison.dimension(), dimension + 1);
+        let table = Table::of(&comparison, |_| {}).expect("a table");
+        for row in &table.rows {
+            assert!(
+                row.measured.is_ok(),
+                "{name}, {}: {:?}",
+                row.name,
+                row.measured
+            );
+        }
+        if dimension == 1 {
+            assert_eq!(table.rows.len(), 20);
+        }
+    }
+}
+
+#[test]
+fn the_material_has_the_same_onset_in_every_row() {
+    let (name, text) = PANELS[1];
+    let comparison = Comparison::parse(name, text, &["compare.states=2"]).expect("a comparison");
+    let table = Table::of(&comparison, |_| {}).expect("a table");
+    let rows = || {
+        table
+            .rows
+            .iter()
+            .filter_map(|row| row.measured.as_ref().ok())
+    };
+    let first = rows().next().expect("a row");
+    for row in rows() {
+        for (own, other) in row.onsets.iter().zip(&first.onsets) {
+            assert_eq!(own.material, other.material);
+        }
+    }
+}
+
+#[test]
+fn a_mode_is_exported_as_large_as_asked() {
+    let settings = Settings::from_assignments(&[
+        "discretization.arrangement=square",
+        "discretization.quadrature=nodal",
+        "discretization.spacing=0.5",
+    ])
+    .expect("settings");
+    let question = ModesQuestion {
+        amplitude: 0.1,
+        cells: 4,
+        ..ModesQuestion::default()
+    };
+    let answer = ModesAnswer::new(&settings, &question).expect("modes");
+    assert_eq!(answer.modes.len(), 3);
+    for mode in &answer.modes {
+        assert_eq!(mode.positions.len(), 16);
+        let largest = |all: &[[f64; 3]]| {
+            let sizes = all
+                .iter()
+                .map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt());
+            sizes.fold(0.0, f64::max)
+        };
+        let size = largest(&mode.displacements);
+        assert!((size - 0.05).abs() < 1e-9, "{size}");
+        // At the edges of the zone modes stand.
+        assert!(largest(&mode.quarter) < 1e-9);
+        assert_eq!(mode.csv().lines().count(), 17);
+    }
+}

@@ -1,0 +1,79 @@
+//! Shares of a window of states.
+
+use crate::{method, nodal};
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::material::ModifiedMooneyRivlin;
+use onset::measures::{StateWindow, fidelity};
+use onset::method::{Discretization, Frame};
+use onset::quadrature::Quadrature;
+use onset::verdict::{SchemeSurvey, Verdict};
+
+/// A window in which the material is elliptic on a part only.
+const WINDOW: StateWindow = StateWindow {
+    stretches: [0.7, 3.1],
+    states: 6,
+};
+
+#[test]
+fn shares_are_those_of_the_verdicts_one_by_one() {
+    let material = ModifiedMooneyRivlin::default();
+    for frame in [Frame::Lagrangian, Frame::Eulerian] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+            let method = method::<2>(Discretization {
+                frame,
+                quadrature,
+                ..nodal(Arrangement::Hexagonal)
+            });
+            let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+            let found = fidelity(&survey, &WINDOW).expect("shares");
+            let (mut falsely, mut missed, mut deficient, mut undefined, mut right) =
+                (0.0, 0.0, 0.0, 0.0, 0.0);
+            for i in 0..6 {
+                for j in 0..6 {
+                    let stretch = |n: i32| 0.7 + 2.4 * (f64::from(n) + 0.5) / 6.0;
+                    let f = DeformationGradient::from_stretches([stretch(i), stretch(j), 1.0]);
+                    match survey.state(&f.expect("a state")) {
+                        Ok(state) => match (state.verdict, state.is_elliptic) {
+                            (Verdict::Kernel, true) => falsely += 1.0,
+                            (Verdict::Missed, _) => missed += 1.0,
+                            (verdict, _) => {
+                                right += 1.0;
+                                if verdict == Verdict::RankDeficient {
+                                    deficient += 1.0;
+                                }
+                            }
+                        },
+                        Err(_) => undefined += 1.0,
+                    }
+                }
+            }
+            let close = |share: f64, count: f64| (share - count / 36.0).abs() < 1e-12;
+            assert!(close(found.false_instability, falsely), "{found:?}");
+            assert!(close(found.missed_instability, missed), "{found:?}");
+            assert!(close(found.rank_deficient, deficient), "{found:?}");
+            assert!(close(found.undefined, undefined), "{found:?}");
+            assert!(close(found.agreement(), right), "{found:?}");
+            assert!(found.elliptic > 0.0 && found.elliptic < 1.0, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn want_of_neighbors_is_the_methods_and_not_the_laws() {
+    // An Eulerian kernel of fixed size loses its neighbors in tension.
+    let method = method::<2>(Discretization {
+        frame: Frame::Eulerian,
+        ..nodal(Arrangement::Square)
+    });
+    let material = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    let window = StateWindow {
+        stretches: [2.2, 3.0],
+        states: 2,
+    };
+    let found = fidelity(&survey, &window).expect("shares");
+    assert_eq!(found.undefined, 1.0);
+    assert_eq!(found.outside_law, 0.0);
+    assert_eq!(found.agreement(), 0.0);
+}

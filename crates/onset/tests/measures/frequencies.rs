@@ -1,0 +1,88 @@
+//! Errors of frequencies and of long waves.
+
+use crate::{linear_complete, method, nodal};
+use onset::lattice::Arrangement;
+use onset::material::ModifiedMooneyRivlin;
+use onset::measures::{dispersion_errors, long_wave_error};
+use onset::scheme::Scheme;
+use onset::scheme::element::{
+    ElementChoices, ElementMass, ElementMesh, FiniteElements, Formulation,
+};
+use onset::verdict::SchemeSurvey;
+use std::f64::consts::PI;
+
+fn bars(mass: ElementMass) -> FiniteElements<1> {
+    FiniteElements::new(&ElementChoices {
+        mesh: ElementMesh::Bars,
+        spacing: 0.3,
+        formulation: Formulation {
+            mass,
+            ..Formulation::default()
+        },
+        ..ElementChoices::default()
+    })
+    .expect("a mesh")
+}
+
+fn errors<const D: usize>(scheme: &dyn Scheme<D>, wavelengths: &[f64]) -> Vec<f64> {
+    let material = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    let found = dispersion_errors(&survey, wavelengths).expect("errors");
+    found.iter().map(|error| error.error).collect()
+}
+
+#[test]
+fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
+    // omega = 2 c/h sin(k h/2); at two elements a wavelength 2/pi of the exact one.
+    let wavelengths = [2.0, 4.0, 8.0, 16.0];
+    let found = errors(&bars(ElementMass::Lumped), &wavelengths);
+    for (error, count) in found.iter().zip(wavelengths) {
+        let half = PI / count;
+        let expected = 1.0 - half.sin() / half;
+        assert!((error - expected).abs() < 1e-12, "{error} for {expected}");
+    }
+    assert!((found[0] - (1.0 - 2.0 / PI)).abs() < 1e-12);
+}
+
+#[test]
+fn bars_with_consistent_masses_are_as_fast_as_their_closed_form() {
+    // omega^2 = 6 c^2/h^2 (1 - cos kh) / (2 + cos kh).
+    let wavelengths = [2.0, 4.0, 8.0, 16.0];
+    let found = errors(&bars(ElementMass::Consistent), &wavelengths);
+    for (error, count) in found.iter().zip(wavelengths) {
+        let angle = 2.0 * PI / count;
+        let squared = 6.0 * (1.0 - angle.cos()) / (2.0 + angle.cos());
+        let expected = squared.sqrt() / angle - 1.0;
+        assert!((error - expected).abs() < 1e-12, "{error} for {expected}");
+    }
+}
+
+fn of_long_waves<const D: usize>(scheme: &dyn Scheme<D>) -> f64 {
+    let material = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    long_wave_error(&survey).expect("an error")
+}
+
+#[test]
+fn long_waves_are_exact_for_linear_completeness_and_wrong_without() {
+    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+        let exact = method::<2>(linear_complete(arrangement));
+        assert!(of_long_waves(&exact) < 1e-11);
+        let wrong = method::<2>(nodal(arrangement));
+        assert!(of_long_waves(&wrong) > 0.01);
+    }
+    let in_space = method::<3>(linear_complete(Arrangement::SimpleCubic));
+    assert!(of_long_waves(&in_space) < 1e-11);
+}
+
+#[test]
+fn the_error_of_long_waves_is_that_of_their_frequencies() {
+    // One component in one dimension: the error of the stiffness is (1 + e)^2 - 1 with e that of the frequency.
+    let chain = method::<1>(nodal(Arrangement::Chain));
+    let stiffness = of_long_waves(&chain);
+    let frequency = errors(&chain, &[4000.0])[0];
+    let slow = 1.0 - (1.0 - frequency) * (1.0 - frequency);
+    let fast = (1.0 + frequency) * (1.0 + frequency) - 1.0;
+    let nearest = (stiffness - slow).abs().min((stiffness - fast).abs());
+    assert!(nearest < 1e-5, "{stiffness} for {slow} or {fast}");
+}

@@ -1,0 +1,48 @@
+//! What is measured of discretizations: against closed forms, brute force, and other paths to the same numbers.
+
+mod fidelity;
+mod frequencies;
+mod onsets;
+mod spurious;
+
+use onset::approximation::Approximation;
+use onset::lattice::Arrangement;
+use onset::method::{Discretization, Method};
+use onset::quadrature::Quadrature;
+use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
+
+/// A Lagrangian kernel method with nodal quadrature.
+fn nodal(arrangement: Arrangement) -> Discretization {
+    Discretization {
+        arrangement,
+        quadrature: Quadrature::Nodal,
+        ..Discretization::default()
+    }
+}
+
+fn method<const D: usize>(discretization: Discretization) -> Method<D> {
+    Method::new(discretization).expect("a method")
+}
+
+/// The same with several particles in a cell.
+fn on_crystal<const D: usize>(discretization: &Discretization) -> KernelScheme<D> {
+    let crystal = discretization.crystal::<D>().expect("a crystal");
+    let choices = KernelChoices {
+        density: discretization.density,
+        kernel: discretization.kernel,
+        radius: discretization.support * discretization.spacing,
+        approximation: discretization.approximation,
+        frame: discretization.frame,
+        support_size: discretization.support_size,
+    };
+    KernelScheme::new(crystal, CrystalQuadrature::Nodal, choices).expect("a scheme")
+}
+
+/// Moving least squares with stress points.
+fn linear_complete(arrangement: Arrangement) -> Discretization {
+    Discretization {
+        arrangement,
+        approximation: Approximation::Mls,
+        ..Discretization::default()
+    }
+}

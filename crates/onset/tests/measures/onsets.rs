@@ -1,0 +1,71 @@
+//! Onsets along loadings: the same as along paths.
+
+use crate::{method, nodal};
+use onset::kinematics::StraightPath;
+use onset::lattice::Arrangement;
+use onset::material::ModifiedMooneyRivlin;
+use onset::measures::{Load, StretchOnset, onset};
+use onset::method::{Discretization, Frame};
+use onset::quadrature::Quadrature;
+use onset::verdict::{PathScan, SchemeSurvey, scan_discretization, scan_material};
+
+/// The first loss of stability along a scanned path from stretch 1 to `end`.
+fn first(scan: &PathScan, end: f64) -> Option<f64> {
+    scan.crossings
+        .first()
+        .map(|crossing| 1.0 + (end - 1.0) * crossing.parameter())
+}
+
+#[track_caller]
+fn assert_same(found: StretchOnset, expected: Option<f64>) {
+    match (found, expected) {
+        (StretchOnset::At(stretch), Some(expected)) => {
+            assert!(
+                (stretch - expected).abs() < 1e-9,
+                "{stretch} for {expected}"
+            );
+        }
+        (StretchOnset::NotBefore(_), None) => {}
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn onsets_are_those_that_a_scan_of_the_path_finds() {
+    let material = ModifiedMooneyRivlin::default();
+    for frame in [Frame::Lagrangian, Frame::Eulerian] {
+        let method = method::<2>(Discretization {
+            frame,
+            quadrature: Quadrature::StressPoints,
+            ..nodal(Arrangement::Hexagonal)
+        });
+        let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+        for (load, end) in [
+            (Load::UniaxialTension, 3.0),
+            (Load::EquibiaxialTension, 2.0),
+        ] {
+            let found = onset(&survey, load, end).expect("onsets");
+            let ends = [1.0, end].map(|stretch| load.at(stretch).expect("a state"));
+            let path = StraightPath::new(ends[0], ends[1]).expect("a path");
+            let of_material = scan_material::<2>(&material, &path).expect("a scan");
+            let of_method = scan_discretization(&method, &material, &path).expect("a scan");
+            assert_same(found.material, first(&of_material, end));
+            assert_same(found.method, first(&of_method, end));
+        }
+    }
+}
+
+#[test]
+fn a_faithful_method_has_the_ratio_one() {
+    let material = ModifiedMooneyRivlin::default();
+    let method = method::<2>(Discretization {
+        quadrature: Quadrature::StressPoints,
+        ..nodal(Arrangement::Hexagonal)
+    });
+    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    for load in Load::ALL {
+        let end = if load.is_tension() { 3.0 } else { 0.4 };
+        let found = onset(&survey, load, end).expect("onsets");
+        assert!((found.ratio() - 1.0).abs() < 1e-6, "{found:?}");
+    }
+}

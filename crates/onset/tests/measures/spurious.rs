@@ -1,0 +1,178 @@
+//! Waves that a discretization does not resist.
+
+use crate::{method, nodal, on_crystal};
+use nalgebra::SVector;
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::Arrangement;
+use onset::material::ModifiedMooneyRivlin;
+use onset::measures::{SpuriousMode, SpuriousModes, spurious_modes};
+use onset::method::Discretization;
+use onset::quadrature::Quadrature;
+use onset::scheme::Scheme;
+use onset::verdict::SchemeSurvey;
+use std::f64::consts::TAU;
+
+fn found<const D: usize>(scheme: &dyn Scheme<D>, threshold: f64) -> SpuriousModes<D> {
+    let material = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    spurious_modes(&survey, threshold).expect("modes")
+}
+
+/// The wave vectors without energy in units of the reciprocal vectors, each coordinate from 0 to 1, of `k` and `-k` the first.
+fn zeros<const D: usize>(scheme: &dyn Scheme<D>, modes: &SpuriousModes<D>) -> Vec<[f64; D]> {
+    let vectors = scheme.crystal().lattice().vectors();
+    let fractional = |k: SVector<f64, D>| -> [f64; D] {
+        let x = vectors.transpose() * k / TAU;
+        std::array::from_fn(|i| {
+            let rest = (x[i] - x[i].floor()) % 1.0;
+            if 1.0 - rest < 1e-6 {
+                0.0
+            } else {
+                (rest * 1e6).round() / 1e6
+            }
+        })
+    };
+    let of = |mode: &SpuriousMode<D>| {
+        let (plus, minus) = (fractional(mode.wave_vector), fractional(-mode.wave_vector));
+        if plus < minus { plus } else { minus }
+    };
+    let mut all: Vec<_> = modes.modes.iter().filter(|m| m.is_zero()).map(of).collect();
+    all.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    all
+}
+
+#[test]
+fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
+    let method = method::<2>(nodal(Arrangement::Square));
+    let modes = found(&method, 0.5);
+    assert_eq!(zeros(&method, &modes), [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]]);
+    assert!(modes.modes.iter().all(|mode| mode.nullity <= 2));
+    assert_eq!(modes.weakest, 0.0);
+    assert_eq!(modes.zero_share, 0.0, "single points fill no share");
+}
+
+#[test]
+fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners() {
+    // Where the sum of odd gradients vanishes: three M by inversion, K by the threefold axis. No minimum lies between them.
+    let method = method::<2>(nodal(Arrangement::Hexagonal));
+    let modes = found(&method, 0.5);
+    let third = 0.333333;
+    let expected = [[0.0, 0.5], [third, 2.0 * third], [0.5, 0.0], [0.5, 0.5]];
+    assert_eq!(modes.modes.len(), 4, "{modes:?}");
+    for (found, expected) in zeros(&method, &modes).iter().zip(expected) {
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 2e-6, "{found} for {expected}");
+        }
+    }
+}
+
+#[test]
+fn nodal_integration_on_cubes_has_seven_and_on_a_chain_one() {
+    let cubes = method::<3>(nodal(Arrangement::SimpleCubic));
+    let modes = found(&cubes, 0.5);
+    assert_eq!(zeros(&cubes, &modes).len(), 7);
+    assert!(modes.modes.iter().all(|mode| mode.nullity == 3));
+    let chain = method::<1>(nodal(Arrangement::Chain));
+    let modes = found(&chain, 0.5);
+    assert_eq!(zeros(&chain, &modes), [[0.5]]);
+    assert_eq!(modes.zero_share, 0.0, "single points fill no share");
+}
+
+#[test]
+fn stress_points_leave_weak_modes_and_none_without_energy() {
+    let method = method::<2>(Discretization {
+        quadrature: Quadrature::StressPoints,
+        ..nodal(Arrangement::Hexagonal)
+    });
+    let modes = found(&method, 0.5);
+    assert!(!modes.modes.is_empty());
+    assert!(modes.modes.iter().all(|mode| !mode.is_zero()));
+    // Brute force on a grid that shares no point with that of the search.
+    let material = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    let stiffness = Stiffness::<2>::at(&material, &DeformationGradient::identity());
+    let stiffness = stiffness.expect("a stiffness");
+    let mut least = f64::INFINITY;
+    for i in 0..97 {
+        for j in 0..97 {
+            let at = |n: i32| (f64::from(n) + 0.5) / 97.0;
+            let k = method.lattice().reciprocal() * SVector::<f64, 2>::new(at(i), at(j));
+            let k = survey.search().folded(&k);
+            let exact = stiffness.acoustic_tensor(&k).symmetric_eigenvalues().min();
+            let found = survey.reference().omega_squared(&k)[0].re * method.density();
+            least = least.min((found / exact).sqrt());
+        }
+    }
+    assert!(modes.weakest <= least + 1e-12, "{} {least}", modes.weakest);
+    assert!(modes.weakest > 0.98 * least, "{} {least}", modes.weakest);
+}
+
+#[test]
+fn minima_are_listed_once_and_are_minima() {
+    for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
+        let method = method::<2>(Discretization {
+            quadrature: Quadrature::StressPoints,
+            ..nodal(arrangement)
+        });
+        let material = ModifiedMooneyRivlin::default();
+        let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+        let stiffness = Stiffness::<2>::at(&material, &DeformationGradient::identity());
+        let stiffness = stiffness.expect("a stiffness");
+        let ratio = |k: SVector<f64, 2>| {
+            let k = survey.search().folded(&k);
+            let exact = stiffness.acoustic_tensor(&k).symmetric_eigenvalues().min();
+            survey.reference().omega_squared(&k)[0].re * method.density() / exact
+        };
+        let modes = spurious_modes(&survey, 0.9).expect("modes").modes;
+        assert!(!modes.is_empty());
+        for (n, mode) in modes.iter().enumerate() {
+            let own = mode.relative_frequency * mode.relative_frequency;
+            for step in 0..12 {
+                let (sine, cosine) = (TAU * f64::from(step) / 12.0).sin_cos();
+                let beside = mode.wave_vector + SVector::<f64, 2>::new(cosine, sine) * 1e-3;
+                assert!(
+                    ratio(beside) >= own * (1.0 - 1e-7),
+                    "{arrangement:?} {mode:?}"
+                );
+            }
+            for other in &modes[..n] {
+                let apart = (mode.wave_vector - other.wave_vector).norm();
+                let opposite = (mode.wave_vector + other.wave_vector).norm();
+                assert!(apart.min(opposite) > 1e-3, "{mode:?} {other:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_larger_cell_has_the_same_modes_at_rest() {
+    // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
+    let cell = on_crystal::<2>(&Discretization {
+        cells: 2,
+        ..nodal(Arrangement::Square)
+    });
+    let modes = found(&cell, 0.05).modes;
+    assert_eq!(modes.len(), 1);
+    assert_eq!(modes[0].wave_vector.norm(), 0.0);
+    assert_eq!(modes[0].nullity, 6);
+    assert!(modes[0].relative_frequency.is_nan());
+    let total: SVector<_, 2> = modes[0].displacements.iter().sum();
+    assert!(total.iter().all(|z| z.norm() < 1e-9), "no translation");
+}
+
+#[test]
+fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
+    // Nodal integration on a honeycomb: each particle sees a threefold star of the others, whose gradients cancel.
+    let honeycomb = on_crystal::<2>(&nodal(Arrangement::Honeycomb));
+    let modes = found(&honeycomb, 0.5).modes;
+    assert_eq!(zeros(&honeycomb, &found(&honeycomb, 0.5)), [[0.0, 0.0]]);
+    assert_eq!(modes[0].nullity, 2);
+    let [first, second] = &modes[0].displacements[..] else {
+        panic!("two particles");
+    };
+    assert!((first + second).iter().all(|z| z.norm() < 1e-9));
+    // That long waves are slow is no mode of its own.
+    let close = modes.iter().filter(|mode| mode.wave_vector.norm() < 0.1);
+    assert_eq!(close.count(), 1);
+}
