@@ -163,11 +163,14 @@ impl Study {
             return name == "model" || self.settings.material.model.takes(name);
         }
         key.only_with.is_none_or(|(needed, word)| {
-            self.value(needed).is_some_and(|value| {
-                let is =
-                    |word: &str| value == Value::Word(word.to_owned()) || value.to_string() == word;
-                word.split(" | ").any(is)
-            })
+            let has_own = Key::named(needed).is_none_or(|needed| self.has_effect(needed));
+            has_own
+                && self.value(needed).is_some_and(|value| {
+                    let is = |word: &str| {
+                        value == Value::Word(word.to_owned()) || value.to_string() == word
+                    };
+                    word.split(" | ").any(is)
+                })
         })
     }
 
