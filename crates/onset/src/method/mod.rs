@@ -426,6 +426,13 @@ impl Discretization {
         if self.perturbation == 0.0 {
             return Ok(crystal);
         }
+        // One particle in a cell has nothing that it could be moved against.
+        MethodError::require(
+            crystal.sites().len() > 1,
+            "perturbation",
+            self.perturbation,
+            "0 with one particle in a cell: set discretization.cells to 2 or more",
+        )?;
         Ok(crystal.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?)
     }
 }

@@ -115,7 +115,7 @@ impl<const D: usize> ConformingIntegration<D> {
     /// [`MethodError`] when a number is out of its range, or the support is too small or too large.
     pub fn new(crystal: Crystal<D>, choices: &ConformingChoices) -> Result<Self, MethodError> {
         MethodError::positive("density", choices.density)?;
-        MethodError::positive("radius", choices.radius)?;
+        MethodError::positive("support", choices.radius)?;
         let c = choices.modification;
         MethodError::require(
             (0.0..=1.0).contains(&c),

@@ -131,7 +131,7 @@ impl<const D: usize> KernelScheme<D> {
         quadrature: CrystalQuadrature<D>,
         choices: KernelChoices,
     ) -> Result<Self, MethodError> {
-        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
         let points = points_of(&crystal, quadrature)?;
         let mut scheme = Self {
             crystal,

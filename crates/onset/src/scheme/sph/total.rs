@@ -91,7 +91,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
     /// # Errors
     /// [`MethodError`] when a number is out of range, or when a particle sees too few or too many others.
     pub fn new(crystal: Crystal<D>, choices: TotalLagrangianChoices) -> Result<Self, MethodError> {
-        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
         assert_coefficients(&[
             ("penalty", choices.penalty),
             ("velocity-smoothing", choices.velocity_smoothing),

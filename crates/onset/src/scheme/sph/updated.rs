@@ -142,7 +142,7 @@ impl<const D: usize> UpdatedSph<D> {
     /// [`MethodError`] when a number is out of range, when a particle sees too few or too many others in the reference state,
     /// or when an artificial stress is asked for with a form that takes differences of stresses.
     pub fn new(crystal: Crystal<D>, choices: UpdatedSphChoices) -> Result<Self, MethodError> {
-        assert_positive(&[("density", choices.density), ("radius", choices.radius)])?;
+        assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
         assert_coefficients(&[("velocity-smoothing", choices.velocity_smoothing)])?;
         choices
             .viscosity

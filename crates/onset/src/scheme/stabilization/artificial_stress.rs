@@ -43,8 +43,8 @@ impl ArtificialStress {
     /// Refuses coefficients that are out of range.
     pub(in super::super) fn assert_admissible(&self) -> Result<(), MethodError> {
         assert_coefficients(&[
-            ("artificial-stress.epsilon", self.epsilon),
-            ("artificial-stress.exponent", self.exponent),
+            ("artificial-stress", self.epsilon),
+            ("artificial-stress-exponent", self.exponent),
         ])?;
         assert_positive(&[("artificial-stress.spacing", self.spacing)])
     }

@@ -60,10 +60,7 @@ impl Default for ArtificialViscosity {
 impl ArtificialViscosity {
     /// Refuses negative coefficients.
     pub(in super::super) fn assert_admissible(&self) -> Result<(), MethodError> {
-        assert_coefficients(&[
-            ("viscosity.alpha", self.alpha),
-            ("viscosity.beta", self.beta),
-        ])
+        assert_coefficients(&[("viscosity", self.alpha), ("viscosity.beta", self.beta)])
     }
 }
 
