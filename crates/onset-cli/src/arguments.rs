@@ -174,7 +174,7 @@ pub enum Command {
     Card(CardArguments),
     /// What there is to choose from, with formulas, parameters and sources.
     List {
-        /// materials, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
+        /// materials, methods, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
         /// linearizations, or formula for the language of typed laws; everything when left out.
         topic: Option<String>,
         /// Print one JSON document.

@@ -395,6 +395,7 @@ impl Discretization {
     /// # Errors
     /// [`MethodError`] when a number is out of range, or particles coincide.
     pub fn crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
+        MethodError::positive("spacing", self.spacing)?;
         let lattice = self
             .arrangement
             .lattice_with(self.spacing, self.aspect, &self.vectors)?;

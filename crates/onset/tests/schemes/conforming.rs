@@ -372,6 +372,9 @@ fn choices_out_of_range_are_refused() {
     assert!(refused(radius(1e6)).is_about_support());
     assert!(matches!(
         refused(radius(-1.0)),
-        MethodError::Setting { name: "radius", .. }
+        MethodError::Setting {
+            name: "support",
+            ..
+        }
     ));
 }

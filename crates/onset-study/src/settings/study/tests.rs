@@ -467,6 +467,8 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         Kind::Numbers => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
         _ if key.is_parameter() => default_of(key).into(),
+        // A number that is not given is computed.
+        _ if key.default_json().is_null() => 0.5.into(),
         _ => key.default_json(),
     };
     (model, value)
@@ -474,6 +476,9 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
 
 /// The lines without which a key has no effect.
 fn needed(key: &Key) -> String {
+    if key.name == "discretization.perturbation" {
+        return "discretization.cells = 2\n".to_owned();
+    }
     let Some((name, words)) = key.only_with else {
         return String::new();
     };
