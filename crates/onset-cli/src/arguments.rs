@@ -305,7 +305,7 @@ pub struct CardArguments {
 /// A comparison.
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// The comparison: a material and [[methods]].
+    /// The comparison: a material and `[[methods]]`.
     pub file: PathBuf,
     /// Folder for compare.html, compare.csv, compare.svg and compare.png.
     #[arg(long, value_name = "DIR", default_value = ".")]
