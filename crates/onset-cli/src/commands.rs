@@ -248,10 +248,18 @@ fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
     ))
 }
 
-fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
-    let bar = ProgressBar::new(reproduce::STEPS as u64);
+/// A bar for a number of named steps; hidden where nothing shall be shown.
+fn progress(steps: usize, is_quiet: bool) -> ProgressBar {
+    if is_quiet {
+        return ProgressBar::hidden();
+    }
     let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    ProgressBar::new(steps as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
+    let bar = progress(reproduce::STEPS, false);
     let report = reproduce::run(out, &|step| {
         bar.set_message(step.to_owned());
         bar.inc(1);

@@ -39,12 +39,16 @@ impl<const D: usize> Discretized<D> {
     /// # Errors
     /// [`MethodError`] when a setting is out of range, or the number of dimensions is not `D`.
     pub fn new(settings: &Settings) -> Result<Self, MethodError> {
-        let is_kernel = settings.method.method == Family::Kernel;
-        if is_kernel && settings.discretization.crystal::<D>()?.sites().len() == 1 {
-            let method = Method::new(settings.discretization.clone())?;
-            return Ok(Self::Kernel(Box::new(method)));
-        }
-        Ok(Self::Scheme(scheme(settings)?))
+        let scheme: Box<dyn Scheme<D>> = match settings.method.method {
+            Family::Kernel => return kernel(&settings.discretization),
+            Family::TotalLagrangianSph => total_lagrangian(settings)?,
+            Family::UpdatedSph => updated(settings)?,
+            Family::FiniteElements => elements(settings)?,
+            Family::Conforming => conforming(settings)?,
+            Family::Peridynamics => peridynamics(settings)?,
+            Family::MaterialPoints => material_points(settings)?,
+        };
+        Ok(Self::Scheme(scheme))
     }
 
     /// The verdict on a state with its evidence.
@@ -143,21 +147,17 @@ impl<const D: usize> Discretized<D> {
 /// # Errors
 /// [`MethodError`] when a setting is out of range, or the number of dimensions is not `D`.
 pub fn scheme<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
-    match settings.method.method {
-        Family::Kernel => kernel(&settings.discretization),
-        Family::TotalLagrangianSph => total_lagrangian(settings),
-        Family::UpdatedSph => updated(settings),
-        Family::FiniteElements => elements(settings),
-        Family::Conforming => conforming(settings),
-        Family::Peridynamics => peridynamics(settings),
-        Family::MaterialPoints => material_points(settings),
-    }
+    Ok(match Discretized::new(settings)? {
+        Discretized::Kernel(method) => method,
+        Discretized::Scheme(scheme) => scheme,
+    })
 }
 
-fn kernel<const D: usize>(choices: &Discretization) -> Result<Box<dyn Scheme<D>>, MethodError> {
+fn kernel<const D: usize>(choices: &Discretization) -> Result<Discretized<D>, MethodError> {
     let crystal = choices.crystal::<D>()?;
     if crystal.sites().len() == 1 {
-        return Ok(Box::new(Method::<D>::new(choices.clone())?));
+        let method = Method::new(choices.clone())?;
+        return Ok(Discretized::Kernel(Box::new(method)));
     }
     let refused = |choice, hint| MethodError::Incompatible {
         choice,
@@ -181,7 +181,8 @@ fn kernel<const D: usize>(choices: &Discretization) -> Result<Box<dyn Scheme<D>>
         frame: choices.frame,
         support_size: choices.support_size,
     };
-    Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
+    let scheme = KernelScheme::new(crystal, quadrature, kernel)?;
+    Ok(Discretized::Scheme(Box::new(scheme)))
 }
 
 /// The quadrature points of a cell with several particles: at the particles, and in the centers of the Delaunay cells.

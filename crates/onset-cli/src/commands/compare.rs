@@ -1,8 +1,7 @@
 //! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
 
-use super::{Failure, print_json, print_text, with_energy};
+use super::{Failure, print_json, print_text, progress, with_energy};
 use crate::arguments::{CompareArguments, RecommendArguments};
-use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::compare::{PANELS, Recommendation, Table};
 use onset_study::settings::Comparison;
 use std::path::Path;
@@ -59,13 +58,7 @@ fn read(file: &Path, assignments: &[String]) -> Result<Comparison, Failure> {
 }
 
 fn evaluated(comparison: &Comparison, quiet: bool) -> Result<Table, Failure> {
-    let bar = if quiet {
-        ProgressBar::hidden()
-    } else {
-        ProgressBar::new(comparison.candidates.len() as u64)
-    };
-    let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let bar = progress(comparison.candidates.len(), quiet);
     let table = Table::of(comparison, |name| {
         bar.set_message(name.to_owned());
         bar.inc(1);

@@ -1,8 +1,7 @@
 //! `onset tune`: the smallest coefficient that cures a method and hides nothing.
 
-use super::{Failure, print_json, print_text};
+use super::{Failure, print_json, print_text, progress};
 use crate::arguments::TuneArguments;
-use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::tune::{TuneAnswer, TuneQuestion};
 use std::process::ExitCode;
 
@@ -11,13 +10,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
     let settings = arguments.problem.settings()?;
     let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
         .map_err(Failure::input)?;
-    let bar = if arguments.quiet {
-        ProgressBar::hidden()
-    } else {
-        ProgressBar::new(question.values().len() as u64)
-    };
-    let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let bar = progress(question.values().len(), arguments.quiet);
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);

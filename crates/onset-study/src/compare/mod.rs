@@ -15,7 +15,6 @@ pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 
 use crate::answers::ProblemError;
-use crate::methods::scheme;
 use crate::settings::{Candidate, Comparison};
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -68,10 +67,11 @@ impl Table {
             .build()
             .map_err(MethodError::from)?;
         let row = |candidate: &Candidate| {
-            let row = match comparison.dimension() {
-                1 => measured::<1>(comparison, candidate, &*material),
-                2 => measured::<2>(comparison, candidate, &*material),
-                _ => measured::<3>(comparison, candidate, &*material),
+            let measured =
+                Measured::of_settings(&candidate.settings, &*material, &comparison.options);
+            let row = Row {
+                name: candidate.name.clone(),
+                measured: measured.map_err(|error| error.to_string()),
             };
             told(&candidate.name);
             row
@@ -105,19 +105,5 @@ impl Table {
         }
         written.extend(figures.iter().map(|path| path.display().to_string()));
         Ok(written)
-    }
-}
-
-fn measured<const D: usize>(
-    comparison: &Comparison,
-    candidate: &Candidate,
-    material: &dyn onset::material::Hyperelastic,
-) -> Row {
-    let measured = scheme::<D>(&candidate.settings)
-        .map_err(ProblemError::from)
-        .and_then(|scheme| Measured::of(&*scheme, material, &comparison.options));
-    Row {
-        name: candidate.name.clone(),
-        measured: measured.map_err(|error| error.to_string()),
     }
 }

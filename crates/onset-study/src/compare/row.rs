@@ -1,7 +1,8 @@
 //! What is measured of one method.
 
 use crate::answers::ProblemError;
-use crate::settings::CompareSettings;
+use crate::methods::scheme;
+use crate::settings::{CompareSettings, Settings};
 use onset::material::Hyperelastic;
 use onset::measures::{
     DispersionError, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
@@ -68,6 +69,22 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Asks the method that settings describe everything.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when it is not admissible, or as for [`Measured::of`].
+    pub fn of_settings(
+        settings: &Settings,
+        material: &dyn Hyperelastic,
+        options: &CompareSettings,
+    ) -> Result<Self, ProblemError> {
+        match settings.dimension() {
+            1 => Self::of(&*scheme::<1>(settings)?, material, options),
+            2 => Self::of(&*scheme::<2>(settings)?, material, options),
+            _ => Self::of(&*scheme::<3>(settings)?, material, options),
+        }
+    }
+
     /// Asks a method everything.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! A comparison: several methods for one material, from TOML.
 
 use super::key::key;
-use super::toml::{File, described, in_order, is_number, list, scalar, typed};
+use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, unknown_key};
 use onset::time_step::Integrator;
 use serde::Serialize;
@@ -133,7 +133,10 @@ impl Comparison {
                 ("methods", DeValue::Array(items)) => methods = Some((file.of(key), items)),
                 ("material" | "discretization", DeValue::Table(inner)) => {
                     let section = key.get_ref().as_ref();
-                    assign(&mut comparison.common, &file, section, inner)?;
+                    let names = KEYS.iter().map(|key| key.name);
+                    read_keys(&file, section, inner, names, |key, value, origin| {
+                        comparison.common.set(key.name, value, origin)
+                    })?;
                 }
                 ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
                 (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
@@ -349,23 +352,4 @@ impl CompareSettings {
             _ => false,
         }
     }
-}
-
-/// Applies the keys of a section.
-fn assign(
-    settings: &mut Settings,
-    file: &File<'_>,
-    section: &str,
-    table: &DeTable<'_>,
-) -> Result<(), SettingError> {
-    for (key, value) in in_order(table) {
-        let name = format!("{section}.{}", key.get_ref());
-        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
-            let names = KEYS.iter().map(|key| key.name);
-            return Err(unknown_key(&name, names, file.of(key)));
-        };
-        let typed = typed(known, value, file)?;
-        settings.set(known.name, &typed, file.of(value))?;
-    }
-    Ok(())
 }

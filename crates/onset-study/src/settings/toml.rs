@@ -1,6 +1,6 @@
 //! Values of TOML files, with their places.
 
-use super::{Key, Kind, Origin, SettingError, Value};
+use super::{Key, Kind, Origin, SettingError, Value, unknown_key};
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -44,6 +44,28 @@ pub(super) fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> Vec<Entry<'a, 'i>> {
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     entries
+}
+
+/// Reads the keys of a section in the order of the file, and puts each where it belongs; `names` are those that a wrong one is
+/// compared with.
+///
+/// # Errors
+/// [`SettingError`] for an unknown key, a value of the wrong kind, and what `put` refuses.
+pub(super) fn read_keys<'n>(
+    file: &File<'_>,
+    section: &str,
+    table: &DeTable<'_>,
+    names: impl Iterator<Item = &'n str> + Clone,
+    mut put: impl FnMut(&'static Key, &Value, Origin) -> Result<(), SettingError>,
+) -> Result<(), SettingError> {
+    for (key, value) in in_order(table) {
+        let name = format!("{section}.{}", key.get_ref());
+        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
+            return Err(unknown_key(&name, names, file.of(key)));
+        };
+        put(known, &typed(known, value, file)?, file.of(value))?;
+    }
+    Ok(())
 }
 
 /// The value of a key as what the key expects.

@@ -4,7 +4,6 @@ use super::TuneQuestion;
 use crate::answers::ProblemError;
 use crate::compare::{Measured, outcome};
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use crate::methods::scheme;
 use crate::settings::{CompareSettings, Settings};
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
@@ -81,13 +80,20 @@ impl TuneAnswer {
         told: impl Fn(f64) + Sync,
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
-        let tried = |value: f64| -> Tried {
-            let measured = question
-                .settings(settings, value)
-                .map_err(ProblemError::from)
-                .and_then(|settings| measured(&settings, question.stretches))
-                .map_err(|error| error.to_string());
-            Tried { value, measured }
+        let material = settings.material.build().map_err(MethodError::from)?;
+        // Fewer states than a comparison takes.
+        let options = CompareSettings {
+            stretches: question.stretches,
+            states: 8,
+            ..CompareSettings::default()
+        };
+        let measured = |value: f64| {
+            let settings = question.settings(settings, value)?;
+            Measured::of_settings(&settings, &*material, &options)
+        };
+        let tried = |value: f64| Tried {
+            value,
+            measured: measured(value).map_err(|error| error.to_string()),
         };
         let mut all: Vec<Tried> = question
             .values()
@@ -99,8 +105,7 @@ impl TuneAnswer {
             .collect();
         if all.iter().all(|one| one.measured.is_err()) {
             // The same for all: the settings are at fault, and the first value tells how.
-            let settings = question.settings(settings, question.values()[0])?;
-            measured(&settings, question.stretches)?;
+            measured(question.values()[0])?;
         }
         let first = all.iter().position(|one| one.cures() && !one.hides());
         let mut recommended = first.map(|n| all[n].value);
@@ -292,20 +297,5 @@ impl fmt::Display for TuneAnswer {
             100.0 * WRONG,
             100.0 * LATER
         )
-    }
-}
-
-/// Everything that is measured, on fewer states than a comparison takes.
-fn measured(settings: &Settings, stretches: [f64; 2]) -> Result<Measured, ProblemError> {
-    let material = settings.material.build().map_err(MethodError::from)?;
-    let options = CompareSettings {
-        stretches,
-        states: 8,
-        ..CompareSettings::default()
-    };
-    match settings.dimension() {
-        1 => Measured::of(&*scheme::<1>(settings)?, &*material, &options),
-        2 => Measured::of(&*scheme::<2>(settings)?, &*material, &options),
-        _ => Measured::of(&*scheme::<3>(settings)?, &*material, &options),
     }
 }

@@ -50,6 +50,19 @@ fn rule(points: u32) -> Option<Vec<(f64, f64)>> {
     })
 }
 
+/// Places and weights of a Gauss-Legendre rule on the unit interval, by increasing place; `None` for other numbers than 1 to 4.
+pub(crate) fn gauss_line(points: u32) -> Option<Vec<(f64, f64)>> {
+    // Opposite points are exactly opposite: the smaller coordinate is what is left of the larger one.
+    let pair = |&(distance, weight): &(f64, f64)| {
+        let right = 0.5 + distance;
+        [(1.0 - right, weight), (right, weight)]
+    };
+    let mut line: Vec<(f64, f64)> = rule(points)?.iter().flat_map(pair).collect();
+    line.dedup_by_key(|(place, _)| *place);
+    line.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some(line)
+}
+
 /// The largest number of Gauss points per direction.
 const MOST: u32 = 4;
 
@@ -70,20 +83,10 @@ pub fn gauss_points<const D: usize>(
     lattice: &BravaisLattice<D>,
     points: u32,
 ) -> Result<Vec<QuadraturePoint<D>>, QuadratureError> {
-    let Some(rule) = rule(points) else {
-        return Err(QuadratureError::GaussPoints {
-            value: points,
-            most: MOST,
-        });
-    };
-    // Opposite points are exactly opposite: the smaller coordinate is what is left of the larger one.
-    let pair = |&(distance, weight): &(f64, f64)| {
-        let right = 0.5 + distance;
-        [(1.0 - right, weight), (right, weight)]
-    };
-    let mut line: Vec<(f64, f64)> = rule.iter().flat_map(pair).collect();
-    line.dedup_by_key(|(place, _)| *place);
-    line.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let line = gauss_line(points).ok_or(QuadratureError::GaussPoints {
+        value: points,
+        most: MOST,
+    })?;
     let side = line.len();
     let point = |n: usize| {
         let along = |i: usize| line[n / side.pow(i as u32) % side];

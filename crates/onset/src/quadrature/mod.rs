@@ -3,6 +3,7 @@
 mod cell;
 mod moments;
 
+pub(crate) use cell::gauss_line;
 pub use cell::{CellRule, gauss_points, own_points};
 pub use moments::second_moments;
 

@@ -3,7 +3,7 @@
 use super::SchemeSurvey;
 use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
 use crate::algebra::GoldenSection;
-use crate::kinematics::{KinematicsError, StraightPath};
+use crate::kinematics::{DeformationGradient, KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
 use thiserror::Error;
@@ -126,16 +126,7 @@ pub fn scan_material<const D: usize>(
     material: &dyn Hyperelastic,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
-    scan(&|s| {
-        let f = path.at(s).map_err(|source| PathError::Kinematics {
-            parameter: s,
-            source,
-        })?;
-        probe_material::<D>(material, &f).map_err(|source| PathError::Method {
-            parameter: s,
-            source: source.into(),
-        })
-    })
+    scan_states(path, |f| Ok(probe_material::<D>(material, f)?))
 }
 
 /// All losses and returns of the stability of a discretization along a path.
@@ -151,16 +142,7 @@ pub fn scan_discretization<const D: usize>(
         parameter: 0.0,
         source: source.into(),
     })?;
-    scan(&|s| {
-        let f = path.at(s).map_err(|source| PathError::Kinematics {
-            parameter: s,
-            source,
-        })?;
-        probe.at(&f).map_err(|source| PathError::Method {
-            parameter: s,
-            source,
-        })
-    })
+    scan_states(path, |f| probe.at(f))
 }
 
 /// All losses and returns of the stability of a discretization of any kind along a path.
@@ -171,12 +153,20 @@ pub fn scan_scheme<const D: usize>(
     survey: &SchemeSurvey<'_, D>,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
+    scan_states(path, |f| survey.probe(f))
+}
+
+/// All changes of phase along a path, from the answers to its states.
+fn scan_states(
+    path: &StraightPath,
+    probe: impl Fn(&DeformationGradient) -> Result<Probe, MethodError>,
+) -> Result<PathScan, PathError> {
     scan(&|s| {
         let f = path.at(s).map_err(|source| PathError::Kinematics {
             parameter: s,
             source,
         })?;
-        survey.probe(&f).map_err(|source| PathError::Method {
+        probe(&f).map_err(|source| PathError::Method {
             parameter: s,
             source,
         })

@@ -1,8 +1,8 @@
 //! Reading a study from TOML.
 
-use super::super::toml::{File, described, in_order, is_number, list, scalar, typed};
+use super::super::toml::{File, described, in_order, list, read_keys, scalar};
 use super::super::{
-    Axis, Key, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    Axis, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
     error::nearest, listed, study_keys, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
@@ -52,7 +52,10 @@ pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
             }
             ("axes", value) => read_axes(&mut study, &file, key, value)?,
             (section, DeValue::Table(inner)) if SECTIONS.contains(&section) => {
-                read_section(&mut study, &file, section, inner)?;
+                let names = study_keys().map(|key| key.name);
+                read_keys(&file, section, inner, names, |key, value, origin| {
+                    study.put(key, value, origin)
+                })?;
             }
             (section, other) if SECTIONS.contains(&section) => {
                 let message = format!("`{section}` cannot be {}", described(other));
@@ -72,24 +75,6 @@ pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
         );
     }
     Ok(study)
-}
-
-fn read_section(
-    study: &mut Study,
-    file: &File<'_>,
-    section: &str,
-    table: &DeTable<'_>,
-) -> Result<(), SettingError> {
-    for (key, value) in in_order(table) {
-        let name = format!("{section}.{}", key.get_ref());
-        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
-            let names = study_keys().map(|key| key.name);
-            return Err(unknown_key(&name, names, file.of(key)));
-        };
-        let typed = typed(known, value, file)?;
-        study.put(known, &typed, file.of(value))?;
-    }
-    Ok(())
 }
 
 fn read_axes(

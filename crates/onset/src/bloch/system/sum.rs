@@ -89,14 +89,6 @@ impl<const D: usize> BlochSum<D> {
         })
     }
 
-    /// The derivative of `S(k)` with respect to a component of the wave vector.
-    pub fn derivative_at(&self, k: &SVector<f64, D>, component: usize) -> DMatrix<Complex> {
-        self.summed(|term| {
-            let (sine, cosine) = k.dot(&term.vector).sin_cos();
-            Complex::new(-sine, cosine) * term.vector[component]
-        })
-    }
-
     /// The Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
     pub(super) fn taylor(&self, direction: &SVector<f64, D>, order: usize) -> DMatrix<Complex> {
         self.summed(|term| {

@@ -16,6 +16,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{CurrentLattice, MethodError};
+use crate::quadrature::gauss_line;
 use functions::Profile;
 use nalgebra::{SMatrix, SVector};
 use point::{Point, State};
@@ -304,7 +305,9 @@ fn laid_out<const D: usize>(
             return Err(setting("per-side", n as f64, "a whole number from 1 to 8"));
         }
         PointLayout::Gauss => {
-            gauss(n).ok_or_else(|| setting("per-side", n as f64, "1, 2 or 3 with Gauss points"))?
+            let refused = || setting("per-side", n as f64, "1, 2 or 3 with Gauss points");
+            let line = (1..=3).contains(&n).then(|| gauss_line(n as u32)).flatten();
+            line.ok_or_else(refused)?
         }
     };
     let mut points = vec![(Fractional::<D>::zeros(), cell_volume)];
@@ -332,21 +335,6 @@ fn laid_out<const D: usize>(
         points = extended.collect();
     }
     Ok(points)
-}
-
-/// Gauss points and weights on the unit interval.
-fn gauss(n: usize) -> Option<Vec<(f64, f64)>> {
-    let symmetric = |x: f64, outer: f64| [(0.5 - 0.5 * x, outer), (0.5 + 0.5 * x, outer)];
-    match n {
-        1 => Some(vec![(0.5, 1.0)]),
-        2 => Some(symmetric(3.0_f64.sqrt().recip(), 0.5).to_vec()),
-        3 => {
-            let mut points = symmetric(0.6_f64.sqrt(), 5.0 / 18.0).to_vec();
-            points.push((0.5, 4.0 / 9.0));
-            Some(points)
-        }
-        _ => None,
-    }
 }
 
 impl<const D: usize> Scheme<D> for MaterialPoints<D> {

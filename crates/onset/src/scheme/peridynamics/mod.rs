@@ -8,7 +8,8 @@ mod bond;
 mod correspondence;
 mod family;
 
-use super::{PeriodicPatch, Scheme, linearized, lumped_masses, patch_forces};
+use super::lagrangian::forces_at_rest;
+use super::{PeriodicPatch, Scheme, linearized, lumped_masses};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Crystal;
@@ -376,10 +377,9 @@ impl<const D: usize> Scheme<D> for Peridynamics<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let at_rest = vec![SVector::zeros(); patch.len()];
         Ok(match self.interactions(material, f)? {
-            Interactions::Bonds(bonds) => patch_forces(patch, &bonds, displacements, &at_rest),
-            Interactions::Points(points) => patch_forces(patch, &points, displacements, &at_rest),
+            Interactions::Bonds(bonds) => forces_at_rest(patch, &bonds, displacements),
+            Interactions::Points(points) => forces_at_rest(patch, &points, displacements),
         })
     }
 
