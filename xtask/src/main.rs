@@ -1,7 +1,8 @@
-//! Tasks of the workspace: `cargo xtask test`, `figures`, `schema` and `bench`.
+//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `schema` and `bench`.
 
 mod bench;
 mod fortran;
+mod hunt;
 mod python;
 
 use std::path::Path;
@@ -87,6 +88,10 @@ fn main() -> ExitCode {
     let task = std::env::args().nth(1);
     let done = match task.as_deref() {
         Some("test") => test(),
+        Some("hunt") => {
+            let arguments: Vec<String> = std::env::args().skip(2).collect();
+            reported(hunt::run(&arguments))
+        }
         Some("schema") => write_schema(),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
         Some("bench") => reported(bench::run(
@@ -94,7 +99,7 @@ fn main() -> ExitCode {
         )),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
             );
             return ExitCode::from(2);
         }

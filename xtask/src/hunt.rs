@@ -1,0 +1,113 @@
+//! Standing checks at any length: tests that draw their cases at random take the seed and the number of cases from here.
+
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// A standing check: a test that reads `ONSET_SEED` and `ONSET_CASES`.
+struct Subject {
+    name: &'static str,
+    /// What must hold.
+    claim: &'static str,
+    package: &'static str,
+    /// The test program, and which of its tests.
+    program: &'static str,
+    test: &'static str,
+    /// The cases of one round, where none are asked for.
+    cases: u64,
+}
+
+const SUBJECTS: &[Subject] = &[];
+
+/// Runs one standing check, or all of them, in rounds with one seed after the other.
+pub fn run(arguments: &[String]) -> Result<(), String> {
+    let hunt = Hunt::new(arguments)?;
+    let start = Instant::now();
+    for round in 0.. {
+        for subject in &hunt.subjects {
+            hunt.round(subject, hunt.seed.wrapping_add(round))?;
+        }
+        if start.elapsed() >= hunt.time {
+            break;
+        }
+    }
+    Ok(())
+}
+
+struct Hunt {
+    subjects: Vec<&'static Subject>,
+    seed: u64,
+    cases: Option<u64>,
+    /// A round that begins before this has passed is finished.
+    time: Duration,
+}
+
+impl Hunt {
+    fn new(arguments: &[String]) -> Result<Self, String> {
+        let mut hunt = Self {
+            subjects: Vec::new(),
+            seed: 1,
+            cases: None,
+            time: Duration::ZERO,
+        };
+        let mut rest = arguments.iter();
+        while let Some(argument) = rest.next() {
+            let mut number = || {
+                let value = rest.next().and_then(|value| value.parse::<u64>().ok());
+                value.ok_or_else(|| format!("{argument} needs a whole number"))
+            };
+            match argument.as_str() {
+                "--seed" => hunt.seed = number()?,
+                "--cases" => hunt.cases = Some(number()?),
+                "--minutes" => hunt.time = Duration::from_secs(60 * number()?),
+                name => match SUBJECTS.iter().find(|subject| subject.name == name) {
+                    Some(subject) => hunt.subjects.push(subject),
+                    None => return Err(usage(name)),
+                },
+            }
+        }
+        if hunt.subjects.is_empty() {
+            hunt.subjects.extend(SUBJECTS);
+        }
+        Ok(hunt)
+    }
+
+    fn round(&self, subject: &Subject, seed: u64) -> Result<(), String> {
+        let cases = self.cases.unwrap_or(subject.cases);
+        eprintln!(
+            "== {}: {cases} cases, seed {seed}: {}",
+            subject.name, subject.claim
+        );
+        let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+        let status = Command::new(cargo)
+            .args([
+                "test",
+                "--quiet",
+                "--all-features",
+                "--package",
+                subject.package,
+            ])
+            .args(["--test", subject.program, subject.test])
+            .args(["--", "--nocapture"])
+            .env("ONSET_SEED", seed.to_string())
+            .env("ONSET_CASES", cases.to_string())
+            .status();
+        if status.is_ok_and(|status| status.success()) {
+            Ok(())
+        } else {
+            Err(format!(
+                "{} failed; again with: cargo xtask hunt {} --seed {seed} --cases {cases}",
+                subject.name, subject.name
+            ))
+        }
+    }
+}
+
+fn usage(name: &str) -> String {
+    let known = SUBJECTS
+        .iter()
+        .map(|subject| format!("\n  {:<12} {}", subject.name, subject.claim));
+    format!(
+        "unknown check `{name}`; known are{}",
+        known.collect::<String>()
+    )
+}
