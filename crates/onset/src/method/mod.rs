@@ -25,6 +25,8 @@ use thiserror::Error;
 /// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
 /// square, and no method in use comes near.
 pub const MAXIMUM_NEIGHBORS: usize = 400;
+/// Particles of a cell beyond which the matrices of one wave fill the memory.
+const MAXIMUM_PARTICLES: f64 = 1e3;
 /// Spacings of which the powers in volumes and in second derivatives of weights neither over- nor underflow.
 const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Places of the lattice that are looked at for each admitted neighbor.
@@ -495,6 +497,13 @@ impl Discretization {
             std::iter::once(SVector::zeros()).chain(own).collect()
         };
         let crystal = Crystal::new(lattice, sites)?;
+        let particles = crystal.sites().len() as f64 * f64::from(self.cells).powi(D as i32);
+        MethodError::require(
+            particles <= MAXIMUM_PARTICLES,
+            "cells",
+            f64::from(self.cells),
+            "a number that leaves at most 1000 particles in the cells taken together",
+        )?;
         let crystal = match self.cells {
             0 | 1 => crystal,
             cells => crystal.supercell([cells as usize; D])?,

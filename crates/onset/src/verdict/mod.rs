@@ -257,9 +257,7 @@ pub fn judge<const D: usize>(
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     // Only where both are unstable do the long waves tell to whom it belongs.
-    let long_waves_grow = !is_elliptic
-        && !is_stable
-        && search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
+    let long_waves_grow = !is_elliptic && !is_stable && search.long_waves_grow(&matrix);
     Ok((
         decided(is_elliptic, is_stable, false, long_waves_grow),
         stability,

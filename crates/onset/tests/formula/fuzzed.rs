@@ -15,22 +15,41 @@ const LONGEST: Duration = Duration::from_secs(10);
 const MEMORY: u64 = 1 << 20;
 
 const NAMES: &[&str] = &[
-    "I1", "I2", "I3", "J", "I1bar", "I2bar", "I4", "I5", "I6", "I7", "lambda1", "lambda2", "lambda3", "C11", "C12", "C33", "E11",
-    "E23", "F11", "F12", "F21", "F33", "mu", "kappa", "k1", "pi", "q", "foo", "a",
+    "I1", "I2", "I3", "J", "I1bar", "I2bar", "I4", "I5", "I6", "I7", "lambda1", "lambda2",
+    "lambda3", "C11", "C12", "C33", "E11", "E23", "F11", "F12", "F21", "F33", "mu", "kappa", "k1",
+    "pi", "q", "foo", "a",
 ];
 const NUMBERS: &[&str] = &[
-    "0", "1", "2", "0.5", "3", "1/3", "1e-3", "1e3", "1e-300", "1e300", "1e999", ".5", "2.", "1e", "0x1", "100",
+    "0", "1", "2", "0.5", "3", "1/3", "1e-3", "1e3", "1e-300", "1e300", "1e999", ".5", "2.", "1e",
+    "0x1", "100",
 ];
 const FUNCTIONS: &[&str] = &[
-    "sqrt", "cbrt", "exp", "ln", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "abs", "sign", "heaviside", "macaulay", "atan",
-    "asin", "erf", "log10",
+    "sqrt",
+    "cbrt",
+    "exp",
+    "ln",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "tanh",
+    "sinh",
+    "cosh",
+    "abs",
+    "sign",
+    "heaviside",
+    "macaulay",
+    "atan",
+    "asin",
+    "erf",
+    "log10",
 ];
 const PAIRS: &[&str] = &["min", "max", "pow", "atan2", "hypot"];
 const OPERATORS: &[&str] = &["+", "-", "*", "/", "^", "**"];
 const COMPARISONS: &[&str] = &["<", "<=", ">", ">=", "==", "!="];
 const DEBRIS: &[&str] = &[
-    "(", ")", ",", ";", "=", "let", "and", "or", "not", "if", "if(", " ", "\n", "\t", "$", "\u{3bb}", "\u{b2}", "\u{0}", "let a =", "^^",
-    "--", "1.2.3", "2mu", "\u{202e}",
+    "(", ")", ",", ";", "=", "let", "and", "or", "not", "if", "if(", " ", "\n", "\t", "$",
+    "\u{3bb}", "\u{b2}", "\u{0}", "let a =", "^^", "--", "1.2.3", "2mu", "\u{202e}",
 ];
 
 struct Source(Random);

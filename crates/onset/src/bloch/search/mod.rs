@@ -296,6 +296,14 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
+    /// Whether the limit of long waves is negative beyond rounding.
+    pub(crate) fn long_waves_grow(&self, matrix: &DynamicalMatrix<D>) -> bool {
+        match self.short_ranged(matrix) {
+            Some((_, search, matrix)) => search.long_waves_grow(&matrix),
+            None => self.long_wave_limit(matrix).scaled < -self.tolerance(matrix),
+        }
+    }
+
     /// Scaled measures of smaller magnitude are zero to rounding.
     pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
         ROUNDING * matrix.long_wave_noise() / self.speed_squared

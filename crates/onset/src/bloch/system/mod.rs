@@ -150,13 +150,15 @@ impl<const D: usize> WaveSystem<D> {
         self.divided_by_mass(k, moved)
     }
 
-    /// Units of stiffness and mass in which neither is very large or small.
-    pub(super) fn moderate_units(&self) -> [f64; 2] {
-        [self.stiffness.magnitude(), self.cell_mass()].map(moderate_unit)
+    /// The same with stiffness and mass in units in which neither is very large or small, and the unit of `omega^2`; none where
+    /// they are neither.
+    pub(super) fn in_moderate_units(&self) -> Option<(Self, f64)> {
+        let [force, mass] = [self.stiffness.magnitude(), self.cell_mass()].map(moderate_unit);
+        ([force, mass] != [1.0; 2]).then(|| (self.over(force, mass), force / mass))
     }
 
     /// The same with stiffness and mass divided by units, and damping by that of force over velocity.
-    pub(super) fn over(&self, force: f64, mass: f64) -> Self {
+    fn over(&self, force: f64, mass: f64) -> Self {
         Self {
             crystal: self.crystal.clone(),
             stiffness: self.stiffness.over(force),

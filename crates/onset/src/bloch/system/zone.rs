@@ -33,11 +33,8 @@ enum Objective {
 impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        let [force, mass] = system.moderate_units();
-        if [force, mass] != [1.0; 2] {
-            let unit = force / mass;
-            let found = self.in_units(unit).summary_of(&system.over(force, mass));
-            return found.in_units(unit);
+        if let Some((system, unit)) = system.in_moderate_units() {
+            return self.in_units(unit).summary_of(&system).in_units(unit);
         }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
             let found = search.summary_of(&system);
