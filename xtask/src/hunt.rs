@@ -16,7 +16,32 @@ struct Subject {
     cases: u64,
 }
 
-const SUBJECTS: &[Subject] = &[];
+const SUBJECTS: &[Subject] = &[
+    Subject {
+        name: "formulas",
+        claim: "formulas neither panic nor take long nor fill the memory",
+        package: "onset",
+        program: "formula",
+        test: "random_formulas",
+        cases: 60_000,
+    },
+    Subject {
+        name: "command-lines",
+        claim: "command lines end in time, within their memory, with a documented code",
+        package: "onset-cli",
+        program: "fuzzed",
+        test: "every_command_line",
+        cases: 2_000,
+    },
+    Subject {
+        name: "bases",
+        claim: "a lattice has the same answers in every basis",
+        package: "onset",
+        program: "discretization",
+        test: "a_lattice_has_the_same_answers",
+        cases: 60,
+    },
+];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.
 pub fn run(arguments: &[String]) -> Result<(), String> {

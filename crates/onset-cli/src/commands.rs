@@ -12,6 +12,7 @@ mod tune;
 
 use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
 use crate::map;
+use crate::patience;
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
     Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
@@ -59,6 +60,9 @@ impl From<ProblemError> for Failure {
 
 /// Runs a command.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    if let Some(doing) = waiting_for(&arguments.command) {
+        patience::begin(doing);
+    }
     match arguments.command {
         Command::State {
             problem,
@@ -138,6 +142,22 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             out,
         } => plot::plot(&stores, &field, !no_trace, &out),
         Command::Reproduce { out, json } => reproduce(&out, json),
+    }
+}
+
+/// What takes its time without a progress bar of its own.
+fn waiting_for(command: &Command) -> Option<&'static str> {
+    match command {
+        Command::State { .. } => Some("searching the zone"),
+        Command::Dispersion { .. } => Some("computing waves"),
+        Command::Path { .. } => Some("following the path"),
+        Command::Localize(_) => Some("following the loading"),
+        Command::Notions(_) => Some("following loadings"),
+        Command::Card(_) => Some("searching boxes of stretches"),
+        Command::Audit(_) => Some("differentiating"),
+        Command::Modes(_) => Some("searching the zone"),
+        Command::Check { .. } => Some("looking at states"),
+        _ => None,
     }
 }
 
@@ -292,11 +312,13 @@ pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
 
 /// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
 pub fn tell(text: impl Display) {
+    patience::end();
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.
 pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
+    patience::end();
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(error)),
         _ => Ok(ExitCode::SUCCESS),

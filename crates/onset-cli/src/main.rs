@@ -7,6 +7,8 @@ mod arguments;
 mod commands;
 mod interrupt;
 mod map;
+mod patience;
+mod threads;
 
 use arguments::Arguments;
 use clap::Parser;
@@ -17,7 +19,8 @@ fn main() -> ExitCode {
     if let Some(code) = onset_umat::serve_if_asked() {
         return code;
     }
-    match commands::run(Arguments::parse()) {
+    let arguments = Arguments::parse();
+    match threads::check().and_then(|()| commands::run(arguments)) {
         Ok(code) => code,
         Err(failure) => {
             commands::tell(format_args!("error: {}", failure.message));

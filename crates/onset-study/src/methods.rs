@@ -201,8 +201,7 @@ fn quadrature<const D: usize>(
         Quadrature::Gauss | Quadrature::Points => {
             let rule = CellRule {
                 stress_point_weight: None,
-                gauss_points: choices.gauss_points,
-                points: choices.points.clone(),
+                ..choices.cell_rule::<D>()?
             };
             let points = choices.quadrature.points(lattice, &rule)?;
             let points = points.iter().map(|point| (point.place, point.volume));

@@ -97,6 +97,13 @@ fn hint(error: &MethodError) -> &'static str {
         MethodError::Lattice(LatticeError::Vectors { .. }) => {
             "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique arrangement"
         }
+        MethodError::Lattice(LatticeError::Sheared { .. }) => {
+            "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision tells the places of \
+             neighbors"
+        }
+        MethodError::Lattice(LatticeError::Elongated { .. }) => {
+            "\n  hint: choose discretization.vectors of similar lengths, or a discretization.aspect nearer to 1"
+        }
         MethodError::Lattice(LatticeError::Dependent { .. }) => {
             "\n  hint: give discretization.vectors that are linearly independent"
         }

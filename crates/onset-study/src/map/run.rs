@@ -60,6 +60,9 @@ pub trait Watch: Sync {
 
 /// Below this many tiles for each core, states are shared out instead of tiles.
 const TILES_PER_CORE: usize = 4;
+/// States of the tiles that are computed at once: what is known of them is kept until their tile is done, a few hundred bytes each,
+/// so that memory does not grow with the number of cores.
+const STATES_AT_ONCE: usize = 1 << 20;
 
 impl Plan {
     /// The tiles of a range that the map has; all when none is given. The end may lie beyond the last.
@@ -97,12 +100,16 @@ impl Plan {
                 open.push(tile);
             }
         }
-        let found = self.each(&done, |tile| self.checked(store, tile, watch).map(Some))?;
+        let largest = self.tiling.at(0).states().max(1);
+        let at_once = (STATES_AT_ONCE / largest).max(1);
+        let found = self.each(&done, at_once, |tile| {
+            self.checked(store, tile, watch).map(Some)
+        })?;
         let work = Work {
-            by_state: open.len() < TILES_PER_CORE * rayon::current_num_threads(),
+            by_state: open.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads(),
             watch,
         };
-        let computed = self.each(&open, |tile| {
+        let computed = self.each(&open, at_once, |tile| {
             if watch.is_interrupted() {
                 return Ok(None);
             }
@@ -127,17 +134,23 @@ impl Plan {
         ))
     }
 
-    /// Does something with some tiles, on all cores, and adds up what comes of it.
+    /// Does something with some tiles, so many at once, on all cores, and adds up what comes of it.
     fn each(
         &self,
         tiles: &[usize],
+        at_once: usize,
         action: impl Fn(usize) -> Result<Option<Tally>, MapError> + Sync,
     ) -> Result<Tally, MapError> {
         tiles
-            .par_iter()
-            .with_max_len(1)
-            .map(|tile| Ok(action(*tile)?.unwrap_or_default()))
-            .try_reduce(Tally::default, |a, b| Ok(a + b))
+            .chunks(at_once)
+            .try_fold(Tally::default(), |sum, some| {
+                let tally = some
+                    .par_iter()
+                    .with_max_len(1)
+                    .map(|tile| Ok(action(*tile)?.unwrap_or_default()))
+                    .try_reduce(Tally::default, |a, b| Ok::<_, MapError>(a + b))?;
+                Ok(sum + tally)
+            })
     }
 
     /// Reads all of a tile that is done, so that damage is found where it would be built upon.

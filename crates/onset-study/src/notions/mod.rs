@@ -310,6 +310,12 @@ impl EndAnswer {
                 stretch: *stretch,
                 reason: Some(format!("the law ends there: {source}")),
             },
+            PathEnd::GivenUp { stretch, trials } => Self {
+                stretch: *stretch,
+                reason: Some(format!(
+                    "given up after {trials} steps: the law changes too fast with the stretch there"
+                )),
+            },
             PathEnd::NoState { stretch } => Self {
                 stretch: *stretch,
                 reason: Some(

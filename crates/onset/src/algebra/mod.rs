@@ -5,6 +5,7 @@ mod golden;
 mod pack;
 mod symmetric;
 mod trigonometric;
+mod unit;
 mod well;
 
 pub(crate) use eigen::MAXIMUM_ITERATIONS;
@@ -13,6 +14,7 @@ pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
+pub(crate) use unit::moderate_unit;
 pub(crate) use well::{has_neighbor, is_well, settled};
 
 /// Complex numbers of the whole crate.

@@ -81,7 +81,7 @@ fn assembled<const D: usize>(
 ) -> Result<DynamicalMatrix<D>, MethodError> {
     let discretization = method.discretization();
     let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
-    let mut constants = ForceConstants::new(reach(&configuration));
+    let mut constants = ForceConstants::new(configuration.basis, reach(&configuration));
     let mut known: Option<(DeformationGradient, Local<D>)> = None;
     for point in &configuration.points {
         // With the imposed background all points carry the same deformation.
@@ -154,22 +154,28 @@ fn of_gradients<const D: usize>(
 ) -> Result<DynamicalMatrix<D>, MethodError> {
     let order = order_of_gradients(method);
     let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
-    let mut constants = ForceConstants::new(reach(&configuration));
+    let mut constants = ForceConstants::new(configuration.basis, reach(&configuration));
     for point in &configuration.points {
         add_lagrangian(&mut constants, point, tangent, divisor);
     }
     Ok(constants.finish(method.lattice(), is_inverted))
 }
 
+/// The largest difference of coordinates in the short basis.
 fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
+    let inverse = &configuration.basis.inverse;
     let range = |point: &ConfiguredPoint<D>| {
-        (0..D)
-            .map(|i| {
-                let coordinates = point.cells.iter().map(|cell| cell[i]);
-                coordinates.clone().max().unwrap_or(0) - coordinates.min().unwrap_or(0)
-            })
-            .max()
-            .unwrap_or(0)
+        let along = |i: usize| {
+            let coordinate = |cell: &[i32; D]| -> f64 {
+                (0..D).map(|j| inverse[(i, j)] * f64::from(cell[j])).sum()
+            };
+            let coordinates = point.cells.iter().map(coordinate);
+            let ends = coordinates.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            });
+            (ends[1] - ends[0]).max(0.0) as i32
+        };
+        (0..D).map(along).max().unwrap_or(0)
     };
     configuration.points.iter().map(range).max().unwrap_or(0)
 }

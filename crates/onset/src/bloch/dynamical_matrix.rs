@@ -2,9 +2,10 @@
 
 use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
-use crate::algebra::{Complex, eigenvalues};
+use super::short_range::ShortRange;
+use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
-use crate::lattice::{BravaisLattice, Mirror};
+use crate::lattice::{BravaisLattice, Mirror, Reduced};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
@@ -101,9 +102,13 @@ pub(super) type Block<const D: usize> = [[f64; D]; D];
 
 /// Collects force constants by lattice vector.
 pub(super) struct ForceConstants<const D: usize> {
-    /// Largest lattice coordinate.
+    /// The basis in whose coordinates the blocks lie.
+    basis: Reduced<D>,
+    /// Largest lattice coordinate in that basis.
     reach: i32,
-    /// Dense blocks for lattice vectors, coordinates from `-reach` to `reach`.
+    /// What a step along a vector of the given basis is in the array of blocks.
+    steps: [i64; D],
+    /// Dense blocks for lattice vectors, coordinates in that basis from `-reach` to `reach`.
     blocks: Vec<Block<D>>,
     /// Blocks at other vectors (plane-wave stress points), by rounded lattice coordinates.
     loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
@@ -115,10 +120,15 @@ const ZERO: f64 = 1e-10;
 const LOOSE_RESOLUTION: f64 = 1e6;
 
 impl<const D: usize> ForceConstants<D> {
-    pub(super) fn new(reach: i32) -> Self {
+    /// For lattice vectors with coordinates up to `reach` in a short basis.
+    pub(super) fn new(basis: Reduced<D>, reach: i32) -> Self {
         let side = (2 * reach + 1) as usize;
+        let own = SVector::<f64, D>::from_fn(|i, _| (side as f64).powi((D - 1 - i) as i32));
+        let steps = basis.inverse.transpose() * own;
         Self {
+            basis,
             reach,
+            steps: std::array::from_fn(|i| steps[i] as i64),
             blocks: vec![[[0.0; D]; D]; side.pow(D as u32)],
             loose: BTreeMap::new(),
         }
@@ -126,9 +136,9 @@ impl<const D: usize> ForceConstants<D> {
 
     /// The place of a lattice vector relative to that of zero; places of differences are differences of places.
     pub(super) fn place(&self, cell: &[i32; D]) -> usize {
-        let side = 2 * self.reach + 1;
+        let steps = cell.iter().zip(&self.steps);
         // Wrapped around below zero, as are sums and differences of places.
-        cell.iter().fold(0, |index, n| index * side + n) as usize
+        steps.map(|(n, step)| i64::from(*n) * step).sum::<i64>() as usize
     }
 
     /// The place of the vector zero.
@@ -181,6 +191,10 @@ impl<const D: usize> ForceConstants<D> {
             for i in (0..D).rev() {
                 cell[i] = (rest % side) as i32 - self.reach;
                 rest /= side;
+            }
+            if !self.basis.is_given() {
+                let given = self.basis.change * SVector::from(cell.map(f64::from));
+                cell = std::array::from_fn(|i| given[i] as i32);
             }
             pairs.push((
                 cell,
@@ -414,6 +428,64 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
         constants.push(([0; D], own));
         Some(constants)
+    }
+
+    /// Coordinates in which the forces reach equally far in all directions, where the reference lattice is too oblique for
+    /// them; none with vectors that are none of the lattice.
+    pub(super) fn short_range(&self, lattice: &BravaisLattice<D>) -> Option<ShortRange<D>> {
+        if self.sites.len() > 1 {
+            return None;
+        }
+        let force = |term: &Term<D>| {
+            let size = term.even.amax() + term.odd.amax();
+            (SVector::from(term.cell.map(f64::from)), size)
+        };
+        let forces: Vec<(SVector<f64, D>, f64)> = self.terms.iter().map(force).collect();
+        ShortRange::of(lattice, &forces)
+    }
+
+    /// The same in other coordinates, with the lattice there: `D'(k') = D(map^T k')`.
+    pub(super) fn in_short_range(
+        &self,
+        range: &ShortRange<D>,
+        lattice: &BravaisLattice<D>,
+    ) -> Self {
+        let mut moved = self.clone();
+        moved.vectors = *lattice.vectors();
+        for term in &mut moved.terms {
+            let own = (range.inverse * SVector::from(term.cell.map(f64::from))).map(f64::round);
+            term.vector = moved.vectors * own;
+            term.cell = std::array::from_fn(|i| own[i] as i32);
+        }
+        let coordinates = moved.terms.iter().flat_map(|term| term.cell);
+        moved.reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
+        moved.rows = moved.planar_rows_of_terms();
+        moved
+    }
+
+    /// A unit in which its entries are neither very large nor very small.
+    pub(super) fn moderate_unit(&self) -> f64 {
+        moderate_unit(self.noise / f64::EPSILON)
+    }
+
+    /// The same divided by a unit.
+    pub(super) fn over(&self, unit: f64) -> Self {
+        let mut scaled = self.clone();
+        for term in &mut scaled.terms {
+            term.even /= unit;
+            term.odd /= unit;
+        }
+        scaled.rigid /= unit;
+        scaled.noise /= unit;
+        scaled.rows = scaled.planar_rows_of_terms();
+        scaled
+    }
+
+    /// The force constants by rows, where there are some.
+    fn planar_rows_of_terms(&self) -> Option<PlanarRows> {
+        self.centrosymmetric
+            .then(|| PlanarRows::new(&self.terms, &self.sites, &self.vectors, &self.rigid))
+            .flatten()
     }
 
     /// Where in its cell a vector ends.

@@ -11,6 +11,7 @@ mod mirror;
 mod moments;
 mod planar;
 mod search;
+mod short_range;
 mod spatial;
 mod spectrum;
 mod system;

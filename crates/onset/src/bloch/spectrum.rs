@@ -52,6 +52,22 @@ pub enum Stability {
 }
 
 impl<const D: usize> SpectrumSummary<D> {
+    /// The same with `omega^2` multiplied by a unit.
+    pub(super) fn in_units(self, unit: f64) -> Self {
+        let times = |mode: Mode<D>| Mode {
+            omega_squared: mode.omega_squared * unit,
+            ..mode
+        };
+        Self {
+            softest: times(self.softest),
+            long_wave: times(self.long_wave),
+            lowest: times(self.lowest),
+            fastest_growing: times(self.fastest_growing),
+            maximum_omega: self.maximum_omega * unit.sqrt(),
+            ..self
+        }
+    }
+
     /// Whether a mode grows, and how.
     pub fn stability(&self) -> Stability {
         if self.softest.scaled < -self.tolerance || self.lowest.omega_squared.re < 0.0 {

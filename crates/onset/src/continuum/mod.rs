@@ -10,7 +10,7 @@ pub(crate) mod spherical;
 
 pub(crate) use planar::direction;
 
-use crate::algebra::{Complex, eigenvalues, eigenvector};
+use crate::algebra::{Complex, eigenvalues, eigenvector, moderate_unit};
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
 use nalgebra::{SMatrix, SVector};
@@ -145,6 +145,14 @@ impl<const D: usize> Stiffness<D> {
     /// stiffnesses that need no certainty, and without a bound.
     pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
         let scale = self.magnitude();
+        let unit = moderate_unit(scale);
+        if unit != 1.0 {
+            let minimum = self.divided(unit).minimum_by_descent();
+            return AcousticMinimum {
+                eigenvalue: minimum.eigenvalue * unit,
+                ..minimum
+            };
+        }
         let direction = match D {
             2 => planar::descended_direction(self),
             3 if scale.is_normal() => {

@@ -1,6 +1,7 @@
 //! The arrangements that have a name.
 
-use super::{BravaisLattice, Fractional, LatticeError};
+use super::reduction::ELONGATED;
+use super::{BravaisLattice, Fractional, LatticeError, Reduced};
 use nalgebra::{SMatrix, SVector};
 
 /// How the particles are arranged: on a Bravais lattice, one or two in each cell. The centers of the
@@ -175,7 +176,18 @@ impl Arrangement {
                 return Err(dependent());
             }
         }
-        let columns = SMatrix::from_fn(|i, j| spacing * self.component(i, j, aspect, vectors, D));
+        let columns = SMatrix::<f64, D, D>::from_fn(|i, j| {
+            spacing * self.component(i, j, aspect, vectors, D)
+        });
+        let short = Reduced::of(&columns)?.vectors;
+        let lengths = short.column_iter().map(|a| a.norm());
+        let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(f64::INFINITY, f64::min);
+        if ratio > ELONGATED {
+            return Err(LatticeError::Elongated {
+                ratio,
+                limit: ELONGATED,
+            });
+        }
         // A spacing whose powers leave the range of numbers is as useless as a negative one.
         (spacing > 0.0 && spacing.is_finite())
             .then(|| BravaisLattice::new(columns))

@@ -1,6 +1,8 @@
 //! Arrangements with several particles in a cell.
 
-use super::{Arrangement, BravaisLattice, Fractional, LatticeError, voronoi_volumes};
+use super::{
+    Arrangement, Ball, BravaisLattice, Fractional, LatticeError, Reduced, voronoi_volumes,
+};
 use nalgebra::{SMatrix, SVector};
 
 /// A particle of a crystal: which of its cell, and which cell.
@@ -130,7 +132,8 @@ impl<const D: usize> Crystal<D> {
     }
 
     /// The particles within a distance of a point (given in lattice coordinates), the distance being measured as
-    /// `|metric x|` of the vector `x` from the point to the particle in the reference state; nearest first.
+    /// `|metric x|` of the vector `x` from the point to the particle in the reference state; nearest first. None where the
+    /// metric leaves no lattice.
     ///
     /// The rim does not count: a particle at the distance itself is left out.
     pub fn within(
@@ -139,20 +142,37 @@ impl<const D: usize> Crystal<D> {
         distance: f64,
         metric: &SMatrix<f64, D, D>,
     ) -> Vec<Particle<D>> {
+        let ball = self.ball(distance, metric);
+        ball.map_or_else(
+            |_| Vec::new(),
+            |ball| self.within_ball(point, distance, metric, &ball),
+        )
+    }
+
+    /// A ball of a radius, for distances measured as `|metric x|`.
+    ///
+    /// # Errors
+    /// [`LatticeError`] where the metric leaves no lattice, or one that double precision does not tell.
+    pub(crate) fn ball(
+        &self,
+        radius: f64,
+        metric: &SMatrix<f64, D, D>,
+    ) -> Result<Ball<D>, LatticeError> {
+        Ball::new(&(metric * self.lattice.vectors()), radius)
+    }
+
+    /// The particles in a ball about a point, as [`Crystal::within`].
+    pub(crate) fn within_ball(
+        &self,
+        point: &Fractional<D>,
+        distance: f64,
+        metric: &SMatrix<f64, D, D>,
+        ball: &Ball<D>,
+    ) -> Vec<Particle<D>> {
         let map = metric * self.lattice.vectors();
-        let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| map[(i, j)]);
-        let Some(inverse) = dynamic.try_inverse() else {
-            return Vec::new();
-        };
-        // |map u| < distance implies |u_i| < distance |row i of map^-1|.
-        let reach: [f64; D] = std::array::from_fn(|i| distance * inverse.row(i).norm());
         let mut found = Vec::new();
         for (site, place) in self.sites.iter().enumerate() {
-            let low: [i32; D] =
-                std::array::from_fn(|i| (point[i] - place[i] - reach[i]).floor() as i32);
-            let high: [i32; D] =
-                std::array::from_fn(|i| (point[i] - place[i] + reach[i]).ceil() as i32);
-            for cell in cells_between(&low, &high) {
+            for cell in ball.cells(&(point - place)) {
                 let particle = Particle { site, cell };
                 let apart = (map * (self.place(&particle) - point)).norm();
                 if apart < distance * (1.0 - 1e-12) {
@@ -166,7 +186,9 @@ impl<const D: usize> Crystal<D> {
 
     /// The distance of the nearest pair of particles; length.
     pub fn nearest_distance(&self) -> f64 {
-        let longest = self.lattice.vectors().column_iter().map(|a| a.norm());
+        let short =
+            Reduced::of(self.lattice.vectors()).map_or(*self.lattice.vectors(), |r| r.vectors);
+        let longest = short.column_iter().map(|a| a.norm());
         let distance = 1.001 * longest.fold(0.0, f64::max);
         let of_site = |place: &Fractional<D>| {
             let near = self.within(place, distance, &SMatrix::identity());

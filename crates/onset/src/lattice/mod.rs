@@ -17,6 +17,7 @@ pub(crate) use crystal::cells_between;
 pub use crystal::{Crystal, Particle};
 pub use delaunay::delaunay_centers;
 pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
+pub(crate) use reduction::{Ball, Reduced, inverse_of};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
 pub(crate) use wave_vectors::opposite;
@@ -77,6 +78,28 @@ pub enum LatticeError {
         /// Their components, one vector after the other.
         vectors: Vec<f64>,
     },
+    /// The primitive vectors, or those that a deformation makes of them, are so oblique that double precision does not tell
+    /// the lattice.
+    #[error(
+        "the primitive vectors of the lattice are too oblique: its shortest vectors are combinations of them with \
+         coefficients of {coefficient:.1e}; at most {limit:.0e} are admitted"
+    )]
+    Sheared {
+        /// The largest coefficient.
+        coefficient: f64,
+        /// What is admitted.
+        limit: f64,
+    },
+    /// The cells are so long that no method treats them.
+    #[error(
+        "the cells of the lattice are {ratio:.1e} times as long as they are wide; at most {limit} times are admitted"
+    )]
+    Elongated {
+        /// Length over width.
+        ratio: f64,
+        /// What is admitted.
+        limit: f64,
+    },
     /// Voronoi cells are computed in one to three dimensions.
     #[error(
         "Voronoi cells of a periodic point set are available in 1 to 3 dimensions, not in {dimension}"
@@ -105,6 +128,26 @@ pub struct BravaisLattice<const D: usize> {
     vectors: SMatrix<f64, D, D>,
     /// Reciprocal vectors `b_i` as columns, `a_i . b_j = 2 pi delta_ij`.
     reciprocal: SMatrix<f64, D, D>,
+    /// What the lattice Laplacian is made of.
+    measure: Measure<D>,
+}
+
+/// Vectors `m_i`, as columns, and weights `w_i` of a lattice Laplacian `sum_i w_i 2 (1 - cos k.m_i)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Measure<const D: usize> {
+    vectors: SMatrix<f64, D, D>,
+    weights: [f64; D],
+}
+
+impl<const D: usize> Measure<D> {
+    /// `m_i` the short primitive vectors, `w_i = 1 / |m_i|^2`.
+    fn of(vectors: &SMatrix<f64, D, D>) -> Self {
+        let short = Reduced::canonical(vectors).map_or(*vectors, |reduced| reduced.vectors);
+        Self {
+            vectors: short,
+            weights: std::array::from_fn(|i| short.column(i).norm_squared().recip()),
+        }
+    }
 }
 
 impl<const D: usize> BravaisLattice<D> {
@@ -121,6 +164,7 @@ impl<const D: usize> BravaisLattice<D> {
             .then_some(Self {
                 vectors,
                 reciprocal,
+                measure: Measure::of(&vectors),
             })
     }
 
@@ -146,39 +190,69 @@ impl<const D: usize> BravaisLattice<D> {
 
     /// The lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, which is `|k|^2` of a
     /// finite-difference grid: finite over the zone, quadratic for long waves. 1/length^2.
+    ///
+    /// `a_i` are the shortest primitive vectors, so that it depends on the lattice, not on the basis that describes it. Where
+    /// several are equally short, those are taken that are inclined to the diagonal `(1, 1, 1)` most as the axes are.
+    ///
+    /// ```
+    /// use nalgebra::{Matrix2, Vector2};
+    /// use onset::lattice::BravaisLattice;
+    /// let square = BravaisLattice::<2>::new(Matrix2::new(1.0, 0.0, 0.0, 1.0)).ok_or("dependent")?;
+    /// let same = BravaisLattice::<2>::new(Matrix2::new(1.0, 300.0, 0.0, 1.0)).ok_or("dependent")?;
+    /// let k = Vector2::new(0.3, 1.1);
+    /// assert!((square.laplacian(&k) - same.laplacian(&k)).abs() < 1e-12);
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn laplacian(&self, k: &SVector<f64, D>) -> f64 {
-        let term = |a: SVector<f64, D>| {
+        self.measured(|a, weight| {
             let sine = (0.5 * k.dot(&a)).sin();
-            4.0 * sine * sine / a.norm_squared()
-        };
-        (0..D)
-            .map(|i| term(self.vectors.column(i).into_owned()))
-            .sum()
+            4.0 * sine * sine * weight
+        })
     }
 
     /// The gradient of [`BravaisLattice::laplacian`] with respect to `k`.
     pub fn laplacian_gradient(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        let term = |a: SVector<f64, D>| a * (2.0 * k.dot(&a).sin() / a.norm_squared());
-        (0..D)
-            .map(|i| term(self.vectors.column(i).into_owned()))
-            .sum()
+        self.measured(|a, weight| a * (2.0 * k.dot(&a).sin() * weight))
     }
 
     /// The second derivatives of [`BravaisLattice::laplacian`].
     pub fn laplacian_hessian(&self, k: &SVector<f64, D>) -> SMatrix<f64, D, D> {
-        let term =
-            |a: SVector<f64, D>| a * a.transpose() * (2.0 * k.dot(&a).cos() / a.norm_squared());
-        (0..D)
-            .map(|i| term(self.vectors.column(i).into_owned()))
-            .sum()
+        self.measured(|a, weight| a * a.transpose() * (2.0 * k.dot(&a).cos() * weight))
     }
 
     /// The metric `G` with `|k|_h^2 -> k . G k` for long waves, `G = sum_i a_i (x) a_i / |a_i|^2`.
     pub fn long_wave_metric(&self) -> SMatrix<f64, D, D> {
-        let term = |a: SVector<f64, D>| a * a.transpose() / a.norm_squared();
+        self.measured(|a, weight| a * a.transpose() * weight)
+    }
+
+    /// A sum over the vectors and weights of the lattice Laplacian.
+    fn measured<T: std::iter::Sum>(&self, term: impl Fn(SVector<f64, D>, f64) -> T) -> T {
+        let Measure { vectors, weights } = &self.measure;
         (0..D)
-            .map(|i| term(self.vectors.column(i).into_owned()))
+            .map(|i| term(vectors.column(i).into_owned(), weights[i]))
             .sum()
+    }
+
+    /// Whether the lattice Laplacian is made of the primitive vectors themselves.
+    fn is_measured_by_own_vectors(&self) -> bool {
+        self.measure.vectors == self.vectors
+    }
+
+    /// The same particles in other coordinates `x' = map x`, in another basis of integer coordinates `change`: with `k' =
+    /// map^-T k` the lattice Laplacian keeps its values.
+    pub(crate) fn in_coordinates(
+        &self,
+        map: &SMatrix<f64, D, D>,
+        change: &SMatrix<f64, D, D>,
+    ) -> Option<Self> {
+        let moved = Self::new(map * self.vectors * change)?;
+        Some(Self {
+            measure: Measure {
+                vectors: map * self.measure.vectors,
+                weights: self.measure.weights,
+            },
+            ..moved
+        })
     }
 }
 

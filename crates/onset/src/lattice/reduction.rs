@@ -1,46 +1,265 @@
 //! Short primitive vectors, and the vectors of a lattice within a distance.
+//!
+//! Every lattice has infinitely many bases, and nothing that is computed may depend on which one describes it. So what is
+//! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
 
-use super::BravaisLattice;
+use super::{BravaisLattice, Fractional, LatticeError, cells_between};
 use nalgebra::{SMatrix, SVector};
 
 /// Steps after which a basis counts as short enough; each shortens a vector, and few are needed.
 const STEPS: usize = 1000;
+/// Lengths and angles that differ relatively by less are equal but for rounding.
+const EQUAL: f64 = 1e-9;
+/// Largest lattice coordinate of a short primitive vector: beyond it the places of particles lose their digits.
+pub(super) const SHEARED: f64 = 1e5;
+/// Largest ratio of the lengths of short primitive vectors.
+pub(super) const ELONGATED: f64 = 30.0;
 
-/// Short primitive vectors of the same lattice, as columns: none becomes shorter by a combination of the others with
-/// coefficients up to one in magnitude.
-pub(super) fn reduced<const D: usize>(lattice: &BravaisLattice<D>) -> SMatrix<f64, D, D> {
-    let mut vectors = *lattice.vectors();
-    for _ in 0..STEPS {
-        let Some((column, shorter)) = shortened(&vectors) else {
-            break;
-        };
-        vectors.set_column(column, &shorter);
-    }
-    vectors
+/// Short primitive vectors of a lattice, and what they are in the basis that describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reduced<const D: usize> {
+    /// The short vectors, as columns.
+    pub(crate) vectors: SMatrix<f64, D, D>,
+    /// Their lattice coordinates in the given basis, as columns: integers, of determinant one in magnitude.
+    pub(crate) change: SMatrix<f64, D, D>,
+    /// The inverse, integers too: from lattice coordinates in the given basis to those in the short one.
+    pub(crate) inverse: SMatrix<f64, D, D>,
 }
 
-/// A vector that can be replaced by a shorter one.
+impl<const D: usize> Reduced<D> {
+    /// The given basis itself.
+    pub(crate) fn given(vectors: &SMatrix<f64, D, D>) -> Self {
+        Self {
+            vectors: *vectors,
+            change: SMatrix::identity(),
+            inverse: SMatrix::identity(),
+        }
+    }
+
+    /// A Minkowski-reduced basis: no vector becomes shorter by a combination of the others. The given one where it is that.
+    ///
+    /// # Errors
+    /// [`LatticeError::Sheared`] where the short vectors are combinations with very large coefficients.
+    pub(crate) fn of(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
+        let mut reduced = Self::given(vectors);
+        for _ in 0..STEPS {
+            let Some((column, factors)) = shortened(&reduced.vectors) else {
+                break;
+            };
+            reduced.subtract(column, &factors);
+            let coefficient = reduced.change.amax().max(reduced.inverse.amax());
+            if coefficient > SHEARED {
+                return Err(LatticeError::Sheared {
+                    coefficient,
+                    limit: SHEARED,
+                });
+            }
+        }
+        Ok(reduced)
+    }
+
+    /// The reduced basis that is the same whichever basis describes the lattice: of equally short vectors those come first
+    /// that are inclined to the diagonal `(1, 1, 1)` most as the axes are. For arrangements that have a name these are their
+    /// own. The given basis where it is that but for order and signs.
+    ///
+    /// # Errors
+    /// As for [`Reduced::of`].
+    pub(crate) fn canonical(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
+        let reduced = Self::of(vectors)?;
+        let Some(coordinates) = chosen(&reduced.vectors) else {
+            return Ok(reduced);
+        };
+        let change = reduced.change * coordinates;
+        let is_given = change
+            .column_iter()
+            .all(|column| column.iter().map(|x| x.abs()).sum::<f64>() == 1.0);
+        if is_given {
+            return Ok(Self::given(vectors));
+        }
+        let Some(back) = inverse_of(&coordinates) else {
+            return Ok(reduced);
+        };
+        Ok(Self {
+            vectors: reduced.vectors * coordinates,
+            change,
+            inverse: back.map(f64::round) * reduced.inverse,
+        })
+    }
+
+    /// Whether it is the given basis.
+    pub(crate) fn is_given(&self) -> bool {
+        self.change == SMatrix::<f64, D, D>::identity()
+    }
+
+    /// Takes a combination of the other vectors away from one.
+    fn subtract(&mut self, column: usize, factors: &SVector<f64, D>) {
+        for n in (0..D).filter(|n| factors[*n] != 0.0) {
+            let own = self.vectors.column(column) - self.vectors.column(n) * factors[n];
+            self.vectors.set_column(column, &own);
+            let own = self.change.column(column) - self.change.column(n) * factors[n];
+            self.change.set_column(column, &own);
+            let other = self.inverse.row(n) + self.inverse.row(column) * factors[n];
+            self.inverse.set_row(n, &other);
+        }
+    }
+}
+
+/// A vector that can be replaced by a shorter one, and the multiples of the others to be taken away from it.
 fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVector<f64, D>)> {
     for column in 0..D {
         let own = vectors.column(column).into_owned();
         // Without what is along another vector, or along a sum or difference of others.
-        for combination in 1..3_usize.pow(D as u32) {
-            let coefficient = |n: usize| (combination / 3_usize.pow(n as u32) % 3) as f64 - 1.0;
-            if coefficient(column) != 0.0 {
-                continue;
-            }
-            let other: SVector<f64, D> = (0..D).map(|n| vectors.column(n) * coefficient(n)).sum();
+        for combination in combinations::<D>().filter(|factors| factors[column] == 0.0) {
+            let other = vectors * combination;
             let square = other.norm_squared();
             if square == 0.0 {
                 continue;
             }
-            let shorter = own - other * (own.dot(&other) / square).round();
+            let multiple = (own.dot(&other) / square).round();
+            let shorter = own - other * multiple;
             if shorter.norm_squared() < own.norm_squared() * (1.0 - 1e-12) {
-                return Some((column, shorter));
+                return Some((column, combination * multiple));
             }
         }
     }
     None
+}
+
+/// All combinations with coefficients -1, 0 and 1, but for zero; of opposite ones both. Among those of a Minkowski-reduced
+/// basis in up to three dimensions are all that bound the Voronoi cell (Nguyen, Stehle, ACM Trans. Algorithms 5 (2009) 46).
+pub(super) fn combinations<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
+    cells_between(&[-1; D], &[1; D])
+        .into_iter()
+        .filter(|cell| cell.iter().any(|n| *n != 0))
+        .map(|cell| SVector::from(cell.map(f64::from)))
+}
+
+/// The coordinates of the canonical basis in a reduced one.
+fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
+    let candidates: Vec<(SVector<f64, D>, SVector<f64, D>)> = combinations::<D>()
+        .map(|coordinates| (coordinates, reduced * coordinates))
+        .filter(|(_, vector)| is_forward(vector))
+        .collect();
+    let mut basis = SMatrix::<f64, D, D>::zeros();
+    let mut directions: Vec<SVector<f64, D>> = Vec::new();
+    for column in 0..D {
+        let is_free = |(_, vector): &&(SVector<f64, D>, SVector<f64, D>)| {
+            let rest = directions
+                .iter()
+                .fold(*vector, |rest, axis| rest - axis * axis.dot(&rest));
+            rest.norm() > EQUAL * vector.norm()
+        };
+        let (coordinates, vector) = candidates.iter().filter(is_free).reduce(|best, other| {
+            if precedes(&other.1, &best.1) {
+                other
+            } else {
+                best
+            }
+        })?;
+        basis.set_column(column, coordinates);
+        let rest = directions
+            .iter()
+            .fold(*vector, |rest, axis| rest - axis * axis.dot(&rest));
+        directions.push(rest.normalize());
+    }
+    // Vectors of successive minima are a basis in up to three dimensions.
+    (super::determinant(&basis).abs().round() == 1.0).then_some(basis)
+}
+
+/// Of opposite vectors the one with a positive leading component.
+fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
+    vector
+        .iter()
+        .find(|x| x.abs() > EQUAL * vector.norm())
+        .is_some_and(|x| *x > 0.0)
+}
+
+/// The order in which vectors are taken into a basis.
+fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
+    // How much the sine against the plane across the diagonal differs from that of an axis, over that of an axis.
+    let inclination = |v: &SVector<f64, D>| (v.sum().abs() / v.norm() - 1.0).abs();
+    let (lengths, inclinations) = ([a, b].map(|v| v.norm()), [a, b].map(inclination));
+    if (lengths[0] - lengths[1]).abs() > EQUAL * lengths[0] {
+        return lengths[0] < lengths[1];
+    }
+    if (inclinations[0] - inclinations[1]).abs() > EQUAL {
+        return inclinations[0] < inclinations[1];
+    }
+    let different = a
+        .iter()
+        .zip(b.iter())
+        .find(|(x, y)| (*x - *y).abs() > EQUAL * lengths[0]);
+    different.is_some_and(|(x, y)| x > y)
+}
+
+/// The inverse of a matrix.
+pub(crate) fn inverse_of<const D: usize>(m: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
+    let inverse = nalgebra::DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse()?;
+    Some(SMatrix::from_fn(|i, j| inverse[(i, j)]))
+}
+
+/// The lattice points in a ball: of the lattice with the columns of a matrix as primitive vectors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ball<const D: usize> {
+    basis: Reduced<D>,
+    /// `|sum_i u_i a_i| < radius` implies `|u_i| < reach_i` in the short basis.
+    reach: [f64; D],
+    /// The volume of the ball over that of a cell.
+    volume: f64,
+}
+
+impl<const D: usize> Ball<D> {
+    /// A ball of a radius.
+    ///
+    /// # Errors
+    /// [`LatticeError::Dependent`] where the columns do not span space, [`LatticeError::Sheared`] where they are so long, and
+    /// so nearly parallel, that double precision does not tell the lattice.
+    pub(crate) fn new(vectors: &SMatrix<f64, D, D>, radius: f64) -> Result<Self, LatticeError> {
+        let basis = Reduced::of(vectors)?;
+        let inverse = inverse_of(&basis.vectors)
+            .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
+            .ok_or_else(|| LatticeError::Dependent {
+                vectors: vectors.iter().copied().collect(),
+            })?;
+        let unit = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
+        Ok(Self {
+            basis,
+            reach: std::array::from_fn(|i| radius * inverse.row(i).norm()),
+            volume: unit * radius.powi(D as i32) / super::determinant(vectors).abs(),
+        })
+    }
+
+    /// The short basis in which they are looked for.
+    pub(crate) fn basis(&self) -> &Reduced<D> {
+        &self.basis
+    }
+
+    /// How many lattice points it holds on average over all centers.
+    pub(crate) fn mean_count(&self) -> f64 {
+        self.volume
+    }
+
+    /// How many places of the lattice are looked at to find them; never far above [`Ball::mean_count`] where the ball is wider
+    /// than the cell.
+    pub(crate) fn places(&self) -> f64 {
+        self.reach.iter().map(|reach| 2.0 * reach + 1.0).product()
+    }
+
+    /// The cells whose lattice points can lie within the radius of a place, the last coordinate slowest.
+    pub(crate) fn cells(&self, place: &Fractional<D>) -> Vec<[i32; D]> {
+        let own = self.basis.inverse * place;
+        let low = std::array::from_fn(|i| (own[i] - self.reach[i]).floor() as i32);
+        let high = std::array::from_fn(|i| (own[i] + self.reach[i]).ceil() as i32);
+        let mut cells = cells_between(&low, &high);
+        if !self.basis.is_given() {
+            for cell in &mut cells {
+                let given = self.basis.change * SVector::from(cell.map(f64::from));
+                *cell = std::array::from_fn(|i| given[i] as i32);
+            }
+            cells.sort_by(|a, b| a.iter().rev().cmp(b.iter().rev()));
+        }
+        cells
+    }
 }
 
 /// A distance within which every place has a lattice point: half of the diagonal of the box with the edges of a reduced
@@ -51,30 +270,145 @@ pub(super) fn covering_radius<const D: usize>(reduced: &SMatrix<f64, D, D>) -> f
 
 /// The differences `place + R` of all lattice vectors `R` that are not longer than a radius.
 pub(super) fn images_within<const D: usize>(
-    reduced: &BravaisLattice<D>,
-    place: &SVector<f64, D>,
+    lattice: &BravaisLattice<D>,
+    ball: &Ball<D>,
+    place: &Fractional<D>,
     radius: f64,
 ) -> Vec<SVector<f64, D>> {
-    let cycles = reduced.reciprocal().transpose() * place / std::f64::consts::TAU;
-    let folded = cycles.map(|x| x - x.round());
-    // |sum_i (n_i + f_i) a_i| <= radius bounds |n_i + f_i| by radius |b_i| / (2 pi).
-    let reach: [f64; D] = std::array::from_fn(|i| {
-        radius * reduced.reciprocal().column(i).norm() / std::f64::consts::TAU
-    });
-    let low: [i64; D] = std::array::from_fn(|i| (-reach[i] - folded[i]).floor() as i64);
-    let high: [i64; D] = std::array::from_fn(|i| (reach[i] - folded[i]).ceil() as i64);
-    let mut images = Vec::new();
-    let mut cell = low;
-    loop {
-        let shifted = SVector::<f64, D>::from_fn(|i, _| cell[i] as f64 + folded[i]);
-        let image = reduced.vectors() * shifted;
-        if image.norm() <= radius {
-            images.push(image);
-        }
-        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else {
-            return images;
+    let folded = place.map(|x| x - x.round());
+    let cells = ball.cells(&-folded).into_iter();
+    cells
+        .map(|cell| lattice.vectors() * (SVector::from(cell.map(f64::from)) + folded))
+        .filter(|image| image.norm() <= radius)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ball, Reduced};
+    use crate::lattice::{Arrangement, LatticeError, determinant};
+    use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2};
+
+    /// Integers of determinant one: a product of shears.
+    fn unimodular<const D: usize>(state: &mut u64, steps: usize) -> SMatrix<f64, D, D> {
+        let mut next = |bound: u64| {
+            *state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (*state >> 33) % bound
         };
-        cell[..axis].copy_from_slice(&low[..axis]);
-        cell[axis] += 1;
+        let mut product = SMatrix::<f64, D, D>::identity();
+        for _ in 0..steps {
+            let (i, j) = (next(D as u64) as usize, next(D as u64) as usize);
+            let multiple = next(9) as f64 - 4.0;
+            if i == j {
+                product.column_mut(i).neg_mut();
+            } else {
+                let column = product.column(i) + product.column(j) * multiple;
+                product.set_column(i, &column);
+            }
+        }
+        product
+    }
+
+    fn same_set<const D: usize>(a: &SMatrix<f64, D, D>, b: &SMatrix<f64, D, D>) -> bool {
+        a.column_iter().all(|x| {
+            b.column_iter()
+                .any(|y| (x - y).norm().min((x + y).norm()) < 1e-8 * x.norm())
+        })
+    }
+
+    fn assert_own<const D: usize>(arrangement: Arrangement, state: &mut u64) {
+        let vectors = match arrangement {
+            Arrangement::Rectangular => arrangement.lattice_with::<D>(0.7, 1.3, &[]),
+            _ => arrangement.lattice::<D>(0.7),
+        };
+        let vectors = *vectors.expect("a lattice").vectors();
+        let own = Reduced::canonical(&vectors).expect("short vectors");
+        assert!(own.is_given(), "{arrangement:?}");
+        for steps in 0..12 {
+            let other = vectors * unimodular::<D>(state, steps);
+            let reduced = Reduced::canonical(&other).expect("short vectors");
+            assert!(same_set(&reduced.vectors, &vectors), "{arrangement:?}");
+            assert!((other * reduced.change - reduced.vectors).amax() < 1e-9);
+            assert!((reduced.change * reduced.inverse - SMatrix::identity()).amax() == 0.0);
+        }
+    }
+
+    #[test]
+    fn every_basis_of_a_named_arrangement_is_reduced_to_its_own_vectors() {
+        let mut state = 3;
+        for _ in 0..20 {
+            for arrangement in Arrangement::ALL {
+                match (arrangement.takes_vectors(), arrangement.dimension()) {
+                    (true, _) | (_, 1) => {}
+                    (_, 2) => assert_own::<2>(arrangement, &mut state),
+                    _ => assert_own::<3>(arrangement, &mut state),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_basis_of_a_random_lattice_is_reduced_to_the_same_vectors() {
+        let mut state = 11;
+        let mut number = || {
+            let columns = unimodular::<3>(&mut state, 7);
+            (columns[(0, 1)] * 0.618_034 + columns[(2, 0)] * 0.414_214).fract()
+        };
+        for case in 0..200 {
+            let vectors = Matrix3::from_fn(|i, j| number() + f64::from(u8::from(i == j)));
+            if determinant(&vectors).abs() < 0.05 {
+                continue;
+            }
+            let mut state = case;
+            let other = vectors * unimodular::<3>(&mut state, 6);
+            let short = Reduced::canonical(&vectors).expect("short vectors").vectors;
+            let again = Reduced::canonical(&other).expect("short vectors").vectors;
+            assert!(same_set(&short, &again), "{short} {again}");
+        }
+    }
+
+    #[test]
+    fn a_ball_has_the_same_points_in_every_basis() {
+        let (short, place) = (Matrix2::new(1.0, 0.3, 0.0, 0.9), Vector2::new(0.2, 0.7));
+        let mut state = 5;
+        let points = |vectors: Matrix2<f64>, place: Vector2<f64>| {
+            let ball = Ball::new(&vectors, 2.3).expect("a lattice");
+            assert!(ball.places() < 80.0 && (ball.mean_count() - 18.46).abs() < 0.1);
+            let cells = ball.cells(&place).into_iter();
+            let apart =
+                cells.map(|cell| (vectors * (Vector2::from(cell.map(f64::from)) - place)).norm());
+            let mut near: Vec<f64> = apart.filter(|d| *d < 2.3).collect();
+            near.sort_by(f64::total_cmp);
+            near
+        };
+        let expected = points(short, place);
+        for _ in 0..50 {
+            let change = unimodular::<2>(&mut state, 6);
+            let inverse = change.try_inverse().expect("unimodular");
+            let found = points(short * change, inverse * place);
+            assert_eq!(found.len(), expected.len());
+            assert!(
+                found
+                    .iter()
+                    .zip(&expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-8)
+            );
+        }
+    }
+
+    #[test]
+    fn a_basis_that_double_precision_does_not_tell_is_refused() {
+        for vectors in [
+            Matrix2::new(6986.29, 3.0, 1e5, 1e100),
+            Matrix2::new(1.0, 1e9, 0.0, 1.0),
+        ] {
+            let refused = Reduced::of(&vectors);
+            assert!(
+                matches!(refused, Err(LatticeError::Sheared { .. })),
+                "{refused:?}"
+            );
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Volumes of the Voronoi cells of a periodic point set, equation (43).
 
 use super::cell::{VoronoiCell, cell_of_sorted};
-use super::reduction::{covering_radius, images_within, reduced};
+use super::reduction::{Ball, Reduced, covering_radius, images_within};
 use super::{BravaisLattice, Fractional, LatticeError};
 use nalgebra::SVector;
 
@@ -48,16 +48,13 @@ pub(super) fn voronoi_cells<const D: usize>(
             }
         }
     }
-    let vectors = reduced(lattice);
-    // Shorter vectors of the same lattice: it exists if that does.
-    let short = BravaisLattice::new(vectors).unwrap_or(*lattice);
-    let radius = 2.0 * covering_radius(short.vectors()) * (1.0 + 1e-9);
+    let short = Reduced::of(lattice.vectors())?;
+    let radius = 2.0 * covering_radius(&short.vectors) * (1.0 + 1e-9);
+    let ball = Ball::new(lattice.vectors(), radius)?;
     let cell = |center: &Fractional<D>| {
         let mut neighbors: Vec<SVector<f64, D>> = points
             .iter()
-            .flat_map(|point| {
-                images_within(&short, &(lattice.vectors() * (point - center)), radius)
-            })
+            .flat_map(|point| images_within(lattice, &ball, &(point - center), radius))
             .filter(|image| image.norm() > 1e-12 * radius)
             .collect();
         neighbors.sort_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));

@@ -142,11 +142,17 @@ type MirroredGrids = BTreeMap<(usize, [usize; 2]), Arc<MirrorWaves>>;
 impl<const D: usize> WaveGrids<D> {
     /// For a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
+        // The sums along mirror lines know the lattice Laplacian by the phases of the primitive vectors.
+        let mirrors = if lattice.is_measured_by_own_vectors() {
+            Mirror::all(&lattice)
+        } else {
+            Vec::new()
+        };
         Self {
             lattice,
             long_wave_map: inverse_square_root(&lattice.long_wave_metric()),
             made: Mutex::new(BTreeMap::new()),
-            mirrors: Mirror::all(&lattice),
+            mirrors,
             mirrored: Mutex::new(BTreeMap::new()),
         }
     }

@@ -1,13 +1,18 @@
 //! The first Brillouin zone: the wave vectors nearer to zero than to any reciprocal vector.
 
 use super::cell::{cell_among, face};
-use super::{BravaisLattice, Fractional};
-use nalgebra::SVector;
+use super::reduction::combinations;
+use super::{BravaisLattice, Fractional, Reduced};
+use nalgebra::{SMatrix, SVector};
 
 /// The first Brillouin zone of a lattice.
 #[derive(Clone, Debug)]
 pub struct BrillouinZone<const D: usize> {
     lattice: BravaisLattice<D>,
+    /// Primitive vectors whose reciprocal vectors are short.
+    dual: SMatrix<f64, D, D>,
+    /// These, as columns.
+    short: SMatrix<f64, D, D>,
     /// Short reciprocal vectors `G`; the zone is `k . G <= |G|^2 / 2` for all of them.
     reciprocal: Vec<SVector<f64, D>>,
 }
@@ -15,32 +20,16 @@ pub struct BrillouinZone<const D: usize> {
 impl<const D: usize> BrillouinZone<D> {
     /// The zone of a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
-        // A strongly sheared or stretched lattice has its shortest reciprocal vectors at larger
-        // integer coordinates: |G| <= radius bounds coordinate i by radius |a_i| / (2 pi).
-        let radius = lattice
-            .reciprocal()
-            .column_iter()
-            .map(|b| b.norm())
-            .sum::<f64>();
-        let reach: [i64; D] = std::array::from_fn(|i| {
-            let bound = radius * lattice.vectors().column(i).norm() / std::f64::consts::TAU;
-            bound.ceil().min(64.0) as i64
-        });
-        let mut reciprocal = Vec::new();
-        let mut cell = reach.map(|r| -r);
-        loop {
-            let g = lattice.reciprocal() * SVector::<f64, D>::from_fn(|i, _| cell[i] as f64);
-            if cell.iter().any(|&n| n != 0) && g.norm() <= radius * (1.0 + 1e-12) {
-                reciprocal.push(g);
-            }
-            let Some(axis) = (0..D).find(|&i| cell[i] < reach[i]) else {
-                break;
-            };
-            for lower in 0..axis {
-                cell[lower] = -reach[lower];
-            }
-            cell[axis] += 1;
-        }
+        // Where no short basis is found, the zone of the given one is as good as any.
+        let (short, dual) = match Reduced::of(lattice.reciprocal()) {
+            Ok(reduced) => (
+                reduced.vectors,
+                lattice.vectors() * reduced.inverse.transpose(),
+            ),
+            Err(_) => (*lattice.reciprocal(), *lattice.vectors()),
+        };
+        let reciprocal: Vec<SVector<f64, D>> =
+            combinations().map(|factors| short * factors).collect();
         // Only those whose bisector touches the zone bound it.
         let beyond =
             |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
@@ -49,6 +38,8 @@ impl<const D: usize> BrillouinZone<D> {
         let reciprocal = reciprocal.iter().filter(|g| bounding(g)).copied().collect();
         Self {
             lattice,
+            dual,
+            short,
             reciprocal,
         }
     }
@@ -65,8 +56,8 @@ impl<const D: usize> BrillouinZone<D> {
 
     /// The equivalent wave vector in the zone.
     pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        let cycles = self.lattice.vectors().transpose() * k / std::f64::consts::TAU;
-        let mut folded = self.lattice.reciprocal() * cycles.map(|x| x - x.round());
+        let cycles = self.dual.transpose() * k / std::f64::consts::TAU;
+        let mut folded = self.short * cycles.map(|x| x - x.round());
         // Each step shortens the vector; few are needed, and the bound only guards rounding.
         for _ in 0..64 {
             let excess = |g: &SVector<f64, D>| folded.dot(g) - 0.5 * g.norm_squared();

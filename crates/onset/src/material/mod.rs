@@ -65,6 +65,20 @@ pub enum MaterialError {
         /// The largest acoustic eigenvalue.
         eigenvalue: f64,
     },
+    /// The speed of sound is so large or small that its powers over- or underflow.
+    #[error(
+        "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the undeformed material \
+         over its density; expected a number from {:e} to {:e}: choose other units of stress or density",
+        .range[0], .range[1]
+    )]
+    WaveSpeed {
+        /// The largest acoustic eigenvalue.
+        stiffness: f64,
+        /// The density.
+        density: f64,
+        /// What is admitted.
+        range: [f64; 2],
+    },
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
         "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"

@@ -1,9 +1,9 @@
 //! Quadrature points, neighbors and shape functions of a homogeneous state.
 
-use super::{Background, Frame, MAXIMUM_NEIGHBORS, Method, MethodError, SupportSize};
+use super::{Background, Frame, Method, MethodError, SupportSize};
 use crate::approximation::{Approximation, Order, ShapeFunctions};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::determinant;
+use crate::lattice::{Ball, Reduced, determinant};
 use crate::quadrature::QuadraturePoint;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -32,6 +32,8 @@ pub struct ConfiguredPoint<const D: usize> {
 pub struct Configuration<const D: usize> {
     /// The points.
     pub points: Vec<ConfiguredPoint<D>>,
+    /// A short basis of the lattice that the kernels see.
+    pub(crate) basis: Reduced<D>,
 }
 
 /// How kernels are laid out at a state.
@@ -68,12 +70,14 @@ impl<const D: usize> Method<D> {
             return Err(MethodError::NotPlanar { dimension: D });
         }
         let layout = self.layout(f);
+        let support = support(&layout)?;
         let points = self
             .points
             .iter()
-            .map(|point| self.configured(point, &layout, f, order));
+            .map(|point| self.configured(point, &layout, &support, f, order));
         Ok(Configuration {
             points: points.collect::<Result<_, _>>()?,
+            basis: *support.basis(),
         })
     }
 
@@ -91,11 +95,15 @@ impl<const D: usize> Method<D> {
             return Err(MethodError::NotPlanar { dimension: D });
         }
         let layout = self.layout(f);
+        let support = support(&layout)?;
         let points = halves
             .iter()
-            .map(|point| self.configured(point, &layout, f, order));
-        let points = points.collect::<Result<_, _>>()?;
-        Ok((Configuration { points }, true))
+            .map(|point| self.configured(point, &layout, &support, f, order));
+        let configuration = Configuration {
+            points: points.collect::<Result<_, _>>()?,
+            basis: *support.basis(),
+        };
+        Ok((configuration, true))
     }
 
     pub(super) fn layout(&self, f: &DeformationGradient) -> Layout<D> {
@@ -128,6 +136,7 @@ impl<const D: usize> Method<D> {
         &self,
         point: &QuadraturePoint<D>,
         layout: &Layout<D>,
+        support: &Ball<D>,
         f: &DeformationGradient,
         order: Order,
     ) -> Result<ConfiguredPoint<D>, MethodError> {
@@ -136,9 +145,8 @@ impl<const D: usize> Method<D> {
         } else {
             "stress point"
         };
-        let cells = cells_in_support(&point.place, layout)?;
         let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for cell in cells {
+        for cell in support.cells(&point.place) {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
             let position = layout.vectors * fractional;
             let kernel = self.discretization.kernel;
@@ -149,6 +157,7 @@ impl<const D: usize> Method<D> {
             }
         }
         let needed = self.discretization.approximation.neighbors_needed(D);
+        MethodError::assert_not_crowded(seen.len(), layout.radius)?;
         if seen.len() < needed {
             return Err(MethodError::SupportTooSmall {
                 point: kind,
@@ -222,39 +231,9 @@ fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     }
 }
 
-/// The cells whose particles can lie within the support around a place.
-pub(super) fn cells_in_support<const D: usize>(
-    place: &SVector<f64, D>,
-    layout: &Layout<D>,
-) -> Result<Vec<[i32; D]>, MethodError> {
-    let map = layout.metric * layout.vectors;
-    let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
-    let neighbors = unit_ball * layout.radius.powi(D as i32) / determinant(&map).abs();
-    let inverse = inverted(&map);
-    // |map u| < radius implies |u_i| < radius |row i of map^-1|.
-    let reach: [f64; D] = std::array::from_fn(|i| layout.radius * inverse.row(i).norm());
-    let boxes: f64 = reach.iter().map(|r| 2.0 * r + 1.0).product();
-    // A thin ellipsoid can have a huge bounding box although it holds few particles.
-    let few = neighbors <= MAXIMUM_NEIGHBORS as f64 && boxes <= 1e3 * MAXIMUM_NEIGHBORS as f64;
-    if !few {
-        let limit = MAXIMUM_NEIGHBORS;
-        let neighbors = neighbors.max(boxes / 1e3).min(f64::MAX);
-        return Err(MethodError::SupportTooLarge {
-            radius: layout.radius,
-            neighbors,
-            limit,
-        });
-    }
-    let low: [i32; D] = std::array::from_fn(|i| (place[i] - reach[i]).floor() as i32);
-    let high: [i32; D] = std::array::from_fn(|i| (place[i] + reach[i]).ceil() as i32);
-    let mut cells = Vec::new();
-    let mut cell = low;
-    loop {
-        cells.push(cell);
-        let Some(axis) = (0..D).find(|&i| cell[i] < high[i]) else {
-            return Ok(cells);
-        };
-        cell[..axis].copy_from_slice(&low[..axis]);
-        cell[axis] += 1;
-    }
+/// The ball of the support in the lattice that the kernels see.
+pub(super) fn support<const D: usize>(layout: &Layout<D>) -> Result<Ball<D>, MethodError> {
+    let ball = Ball::new(&(layout.metric * layout.vectors), layout.radius)?;
+    MethodError::assert_few(&ball, layout.radius, 1)?;
+    Ok(ball)
 }

@@ -1,6 +1,6 @@
 //! The discrete forces of kernel methods, particles displaced from a homogeneous state.
 
-use super::configuration::cells_in_support;
+use super::configuration::support;
 use super::{ConfiguredPoint, Frame, Linearization, Method, MethodError};
 use crate::approximation::Order;
 use crate::kinematics::DeformationGradient;
@@ -86,7 +86,7 @@ impl<const D: usize> Method<D> {
         };
         // Particles that were outside of the support may have come in.
         let (mut cells, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for cell in cells_in_support(&point.place, &layout.enlarged(1.2))? {
+        for cell in support(&layout.enlarged(1.2))?.cells(&point.place) {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
             let position = layout.vectors * fractional + moved(&cell) - shift;
             if let Some(weight) = kernel.weight(&position, layout.radius, &layout.metric) {

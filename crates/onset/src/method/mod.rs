@@ -12,7 +12,9 @@ pub use configuration::{Configuration, ConfiguredPoint};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
-use crate::lattice::{Arrangement, BravaisLattice, Crystal, LatticeError, WaveGrids};
+use crate::lattice::{
+    Arrangement, Ball, BravaisLattice, Crystal, LatticeError, Reduced, WaveGrids,
+};
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
 use crate::scheme::element::MeshError;
@@ -23,6 +25,12 @@ use thiserror::Error;
 /// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
 /// square, and no method in use comes near.
 pub const MAXIMUM_NEIGHBORS: usize = 400;
+/// Particles of a cell beyond which the matrices of one wave fill the memory.
+const MAXIMUM_PARTICLES: f64 = 1e3;
+/// Spacings of which the powers in volumes and in second derivatives of weights neither over- nor underflow.
+const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+/// Places of the lattice that are looked at for each admitted neighbor.
+const PLACES: f64 = 25.0;
 
 /// In which coordinates the kernel is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -367,6 +375,38 @@ impl MethodError {
         is_admitted.then_some(()).ok_or(refused)
     }
 
+    /// Refuses a support, before anything is allocated for it, that holds more particles than are admitted.
+    pub(crate) fn assert_few<const D: usize>(
+        ball: &Ball<D>,
+        radius: f64,
+        sites: usize,
+    ) -> Result<(), Self> {
+        let sites = sites as f64;
+        let limit = MAXIMUM_NEIGHBORS;
+        let (neighbors, places) = (sites * ball.mean_count(), sites * ball.places());
+        // The ball of a thin cell can be looked for at many places although it holds few particles.
+        if neighbors <= limit as f64 && places <= PLACES * limit as f64 {
+            return Ok(());
+        }
+        Err(Self::SupportTooLarge {
+            radius,
+            neighbors: neighbors.max(places / PLACES).min(f64::MAX),
+            limit,
+        })
+    }
+
+    /// Refuses a support that holds far more particles than its volume says, as across thin cells.
+    pub(crate) fn assert_not_crowded(neighbors: usize, radius: f64) -> Result<(), Self> {
+        if neighbors <= 2 * MAXIMUM_NEIGHBORS {
+            return Ok(());
+        }
+        Err(Self::SupportTooLarge {
+            radius,
+            neighbors: neighbors as f64,
+            limit: MAXIMUM_NEIGHBORS,
+        })
+    }
+
     /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
     /// one.
     pub fn is_about_support(&self) -> bool {
@@ -375,6 +415,7 @@ impl MethodError {
             Self::SupportTooSmall { .. }
                 | Self::SupportTooLarge { .. }
                 | Self::SingularMoment { .. }
+                | Self::Lattice(LatticeError::Sheared { .. })
         )
     }
 
@@ -390,15 +431,57 @@ impl MethodError {
 }
 
 impl Discretization {
-    /// The particles in the reference state: the arrangement with its basis, cells taken together, offsets applied.
+    /// The lattice of the arrangement in the basis in which it is computed, with that basis: of primitive vectors that are
+    /// given, shortest ones, so that nothing depends on which of its bases describes a lattice.
+    fn lattice<const D: usize>(&self) -> Result<(BravaisLattice<D>, Reduced<D>), MethodError> {
+        let given = self
+            .arrangement
+            .lattice_with(self.spacing, self.aspect, &self.vectors)?;
+        let reduced = Reduced::canonical(given.vectors())?;
+        if reduced.is_given() {
+            return Ok((given, reduced));
+        }
+        let short =
+            BravaisLattice::new(reduced.vectors).ok_or_else(|| LatticeError::Dependent {
+                vectors: self.vectors.clone(),
+            })?;
+        Ok((short, reduced))
+    }
+
+    /// The rule for quadrature points in a cell of the basis in which the lattice is computed.
+    ///
+    /// # Errors
+    /// [`MethodError`] when there is no such lattice.
+    pub fn cell_rule<const D: usize>(&self) -> Result<CellRule, MethodError> {
+        let (_, basis) = self.lattice::<D>()?;
+        let mut points = self.points.clone();
+        if !basis.is_given() && points.len().is_multiple_of(D + 1) {
+            for point in points.chunks_exact_mut(D + 1) {
+                let place = basis.inverse * SVector::<f64, D>::from_column_slice(&point[..D]);
+                point[..D].copy_from_slice(place.as_slice());
+            }
+        }
+        Ok(CellRule {
+            stress_point_weight: self.stress_point_weight,
+            gauss_points: self.gauss_points,
+            points,
+        })
+    }
+
+    /// The particles in the reference state: the arrangement with its basis, cells taken together, offsets applied. Cells are
+    /// those of shortest primitive vectors, whichever are given.
     ///
     /// # Errors
     /// [`MethodError`] when a number is out of range, or particles coincide.
     pub fn crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
         MethodError::positive("spacing", self.spacing)?;
-        let lattice = self
-            .arrangement
-            .lattice_with(self.spacing, self.aspect, &self.vectors)?;
+        MethodError::require(
+            SPACINGS.contains(&self.spacing),
+            "spacing",
+            self.spacing,
+            "a number from 1e-30 to 1e30: choose another unit of length",
+        )?;
+        let (lattice, basis) = self.lattice::<D>()?;
         if !self.basis.len().is_multiple_of(D) {
             return Err(MethodError::Setting {
                 name: "basis",
@@ -407,12 +490,20 @@ impl Discretization {
             });
         }
         let own = self.basis.chunks_exact(D).map(SVector::from_column_slice);
+        let own = own.map(|place| basis.inverse * place);
         let sites = if self.basis.is_empty() {
             self.arrangement.sites()
         } else {
             std::iter::once(SVector::zeros()).chain(own).collect()
         };
         let crystal = Crystal::new(lattice, sites)?;
+        let particles = crystal.sites().len() as f64 * f64::from(self.cells).powi(D as i32);
+        MethodError::require(
+            particles <= MAXIMUM_PARTICLES,
+            "cells",
+            f64::from(self.cells),
+            "a number that leaves at most 1000 particles in the cells taken together",
+        )?;
         let crystal = match self.cells {
             0 | 1 => crystal,
             cells => crystal.supercell([cells as usize; D])?,
@@ -480,11 +571,7 @@ impl<const D: usize> Method<D> {
             });
         }
         let lattice = *crystal.lattice();
-        let rule = CellRule {
-            stress_point_weight: discretization.stress_point_weight,
-            gauss_points: discretization.gauss_points,
-            points: discretization.points.clone(),
-        };
+        let rule = discretization.cell_rule::<D>()?;
         let points = quadrature.points(&lattice, &rule)?;
         Ok(Self {
             discretization,

@@ -267,6 +267,13 @@ pub enum PathEnd {
         /// The last stretch with a state.
         stretch: f64,
     },
+    /// The states change so fast with the stretch that following them was given up.
+    GivenUp {
+        /// The last stretch with a state.
+        stretch: f64,
+        /// How many steps had been tried.
+        trials: usize,
+    },
 }
 
 /// States of a loading, in tension and in compression, followed from the reference.
@@ -287,6 +294,9 @@ pub struct LoadingPath<'a> {
 
 /// States from the reference to an end of the range.
 const STEPS: usize = 192;
+/// Steps that are tried along one side of a path before it is given up: a law that follows its stretches with very large powers admits
+/// only the shortest ones.
+const TRIALS: usize = 16 * STEPS;
 /// How often a step of the path is halved before the path counts as ended.
 const HALVINGS: i32 = 44;
 /// No states are kept nearer than this, in `ln lambda`, to where a law ends.
@@ -422,10 +432,22 @@ fn branch(
     let step = end / STEPS as f64;
     let mut states = vec![reference.clone()];
     let mut here = reference.clone();
+    let mut trials = 0;
     for n in 1..=STEPS {
         let target = if n == STEPS { end } else { step * n as f64 };
         let mut trial = target;
         while here.parameter != target {
+            trials += 1;
+            if trials > TRIALS {
+                let stretch = here.parameter.exp();
+                return (
+                    states,
+                    PathEnd::GivenUp {
+                        stretch,
+                        trials: TRIALS,
+                    },
+                );
+            }
             match continued(material, loading, &here, trial) {
                 Ok(state) => {
                     states.push(state.clone());

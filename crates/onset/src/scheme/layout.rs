@@ -3,7 +3,7 @@
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Fractional, Particle, determinant};
-use crate::method::{MAXIMUM_NEIGHBORS, MethodError, SupportSize};
+use crate::method::{MethodError, SupportSize};
 use crate::real::Real;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -162,8 +162,10 @@ impl<const D: usize> Layout<D> {
     ) -> Result<Vec<Particle<D>>, MethodError> {
         let metric = self.weight.metric * self.map;
         let radius = self.weight.radius;
-        self.assert_not_too_large(crystal, &metric)?;
-        let particles = crystal.within(place, radius, &metric);
+        let ball = crystal.ball(radius, &metric)?;
+        MethodError::assert_few(&ball, radius, crystal.sites().len())?;
+        let particles = crystal.within_ball(place, radius, &metric, &ball);
+        MethodError::assert_not_crowded(particles.len(), radius)?;
         if particles.len() < needed {
             return Err(MethodError::SupportTooSmall {
                 point,
@@ -174,32 +176,6 @@ impl<const D: usize> Layout<D> {
             });
         }
         Ok(particles)
-    }
-
-    fn assert_not_too_large(
-        &self,
-        crystal: &Crystal<D>,
-        metric: &SMatrix<f64, D, D>,
-    ) -> Result<(), MethodError> {
-        let radius = self.weight.radius;
-        let map = metric * crystal.lattice().vectors();
-        let sites = crystal.sites().len() as f64;
-        let unit_ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
-        let neighbors = sites * unit_ball * radius.powi(D as i32) / determinant(&map).abs();
-        let inverse = inverted(&map);
-        let boxes: f64 = (0..D)
-            .map(|i| 2.0 * radius * inverse.row(i).norm() + 1.0)
-            .product();
-        // A thin ellipsoid can have a huge bounding box although it holds few particles.
-        let limit = MAXIMUM_NEIGHBORS;
-        if neighbors <= limit as f64 && sites * boxes <= 1e3 * limit as f64 {
-            return Ok(());
-        }
-        Err(MethodError::SupportTooLarge {
-            radius,
-            neighbors: neighbors.max(sites * boxes / 1e3).min(f64::MAX),
-            limit,
-        })
     }
 }
 

@@ -175,6 +175,9 @@ pub fn critical_time_step<const D: usize>(
     if system.damping().is_none() {
         return search.summary_of(system).critical_time_step();
     }
+    // Over the zone of a lattice in which forces reach far and obliquely, a grid sees little.
+    let short_ranged = search.short_ranged_waves(system);
+    let system = short_ranged.as_ref().unwrap_or(system);
     let lattice = system.crystal().lattice();
     let at = |fractional: &SVector<f64, D>| {
         critical_time_step_at(system, integrator, &(lattice.reciprocal() * fractional))

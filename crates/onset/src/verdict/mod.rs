@@ -133,10 +133,25 @@ pub fn speed_squared<const D: usize>(
 ) -> Result<f64, MaterialError> {
     let reference = material.response(&DeformationGradient::identity())?;
     let eigenvalue = Stiffness::<D>::of(&reference).maximum_eigenvalue();
-    if eigenvalue > 0.0 {
-        Ok(eigenvalue / method.discretization().density)
-    } else {
+    speed_squared_of(eigenvalue, method.discretization().density)
+}
+
+/// `c^2` of which powers neither over- nor underflow.
+const SPEED_SQUARED: [f64; 2] = [1e-200, 1e200];
+
+/// The scale of wave speeds from the largest acoustic eigenvalue and the density.
+fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError> {
+    let speed_squared = eigenvalue / density;
+    if eigenvalue.is_nan() || eigenvalue <= 0.0 {
         Err(MaterialError::NoWaves { eigenvalue })
+    } else if (SPEED_SQUARED[0]..=SPEED_SQUARED[1]).contains(&speed_squared) {
+        Ok(speed_squared)
+    } else {
+        Err(MaterialError::WaveSpeed {
+            stiffness: eigenvalue,
+            density,
+            range: SPEED_SQUARED,
+        })
     }
 }
 
@@ -242,9 +257,7 @@ pub fn judge<const D: usize>(
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     // Only where both are unstable do the long waves tell to whom it belongs.
-    let long_waves_grow = !is_elliptic
-        && !is_stable
-        && search.long_wave_limit(&matrix).scaled < -search.tolerance(&matrix);
+    let long_waves_grow = !is_elliptic && !is_stable && search.long_waves_grow(&matrix);
     Ok((
         decided(is_elliptic, is_stable, false, long_waves_grow),
         stability,

@@ -1,11 +1,13 @@
 //! Verdicts on discretizations of any kind.
 
-use super::{Assessment, MaterialAssessment, Phase, Probe, SurveyedState, decided};
+use super::{
+    Assessment, MaterialAssessment, Phase, Probe, SurveyedState, decided, speed_squared_of,
+};
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{Mode, SpectrumSummary, Stability, WaveSystem, ZoneSearch};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::scheme::Scheme;
 use crate::time_step::{Integrator, critical_time_step};
@@ -34,10 +36,7 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
     ) -> Result<Self, MethodError> {
         let identity = DeformationGradient::identity();
         let eigenvalue = Stiffness::<D>::at(material, &identity)?.maximum_eigenvalue();
-        if eigenvalue.is_nan() || eigenvalue <= 0.0 {
-            return Err(MaterialError::NoWaves { eigenvalue }.into());
-        }
-        let speed_squared = eigenvalue / scheme.density();
+        let speed_squared = speed_squared_of(eigenvalue, scheme.density())?;
         Ok(Self {
             scheme,
             material,

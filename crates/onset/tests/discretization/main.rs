@@ -1,5 +1,6 @@
 //! Lattices, shape functions and dynamical matrices by their properties, on any admissible input.
 
+mod bases;
 mod cells;
 mod choices;
 mod errors;
@@ -11,3 +12,9 @@ mod shape_functions;
 mod survey;
 mod theorem;
 mod waves;
+
+#[path = "../shared/hunt.rs"]
+mod hunt;
+#[path = "../shared/random.rs"]
+#[allow(dead_code, reason = "rotations are for others")]
+mod random;

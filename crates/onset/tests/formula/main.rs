@@ -2,7 +2,10 @@
 
 mod agreement;
 mod conditions;
+mod fuzzed;
 mod hostile;
+#[path = "../shared/hunt.rs"]
+mod hunt;
 mod language;
 mod library;
 #[path = "../shared/random.rs"]

@@ -18,7 +18,7 @@ use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
 use super::search::Objective;
 use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, moderate_unit};
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
 use crate::material::PlaneTangent;
@@ -59,6 +59,9 @@ pub struct GradientMoments<const D: usize> {
     long: LongMoments,
     /// Rounding error to expect in the scaled moments of long waves.
     long_noise: f64,
+    /// The unit of the moments, and that of `D` and `c^2`.
+    moment_unit: f64,
+    unit: f64,
 }
 
 /// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes.
@@ -109,6 +112,10 @@ impl<const D: usize> GradientMoments<D> {
         }
         let rest = DeformationGradient::identity();
         let matrix = moment_matrix(method, &rest)?;
+        let moment_unit = matrix.moderate_unit();
+        let matrix = matrix.over(moment_unit);
+        let unit = moderate_unit(speed_squared);
+        let speed_squared = speed_squared / unit;
         let search = ZoneSearch::new(method, &rest, speed_squared).ok_or(MethodError::NotFinite)?;
         let lattice = search.reference();
         let grid = method
@@ -146,12 +153,18 @@ impl<const D: usize> GradientMoments<D> {
             long,
             long_noise,
             search,
+            moment_unit,
+            unit,
         }))
     }
 
     /// The extremes for materials with the given tangents in the plane.
     pub fn extremes(&self, tangents: &[PlaneTangent]) -> Vec<MomentExtremes<D>> {
-        let rows: Vec<Coefficients> = tangents.iter().map(coefficients).collect();
+        let factor = self.moment_unit / self.unit;
+        let in_units = |tangent: &PlaneTangent| {
+            coefficients(&tangent.map(|row| row.map(|entry| entry * factor)))
+        };
+        let rows: Vec<Coefficients> = tangents.iter().map(in_units).collect();
         let (mirrored, others): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|n| is_mirrored(&rows[*n]));
         let mut found = vec![None; rows.len()];
@@ -164,7 +177,11 @@ impl<const D: usize> GradientMoments<D> {
                     self.of_batch::<false>(&rows)
                 };
                 for (n, extremes) in numbers.iter().zip(extremes) {
-                    found[*n] = Some(extremes);
+                    found[*n] = Some(MomentExtremes {
+                        lowest: extremes.lowest * self.unit,
+                        highest: extremes.highest * self.unit,
+                        ..extremes
+                    });
                 }
             }
         }

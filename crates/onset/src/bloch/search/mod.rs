@@ -7,6 +7,7 @@ mod descent;
 mod grid;
 mod mirrored;
 
+use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
@@ -125,8 +126,45 @@ impl<const D: usize> ZoneSearch<D> {
         self.zone.get_or_init(|| BrillouinZone::new(self.lattice))
     }
 
+    /// The search for a matrix that is divided by a unit.
+    pub(in crate::bloch) fn in_units(&self, unit: f64) -> Self {
+        Self {
+            speed_squared: self.speed_squared / unit,
+            ..self.clone()
+        }
+    }
+
+    /// The search in coordinates in which the forces reach equally far in all directions.
+    pub(in crate::bloch) fn in_short_range(&self, range: &ShortRange<D>) -> Option<Self> {
+        let lattice = range.lattice(self.reference())?;
+        Some(Self::of_lattice(lattice, self.speed_squared))
+    }
+
+    /// Search and matrix in such coordinates, where the reference lattice is too oblique for kernels of current ones.
+    fn short_ranged(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+    ) -> Option<(ShortRange<D>, Self, DynamicalMatrix<D>)> {
+        if self.home_is_reference || !self.is_periodic {
+            return None;
+        }
+        let range = matrix.short_range(self.reference())?;
+        let search = self.in_short_range(&range)?;
+        let matrix = matrix.in_short_range(&range, search.reference());
+        Some((range, search, matrix))
+    }
+
     /// The extremes of the spectrum.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
+        let unit = matrix.moderate_unit();
+        if unit != 1.0 {
+            let found = self.in_units(unit).summary(&matrix.over(unit));
+            return found.in_units(unit);
+        }
+        if let Some((range, search, matrix)) = self.short_ranged(matrix) {
+            let found = search.summary(&matrix);
+            return range.carried_back(&found, |k| self.folded(k));
+        }
         let long_wave = self.long_wave_limit(matrix);
         let rest = self.rest(matrix, long_wave.scaled);
         let tolerance = self.tolerance(matrix);
@@ -165,6 +203,13 @@ impl<const D: usize> ZoneSearch<D> {
     /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
     /// whose sign it is where the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
+        let unit = matrix.moderate_unit();
+        if unit != 1.0 {
+            return self.in_units(unit).stability(&matrix.over(unit));
+        }
+        if let Some((_, search, matrix)) = self.short_ranged(matrix) {
+            return search.stability(&matrix);
+        }
         let tolerance = self.tolerance(matrix);
         // One witness is enough. Most unstable states have one among the long waves, at the points of high symmetry, or
         // on a coarse grid, sought in the order of what they cost.
@@ -248,6 +293,14 @@ impl<const D: usize> ZoneSearch<D> {
             polarization: minimum
                 .polarization
                 .map(|component| Complex::new(component, 0.0)),
+        }
+    }
+
+    /// Whether the limit of long waves is negative beyond rounding.
+    pub(crate) fn long_waves_grow(&self, matrix: &DynamicalMatrix<D>) -> bool {
+        match self.short_ranged(matrix) {
+            Some((_, search, matrix)) => search.long_waves_grow(&matrix),
+            None => self.long_wave_limit(matrix).scaled < -self.tolerance(matrix),
         }
     }
 

@@ -12,10 +12,11 @@ mod zone;
 
 pub use sum::{BlochBlocks, BlochSum};
 
+use super::short_range::ShortRange;
 use super::{DynamicalMatrix, dynamical_matrix::ForceConstants};
-use crate::algebra::Complex;
-use crate::lattice::Crystal;
-use nalgebra::{DMatrix, SVector};
+use crate::algebra::{Complex, moderate_unit};
+use crate::lattice::{Crystal, Particle, Reduced};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// The linearized equations of motion of a discretization at a homogeneous state.
 #[derive(Clone, Debug)]
@@ -149,6 +150,63 @@ impl<const D: usize> WaveSystem<D> {
         self.divided_by_mass(k, moved)
     }
 
+    /// The same with stiffness and mass in units in which neither is very large or small, and the unit of `omega^2`; none where
+    /// they are neither.
+    pub(super) fn in_moderate_units(&self) -> Option<(Self, f64)> {
+        let [force, mass] = [self.stiffness.magnitude(), self.cell_mass()].map(moderate_unit);
+        ([force, mass] != [1.0; 2]).then(|| (self.over(force, mass), force / mass))
+    }
+
+    /// The same with stiffness and mass divided by units, and damping by that of force over velocity.
+    fn over(&self, force: f64, mass: f64) -> Self {
+        Self {
+            crystal: self.crystal.clone(),
+            stiffness: self.stiffness.over(force),
+            mass: match &self.mass {
+                Mass::Lumped(masses) => Mass::Lumped(masses.iter().map(|m| m / mass).collect()),
+                Mass::Consistent(sum) => Mass::Consistent(sum.over(mass)),
+            },
+            damping: self
+                .damping
+                .as_ref()
+                .map(|damping| damping.over(force.sqrt() * mass.sqrt())),
+            drift: self.drift.clone(),
+            is_hermitian: self.is_hermitian,
+        }
+    }
+
+    /// Coordinates in which the forces reach equally far in all directions, where the reference lattice is too oblique for
+    /// them.
+    pub(super) fn short_range(&self) -> Option<ShortRange<D>> {
+        let place = |particle: &Particle<D>| self.crystal.place(particle);
+        let force = |(from, to, block): (usize, &Particle<D>, &SMatrix<f64, D, D>)| {
+            (place(to) - place(&Particle::home(from)), block.amax())
+        };
+        let forces: Vec<(SVector<f64, D>, f64)> = self.stiffness.blocks().map(force).collect();
+        ShortRange::of(self.crystal.lattice(), &forces)
+    }
+
+    /// The same in such coordinates.
+    pub(super) fn in_short_range(&self, range: &ShortRange<D>) -> Option<Self> {
+        let lattice = range.lattice(self.crystal.lattice())?;
+        let sites = self.crystal.sites().iter();
+        let sites = sites.map(|place| range.inverse * place).collect();
+        let volumes = self.crystal.volumes().to_vec();
+        let crystal = Crystal::with_volumes(lattice, sites, volumes).ok()?;
+        let moved = |sum: &BlochSum<D>| sum.relabeled(&range.inverse, &crystal);
+        Some(Self {
+            stiffness: moved(&self.stiffness),
+            mass: match &self.mass {
+                Mass::Lumped(masses) => Mass::Lumped(masses.clone()),
+                Mass::Consistent(sum) => Mass::Consistent(moved(sum)),
+            },
+            damping: self.damping.as_ref().map(moved),
+            drift: self.drift.as_ref().map(moved),
+            is_hermitian: self.is_hermitian,
+            crystal: crystal.clone(),
+        })
+    }
+
     /// The dynamical matrix as a sum with one particle in a cell, where that is all there is: no consistent mass, no smoothed
     /// velocities; damping left out.
     pub fn single(&self) -> Option<DynamicalMatrix<D>> {
@@ -161,7 +219,10 @@ impl<const D: usize> WaveSystem<D> {
         if self.drift.is_some() {
             return None;
         }
-        let mut constants = ForceConstants::new(self.stiffness.reach() as i32);
+        let mut constants = ForceConstants::new(
+            Reduced::given(self.crystal.lattice().vectors()),
+            self.stiffness.reach() as i32,
+        );
         for (_, to, block) in self.stiffness.blocks() {
             constants.add(&[0; D], &to.cell, &(block / mass));
         }

@@ -9,6 +9,10 @@ impl<const D: usize> WaveSystem<D> {
     ///
     /// Not numbers where the eigenvalue iteration does not converge, which needs entries that are not finite.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        if let Some((system, unit)) = self.in_moderate_units() {
+            let values = system.omega_squared(k).into_iter();
+            return values.map(|value| value * unit).collect();
+        }
         let mut values = match self.symmetrized(k) {
             Some(matrix) => hermitian_eigenvalues(matrix),
             None => general_eigenvalues(self.dynamical_matrix_at(k), self.noise()),
@@ -20,6 +24,10 @@ impl<const D: usize> WaveSystem<D> {
     /// All modes at a wave vector without damping: `omega^2` with the unit displacements of the particles of a cell, by
     /// increasing real part of `omega^2`. Displacements are those of the wave `u_K = g_K exp(i k.X_K)`.
     pub fn modes(&self, k: &SVector<f64, D>) -> Vec<(Complex, DVector<Complex>)> {
+        if let Some((system, unit)) = self.in_moderate_units() {
+            let modes = system.modes(k).into_iter();
+            return modes.map(|(value, mode)| (value * unit, mode)).collect();
+        }
         if let Some(modes) = self.hermitian_modes(k) {
             return modes;
         }
@@ -44,6 +52,10 @@ impl<const D: usize> WaveSystem<D> {
     /// The frequencies with damping: the roots `omega` of `det(omega^2 M + i omega C - K T) = 0`, twice as many as degrees of
     /// freedom, the fastest growing ones (largest imaginary part) first. 1/time.
     pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        if let Some((system, unit)) = self.in_moderate_units() {
+            let values = system.frequencies(k).into_iter();
+            return values.map(|value| value * unit.sqrt()).collect();
+        }
         // d/dt (u, v) = ((0, T), (-M^-1 K, -M^-1 C)) (u, v), and exp(-i omega t) makes omega = i times its eigenvalues. The
         // velocities are measured in units of displacement times a typical frequency, which balances the matrix.
         let n = self.size();

@@ -81,6 +81,35 @@ impl<const D: usize> BlochSum<D> {
             .map(|term| (term.from, &term.to, &term.block))
     }
 
+    /// The same divided by a number.
+    pub(super) fn over(&self, unit: f64) -> Self {
+        let mut scaled = self.clone();
+        for term in &mut scaled.terms {
+            term.block /= unit;
+        }
+        scaled
+    }
+
+    /// The same with lattice coordinates in another basis of a crystal, which come from those here by a matrix of integers.
+    pub(super) fn relabeled(&self, inverse: &SMatrix<f64, D, D>, crystal: &Crystal<D>) -> Self {
+        let term = |term: &Term<D>| {
+            let cell = inverse * SVector::from(term.to.cell.map(f64::from));
+            let to = Particle {
+                site: term.to.site,
+                cell: std::array::from_fn(|i| cell[i].round() as i32),
+            };
+            Term {
+                to,
+                vector: crystal.position(&to) - crystal.position(&Particle::home(term.from)),
+                ..term.clone()
+            }
+        };
+        Self {
+            sites: self.sites,
+            terms: self.terms.iter().map(term).collect(),
+        }
+    }
+
     /// `S(k)`.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         self.summed(|term| {

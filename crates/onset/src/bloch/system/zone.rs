@@ -5,6 +5,7 @@
 
 use super::WaveSystem;
 use crate::algebra::{Complex, is_well, settled};
+use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::lattice::WaveGrid;
 use nalgebra::{DMatrix, DVector, SVector};
@@ -32,6 +33,13 @@ enum Objective {
 impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
+        if let Some((system, unit)) = system.in_moderate_units() {
+            return self.in_units(unit).summary_of(&system).in_units(unit);
+        }
+        if let Some((range, search, system)) = self.short_ranged_system(system) {
+            let found = search.summary_of(&system);
+            return range.carried_back(&found, |k| self.folded(k));
+        }
         match system.single() {
             Some(matrix) => self.summary(&matrix),
             None => Sweep {
@@ -40,6 +48,25 @@ impl<const D: usize> ZoneSearch<D> {
             }
             .summary(),
         }
+    }
+}
+
+impl<const D: usize> ZoneSearch<D> {
+    /// Search and system in coordinates in which the forces reach equally far in all directions, where the reference lattice
+    /// is too oblique for them.
+    pub(in crate::bloch) fn short_ranged_system(
+        &self,
+        system: &WaveSystem<D>,
+    ) -> Option<(ShortRange<D>, Self, WaveSystem<D>)> {
+        let range = system.short_range()?;
+        let system = system.in_short_range(&range)?;
+        Some((range, self.in_short_range(&range)?, system))
+    }
+
+    /// The system in such coordinates, in which a grid over its zone sees all of it; none where it does anyway.
+    pub(crate) fn short_ranged_waves(&self, system: &WaveSystem<D>) -> Option<WaveSystem<D>> {
+        self.short_ranged_system(system)
+            .map(|(_, _, system)| system)
     }
 }
 

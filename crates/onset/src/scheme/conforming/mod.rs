@@ -260,7 +260,9 @@ impl<'a, const D: usize> Functions<'a, D> {
         let (one, radius) = (SMatrix::identity(), self.choices.radius);
         let approximation = self.functions;
         let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for particle in self.crystal.within(place, radius, &one) {
+        let ball = self.crystal.ball(radius, &one)?;
+        MethodError::assert_few(&ball, radius, self.crystal.sites().len())?;
+        for particle in self.crystal.within_ball(place, radius, &one, &ball) {
             let apart = self.crystal.place(&particle) - place;
             let position = self.crystal.lattice().vectors() * apart;
             if let Some(weight) = self.choices.kernel.weight(&position, radius, &one) {

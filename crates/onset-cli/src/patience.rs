@@ -1,0 +1,66 @@
+//! What is shown on a terminal while an answer takes longer than expected.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// An answer that takes no longer needs no sign of life.
+const QUIET: Duration = Duration::from_secs(2);
+
+static SHOWN: Mutex<Option<Patience>> = Mutex::new(None);
+
+/// Shows a sign of life from two seconds on; nothing where standard error is no terminal.
+pub fn begin(doing: &'static str) {
+    let shown = Patience::with(doing);
+    SHOWN
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .replace(shown);
+}
+
+/// Clears it, before anything else is written.
+pub fn end() {
+    drop(SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take());
+}
+
+/// A sign of life until it is dropped.
+struct Patience {
+    done: Option<Sender<()>>,
+    shown: Option<JoinHandle<()>>,
+}
+
+impl Patience {
+    /// For work in words.
+    fn with(doing: &'static str) -> Self {
+        let (done, waiting) = channel::<()>();
+        let shown = std::thread::Builder::new().spawn(move || {
+            if waiting.recv_timeout(QUIET) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
+            let bar = ProgressBar::new_spinner().with_elapsed(QUIET);
+            let style = ProgressStyle::with_template("{spinner} {msg}: {elapsed} (Ctrl-C ends it)");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+            bar.set_message(doing);
+            bar.enable_steady_tick(Duration::from_millis(200));
+            // Until the sender is dropped.
+            let _ = waiting.recv();
+            bar.finish_and_clear();
+        });
+        Self {
+            done: Some(done),
+            shown: shown.ok(),
+        }
+    }
+}
+
+impl Drop for Patience {
+    fn drop(&mut self) {
+        self.done.take();
+        // The line is cleared before the answer is printed.
+        if let Some(shown) = self.shown.take() {
+            let _ = shown.join();
+        }
+    }
+}

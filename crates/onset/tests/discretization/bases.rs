@@ -1,0 +1,509 @@
+//! Nothing depends on which basis describes a lattice, nor on the units.
+
+use crate::hunt::hunted;
+use crate::random::Random;
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
+use onset::bloch::SpectrumSummary;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, Crystal};
+use onset::material::{FourthOrder, Hyperelastic, MaterialError, ModifiedMooneyRivlin, Response};
+use onset::method::{Discretization, Frame, Method, MethodError, SupportSize};
+use onset::quadrature::Quadrature;
+use onset::scheme::Scheme;
+use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
+use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
+use onset::verdict::{Assessment, SchemeSurvey, Survey, assess, judge};
+
+/// Integers of determinant one, and their inverse: a product of shears.
+fn unimodular<const D: usize>(random: &mut Random) -> [SMatrix<f64, D, D>; 2] {
+    let mut integer = |bound: f64| (random.number() * (bound + 0.5)).round();
+    let (mut product, mut inverse) = (SMatrix::identity(), SMatrix::identity());
+    for step in 0..2 * D {
+        let (i, j) = (step % D, (step + 1 + step / D % 2) % D);
+        if i == j {
+            continue;
+        }
+        let multiple = integer(if step == 0 { 40.0 } else { 4.0 });
+        let mut shear = SMatrix::<f64, D, D>::identity();
+        shear[(j, i)] = multiple;
+        product *= shear;
+        shear[(j, i)] = -multiple;
+        inverse = shear * inverse;
+    }
+    [product, inverse]
+}
+
+fn close(a: f64, b: f64, scale: f64) -> bool {
+    (a - b).abs() <= 1e-6 * scale.max(a.abs())
+}
+
+fn assert_same_spectrum<const D: usize>(
+    a: &SpectrumSummary<D>,
+    b: &SpectrumSummary<D>,
+    context: &str,
+) {
+    let fastest = a.maximum_omega;
+    assert!(close(a.maximum_omega, b.maximum_omega, 0.0), "{context}");
+    let lowest = [a, b].map(|s| s.lowest.omega_squared.re);
+    assert!(
+        close(lowest[0], lowest[1], fastest.powi(2)),
+        "{context} {lowest:?}"
+    );
+    // A rate is the root of a small number.
+    let rates = [a, b].map(|s| s.growth_rate().powi(2));
+    assert!(
+        close(rates[0], rates[1], fastest.powi(2)),
+        "{context} {rates:?}"
+    );
+}
+
+fn assert_same<const D: usize>(a: &Assessment<D>, b: &Assessment<D>, context: &str) {
+    assert_eq!(a.verdict, b.verdict, "{context}");
+    assert_same_spectrum(&a.spectrum, &b.spectrum, context);
+    let softest = [a, b].map(|s| s.spectrum.softest.scaled);
+    assert!(close(softest[0], softest[1], 1.0), "{context} {softest:?}");
+    let long = [a, b].map(|s| s.spectrum.long_wave.scaled);
+    assert!(close(long[0], long[1], 1.0), "{context} {long:?}");
+}
+
+fn flattened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Vec<f64> {
+    vectors.iter().copied().collect()
+}
+
+fn described<const D: usize>(
+    vectors: &SMatrix<f64, D, D>,
+    choices: &Discretization,
+) -> Result<Method<D>, MethodError> {
+    Method::new(Discretization {
+        arrangement: if D == 2 {
+            Arrangement::Oblique
+        } else {
+            Arrangement::Triclinic
+        },
+        vectors: flattened(vectors),
+        ..choices.clone()
+    })
+}
+
+#[test]
+fn a_lattice_has_the_same_answers_in_every_basis() {
+    let (seed, cases) = hunted(60);
+    let mut random = Random::new(seed);
+    let law = ModifiedMooneyRivlin::default();
+    let hexagonal = Arrangement::Hexagonal.lattice::<2>(1.0).expect("a lattice");
+    for case in 0..cases {
+        let vectors = match case % 3 {
+            0 => *hexagonal.vectors(),
+            1 => Matrix2::identity(),
+            _ => Matrix2::new(1.0, 0.4 * random.number(), 0.0, 1.0 + 0.3 * random.number()),
+        };
+        let choices = Discretization {
+            frame: if case % 2 == 0 {
+                Frame::Eulerian
+            } else {
+                Frame::Lagrangian
+            },
+            quadrature: [
+                Quadrature::Nodal,
+                Quadrature::StressPoints,
+                Quadrature::Gauss,
+            ][case / 2 % 3],
+            support: 1.9 + 0.4 * random.number(),
+            ..Discretization::default()
+        };
+        let [change, _] = unimodular::<2>(&mut random);
+        let mut stretch = || 1.0 + 0.15 * random.number();
+        let f = DeformationGradient::plane_strain([[stretch(), 0.1], [0.0, stretch()]], 1.0)
+            .expect("a state");
+        let context = format!("case {case} of seed {seed}: {vectors} {change} {choices:?} {f:?}");
+        let answer = |vectors: Matrix2<f64>| assess(&described(&vectors, &choices)?, &law, &f);
+        match (answer(vectors), answer(vectors * change)) {
+            (Ok(a), Ok(b)) => assert_same(&a, &b, &context),
+            (Err(_), Err(_)) => {}
+            (a, b) => panic!("{context}: {:?} {:?}", a.err(), b.err()),
+        }
+    }
+}
+
+#[test]
+fn a_lattice_in_space_with_two_particles_in_a_cell_has_the_same_answers_in_every_basis() {
+    let mut random = Random::new(4);
+    let law = ModifiedMooneyRivlin::default();
+    let vectors = Matrix3::new(1.0, 0.2, 0.1, 0.0, 1.1, 0.3, 0.0, 0.0, 0.95);
+    let second = SVector::<f64, 3>::new(0.45, 0.55, 0.5);
+    let f = DeformationGradient::from_stretches([1.05, 0.97, 1.0]).expect("a state");
+    let answer = |change: Matrix3<f64>, inverse: Matrix3<f64>| {
+        let choices = Discretization {
+            arrangement: Arrangement::Triclinic,
+            vectors: flattened(&(vectors * change)),
+            basis: (inverse * second).iter().copied().collect(),
+            ..Discretization::default()
+        };
+        let crystal: Crystal<3> = choices.crystal().expect("a crystal");
+        let scheme = KernelScheme::new(
+            crystal,
+            CrystalQuadrature::Nodal,
+            KernelChoices {
+                radius: 1.6,
+                frame: Frame::Eulerian,
+                ..KernelChoices::default()
+            },
+        );
+        let scheme = scheme.expect("a scheme");
+        SchemeSurvey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
+    };
+    let expected = answer(Matrix3::identity(), Matrix3::identity()).expect("an answer");
+    for _ in 0..2 {
+        let [change, inverse] = unimodular::<3>(&mut random);
+        let found = answer(change, inverse).expect("an answer");
+        assert_same(&expected, &found, &format!("{change}"));
+    }
+}
+
+/// A law of bodies that have been deformed by `given` before: `W(F given^-1)`.
+struct Before<'a> {
+    law: &'a dyn Hyperelastic,
+    inverse: Matrix3<f64>,
+}
+
+impl Hyperelastic for Before<'_> {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let own = Matrix3::from_fn(|i, j| f.components()[i][j]) * self.inverse;
+        let rows = std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)]));
+        let own = DeformationGradient::new(rows).expect("positive");
+        let response = self.law.response(&own)?;
+        let g = &self.inverse;
+        Ok(Response {
+            deformation: *f,
+            energy: response.energy,
+            first_piola: response.first_piola * g.transpose(),
+            tangent: FourthOrder::from_fn(|i, j, k, l| {
+                (0..9)
+                    .map(|n| response.tangent[(i, n / 3, k, n % 3)] * g[(j, n / 3)] * g[(l, n % 3)])
+                    .sum()
+            }),
+        })
+    }
+}
+
+/// The state, and the law that answers it as another one answers the state without a shear that maps the square lattice onto
+/// itself.
+fn sheared<'a>(
+    law: &'a dyn Hyperelastic,
+    small: [[f64; 2]; 2],
+    shear: f64,
+) -> (DeformationGradient, Before<'a>) {
+    let [[a, b], [c, d]] = small;
+    let f = [[a, a * shear + b], [c, c * shear + d]];
+    let f = DeformationGradient::plane_strain(f, 1.0).expect("a state");
+    let mut inverse = Matrix3::identity();
+    inverse[(0, 1)] = -shear;
+    (f, Before { law, inverse })
+}
+
+#[test]
+fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_current_kernels() {
+    let law = ModifiedMooneyRivlin::default();
+    let square = Discretization {
+        arrangement: Arrangement::Square,
+        frame: Frame::Eulerian,
+        support: 1.9,
+        quadrature: Quadrature::Nodal,
+        ..Discretization::default()
+    };
+    let method = Method::<2>::new(square.clone()).expect("a method");
+    let sph = UpdatedSph::new(
+        square.crystal::<2>().expect("a crystal"),
+        UpdatedSphChoices {
+            radius: 1.9,
+            ..UpdatedSphChoices::default()
+        },
+    )
+    .expect("a scheme");
+    for small in [
+        [[1.1, 0.0], [0.0, 1.0]],
+        [[0.96, 0.05], [0.0, 0.97]],
+        [[1.0, 0.0], [0.0, 1.0]],
+    ] {
+        let f = DeformationGradient::plane_strain(small, 1.0).expect("a state");
+        let expected = assess(&method, &law, &f).expect("an answer");
+        let of_sph = SchemeSurvey::new(&sph, &law)
+            .and_then(|s| s.assess(&f))
+            .expect("an answer");
+        for shear in [1.0, 4.0, -37.0, 1000.0, 20_000.0] {
+            let (f, law) = sheared(&law, small, shear);
+            let context = format!("{small:?} {shear}");
+            let found = assess(&method, &law, &f).expect("an answer");
+            assert_eq!(found.verdict, expected.verdict, "{context}");
+            assert_same_spectrum(&expected.spectrum, &found.spectrum, &context);
+            let (verdict, stability) = judge(&method, &law, &f).expect("an answer");
+            assert_eq!(
+                (verdict, stability),
+                (found.verdict, found.spectrum.stability()),
+                "{context}"
+            );
+            let found = SchemeSurvey::new(&sph, &law)
+                .and_then(|s| s.assess(&f))
+                .expect("an answer");
+            assert_eq!(found.verdict, of_sph.verdict, "{context}");
+            assert_same_spectrum(&of_sph.spectrum, &found.spectrum, &context);
+        }
+    }
+}
+
+#[test]
+fn a_shear_that_double_precision_does_not_tell_is_refused() {
+    let law = ModifiedMooneyRivlin::default();
+    for support_size in [SupportSize::Fixed, SupportSize::Scaled] {
+        let method = Method::<2>::new(Discretization {
+            frame: Frame::Eulerian,
+            support_size,
+            ..Discretization::default()
+        })
+        .expect("a method");
+        for shear in [1e6, 1e9, 1e15] {
+            let f = DeformationGradient::plane_strain([[1.0, shear], [0.0, 1.0]], 1.0);
+            let refused = assess(&method, &law, &f.expect("a state"));
+            assert!(
+                refused.as_ref().is_err_and(MethodError::is_about_support),
+                "{shear}"
+            );
+        }
+    }
+}
+
+#[test]
+fn long_cells_are_refused_before_anything_is_made_of_them() {
+    for vectors in [
+        [6986.29, 1e5, 3.0, 1e100],
+        [1e5, -2.0, 2.0, 1.5],
+        [1.0, 0.0, 0.0, 40.0],
+        [1.0, 0.0, 1e9, 1.0],
+    ] {
+        let vectors = Matrix2::from_column_slice(&vectors);
+        let refused = described(&vectors, &Discretization::default());
+        assert!(matches!(refused, Err(MethodError::Lattice(_))), "{vectors}");
+    }
+    let long = Discretization {
+        arrangement: Arrangement::Rectangular,
+        aspect: 31.0,
+        ..Discretization::default()
+    };
+    assert!(matches!(
+        Method::<2>::new(long),
+        Err(MethodError::Lattice(_))
+    ));
+}
+
+/// Factors of stress, density and length: powers of four, so that all roots and quotients are exact.
+const UNITS: [[i32; 3]; 9] = [
+    [200, 0, 0],
+    [-200, 0, 0],
+    [0, 200, 0],
+    [0, -200, 0],
+    [0, 0, 40],
+    [0, 0, -40],
+    [130, -130, 10],
+    [-260, -60, -12],
+    [256, 256, 2],
+];
+
+fn assert_scaled<const D: usize>(
+    a: &Assessment<D>,
+    b: &Assessment<D>,
+    [stress, density, length]: [f64; 3],
+    context: &str,
+) {
+    let frequency = (stress / density).sqrt() / length;
+    assert_eq!(a.verdict, b.verdict, "{context}");
+    assert_eq!(
+        a.spectrum.softest.scaled, b.spectrum.softest.scaled,
+        "{context}"
+    );
+    assert_eq!(
+        a.spectrum.long_wave.scaled, b.spectrum.long_wave.scaled,
+        "{context}"
+    );
+    assert_eq!(
+        a.spectrum.maximum_omega * frequency,
+        b.spectrum.maximum_omega,
+        "{context}"
+    );
+    assert_eq!(
+        a.spectrum.growth_rate() * frequency,
+        b.spectrum.growth_rate(),
+        "{context}"
+    );
+    assert_eq!(
+        a.spectrum.softest.wave_vector / length,
+        b.spectrum.softest.wave_vector,
+        "{context}"
+    );
+    let lowest = [a, b].map(|s| s.spectrum.lowest.omega_squared);
+    assert_eq!(lowest[0] * frequency * frequency, lowest[1], "{context}");
+    let minimum = [a, b].map(|s| s.material.minimum.eigenvalue);
+    assert_eq!(minimum[0] * stress, minimum[1], "{context}");
+}
+
+/// The same law with stresses in another unit.
+struct Times<'a>(&'a dyn Hyperelastic, f64);
+
+impl Hyperelastic for Times<'_> {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let response = self.0.response(f)?;
+        Ok(Response {
+            energy: response.energy * self.1,
+            first_piola: response.first_piola * self.1,
+            tangent: FourthOrder::from_fn(|i, j, k, l| response.tangent[(i, j, k, l)] * self.1),
+            ..response
+        })
+    }
+}
+
+#[test]
+fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
+    let law = ModifiedMooneyRivlin::default();
+    // The response as such, so that the parts of it are computed alike in all units.
+    let plain = Times(&law, 1.0);
+    let f = DeformationGradient::from_stretches([1.15, 0.93, 1.0]).expect("a state");
+    let mut choices = Vec::new();
+    for frame in [Frame::Lagrangian, Frame::Eulerian] {
+        for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
+            for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
+                choices.push(Discretization {
+                    frame,
+                    quadrature,
+                    arrangement,
+                    ..Discretization::default()
+                });
+            }
+        }
+    }
+    for choices in choices {
+        let method = Method::<2>::new(choices.clone()).expect("a method");
+        let expected = assess(&method, &plain, &f).expect("an answer");
+        for exponents in UNITS {
+            let units = exponents.map(|exponent| 4_f64.powi(exponent));
+            let context = format!("{exponents:?} {choices:?}");
+            let method = Method::<2>::new(Discretization {
+                density: units[1],
+                spacing: units[2],
+                ..choices.clone()
+            })
+            .expect("a method");
+            let law = Times(&plain, units[0]);
+            let found = assess(&method, &law, &f);
+            if (units[0] / units[1]).log10().abs() > 195.0 {
+                assert!(found.is_err(), "{context}");
+                continue;
+            }
+            let found = found.expect("an answer");
+            assert_scaled(&expected, &found, units, &context);
+            let judged = judge(&method, &law, &f).expect("an answer");
+            assert_eq!(
+                judged,
+                judge(
+                    &Method::<2>::new(choices.clone()).expect("a method"),
+                    &plain,
+                    &f
+                )
+                .expect("an answer"),
+                "{context}"
+            );
+        }
+    }
+}
+
+#[test]
+fn maps_of_lagrangian_kernels_are_the_same_to_the_last_digit_in_all_units() {
+    let surveyed = |[stress, density, length]: [f64; 3], f: &DeformationGradient| {
+        let method = Method::<2>::new(Discretization {
+            density,
+            spacing: length,
+            ..Discretization::default()
+        })
+        .expect("a method");
+        let law = ModifiedMooneyRivlin::default();
+        let law: &'static ModifiedMooneyRivlin = Box::leak(Box::new(law));
+        let survey = Survey::new(method, Box::new(Times(law, stress)));
+        let survey = survey.expect("waves").for_many_states().expect("moments");
+        survey.state(f).expect("an answer")
+    };
+    for stretches in [[1.2, 0.9, 1.0], [3.1, 1.0, 1.0], [0.7, 1.4, 1.0]] {
+        let f = DeformationGradient::from_stretches(stretches).expect("a state");
+        let expected = surveyed([1.0; 3], &f);
+        for exponents in UNITS {
+            let units = exponents.map(|exponent| 4_f64.powi(exponent));
+            if (units[0] / units[1]).log10().abs() > 195.0 {
+                continue;
+            }
+            let found = surveyed(units, &f);
+            let frequency = (units[0] / units[1]).sqrt() / units[2];
+            assert_eq!(expected.verdict, found.verdict, "{exponents:?}");
+            assert_eq!(
+                expected.scaled_minimum, found.scaled_minimum,
+                "{exponents:?}"
+            );
+            assert_eq!(
+                expected.maximum_omega * frequency,
+                found.maximum_omega,
+                "{exponents:?}"
+            );
+            assert_eq!(
+                expected.growth_rate * frequency,
+                found.growth_rate,
+                "{exponents:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units() {
+    let law = ModifiedMooneyRivlin::default();
+    let f = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
+    for cells in [1, 2] {
+        let answer = |[stress, density, length]: [f64; 3]| {
+            let choices = Discretization {
+                arrangement: Arrangement::Square,
+                cells,
+                spacing: length,
+                ..Discretization::default()
+            };
+            let scheme = UpdatedSph::<2>::new(
+                choices.crystal().expect("a crystal"),
+                UpdatedSphChoices {
+                    density,
+                    radius: 1.9 * length,
+                    ..UpdatedSphChoices::default()
+                },
+            );
+            let scheme = scheme.expect("a scheme");
+            assert_eq!(scheme.density(), density);
+            let law = Times(&law, stress);
+            SchemeSurvey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
+        };
+        let expected = answer([1.0; 3]).expect("an answer");
+        for exponents in UNITS {
+            let units = exponents.map(|exponent| 4_f64.powi(exponent));
+            if (units[0] / units[1]).log10().abs() > 195.0 {
+                continue;
+            }
+            let found = answer(units).expect("an answer");
+            let frequency = (units[0] / units[1]).sqrt() / units[2];
+            let context = format!("{cells} {exponents:?}");
+            assert_eq!(expected.verdict, found.verdict, "{context}");
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
+            let [a, b] = [&expected, &found].map(|s| &s.spectrum);
+            assert!(close(a.softest.scaled, b.softest.scaled), "{context}");
+            assert!(
+                close(a.maximum_omega * frequency, b.maximum_omega),
+                "{context}"
+            );
+            assert!(
+                close(a.growth_rate() * frequency, b.growth_rate()),
+                "{context}"
+            );
+        }
+    }
+}
