@@ -42,6 +42,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 60,
     },
 ];
+const SUBJECTS: &[Subject] = &[Subject {
+    name: "modes",
+    claim: "every zero-energy mode of a random lattice that dense Newton searches find is listed, and nothing else",
+    package: "onset",
+    program: "measures",
+    test: "every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else",
+    cases: 120,
+}];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.
 pub fn run(arguments: &[String]) -> Result<(), String> {

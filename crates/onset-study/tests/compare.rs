@@ -1,6 +1,6 @@
 //! Methods side by side: tables, ranking, and the files that come with the program.
 
-use onset::measures::{DispersionError, Fidelity, Load, OnsetPair, StretchOnset};
+use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StretchOnset};
 use onset_study::compare::{Measured, PANELS, Row, Table, WAVELENGTHS, recommended};
 use onset_study::modes::{ModesAnswer, ModesQuestion, ShownMode};
 use onset_study::settings::{CompareSettings, Comparison, Settings};
@@ -10,7 +10,8 @@ use onset_study::tune::TuneQuestion;
 fn good() -> Measured {
     Measured {
         zero_modes: 0,
-        zero_share: 0.0,
+        zero_extent: None,
+        zero_modes_complete: true,
         weak_modes: 0,
         weakest: 0.8,
         dispersion: WAVELENGTHS
@@ -147,7 +148,7 @@ fn names_with_commas_and_quotes_stay_one_field_of_the_csv_file() {
 #[test]
 fn modes_that_fill_lines_are_marked_in_the_table() {
     let mut filled = good();
-    (filled.zero_modes, filled.zero_share) = (32, 0.1);
+    (filled.zero_modes, filled.zero_extent) = (32, Some(Extent::Line));
     let text = table(vec![("filled", Ok(filled)), ("good", Ok(good()))]).to_string();
     assert!(text.contains(" 32* "), "{text}");
     assert_eq!(
@@ -165,6 +166,7 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
             fractional: fractional.to_vec(),
             relative_frequency: Some(0.25),
             nullity: 0,
+            extent: Extent::Point,
             positions: Vec::new(),
             displacements: Vec::new(),
             quarter: Vec::new(),

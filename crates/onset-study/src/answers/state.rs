@@ -152,6 +152,9 @@ pub struct DiscretizationAnswer {
     /// Critical time steps of integrators where damping makes them differ, by their names.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub damped_time_steps: BTreeMap<&'static str, f64>,
+    /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damped_time_steps_of: Option<&'static str>,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
     /// Smallest scaled measure of the long-wave limit.
@@ -278,6 +281,13 @@ fn discretization_answer<const D: usize>(
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
         critical_time_step: Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        damped_time_steps_of: (!steps.is_empty()).then(|| {
+            if spectrum.is_stable() {
+                "all waves"
+            } else {
+                "waves that do not grow"
+            }
+        }),
         damped_time_steps: steps
             .into_iter()
             .map(|(integrator, step)| (integrator.name(), step))
@@ -398,7 +408,12 @@ impl std::fmt::Display for StateAnswer {
         for (integrator, step) in &d.damped_time_steps {
             write!(
                 formatter,
-                "\n  with damping          {integrator} needs a time step below {step:.6}"
+                "\n  with damping          {integrator} needs a time step below {step:.6}{}",
+                if d.stable {
+                    ""
+                } else {
+                    " for the waves that do not grow"
+                }
             )?;
         }
         match &self.certificate {

@@ -5,7 +5,7 @@ use crate::methods::scheme;
 use crate::settings::{CompareSettings, Settings};
 use onset::material::Hyperelastic;
 use onset::measures::{
-    DispersionError, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
+    DispersionError, Extent, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
     long_wave_error, onset, spurious_modes,
 };
 use onset::scheme::Scheme;
@@ -43,10 +43,12 @@ pub(crate) fn outcome<S: Serializer>(
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Measured {
-    /// Wave vectors with modes without energy.
+    /// Wave vectors with zero-energy modes, of `k` and `-k` one; of lines and surfaces of them that are connected one.
     pub zero_modes: usize,
-    /// The share of the zone on which there are modes without energy.
-    pub zero_share: f64,
+    /// How far zero-energy modes extend at most; `None` where there are none.
+    pub zero_extent: Option<Extent>,
+    /// Whether all of them have been found.
+    pub zero_modes_complete: bool,
     /// Minima of the relative frequency below the limit of weakness.
     pub weak_modes: usize,
     /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with modes without
@@ -117,7 +119,8 @@ impl Measured {
         let spacing = scheme.crystal().nearest_distance();
         Ok(Self {
             zero_modes,
-            zero_share: spurious.zero_share,
+            zero_extent: spurious.zero_extent,
+            zero_modes_complete: spurious.is_complete,
             weak_modes: spurious.modes.len() - zero_modes,
             weakest: spurious.weakest,
             dispersion: dispersion_errors(&survey, &WAVELENGTHS)?,

@@ -2,7 +2,7 @@
 
 use super::row::{Measured, Row, WAVELENGTHS};
 use crate::settings::CompareSettings;
-use onset::measures::{Load, StretchOnset};
+use onset::measures::{Extent, Load, StretchOnset};
 use serde::Serialize;
 
 /// All methods of a comparison.
@@ -56,11 +56,13 @@ impl Table {
             Column {
                 head: "zero modes".to_owned(),
                 name: "zero_modes".to_owned(),
-                meaning: "wave vectors with modes without energy, of k and -k one; * where they fill lines or more of the zone"
+                meaning: "wave vectors with zero-energy modes, of k and -k one; * where they fill lines or more of the zone, >= where not all \
+                          of it could be searched"
                     .to_owned(),
                 cell: Box::new(|m| {
-                    let more = if m.zero_share > 0.0 { "*" } else { "" };
-                    format!("{}{more}", m.zero_modes)
+                    let least = if m.zero_modes_complete { "" } else { ">= " };
+                    let more = if m.zero_extent > Some(Extent::Point) { "*" } else { "" };
+                    format!("{least}{}{more}", m.zero_modes)
                 }),
                 number: Box::new(|m| m.zero_modes as f64),
             },

@@ -179,7 +179,7 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "critical_time_step",
-            "critical time step of central differences, 2 / omega_max",
+            "critical time step of central differences, 2 / omega_max; with damping that of map.integrator for the waves that do not grow",
             "time",
             |record| record.critical_time_step,
         ),

@@ -12,7 +12,7 @@ use crate::settings::Settings;
 use nalgebra::SVector;
 use onset::algebra::Complex;
 use onset::lattice::Crystal;
-use onset::measures::{SpuriousMode, spurious_modes};
+use onset::measures::{Extent, SpuriousMode, spurious_modes};
 use onset::method::MethodError;
 use onset::scheme::PeriodicPatch;
 use onset::verdict::SchemeSurvey;
@@ -51,8 +51,10 @@ pub struct ModesAnswer {
     pub dimension: usize,
     /// The distance of neighbors; length.
     pub spacing: f64,
-    /// The share of the wave vectors at which some mode has no energy.
-    pub zero_share: f64,
+    /// How far zero-energy modes extend at most; `None` where there are none.
+    pub zero_extent: Option<Extent>,
+    /// Whether all zero-energy modes have been found.
+    pub complete: bool,
     /// The lowest relative frequency anywhere.
     pub weakest: f64,
     /// The modes: those without energy first.
@@ -71,8 +73,10 @@ pub struct ShownMode {
     pub fractional: Vec<f64>,
     /// Its frequency over that of the material's slowest wave; `None` at `k = 0`.
     pub relative_frequency: Option<f64>,
-    /// How many independent modes have no energy.
+    /// How many independent zero-energy modes there are.
     pub nullity: usize,
+    /// How far zero-energy modes extend from it.
+    pub extent: Extent,
     /// Positions of the particles of a patch, three coordinates each; length.
     #[serde(skip)]
     pub positions: Vec<[f64; 3]>,
@@ -117,7 +121,8 @@ impl ModesAnswer {
         Ok(Self {
             dimension: D,
             spacing: crystal.nearest_distance(),
-            zero_share: found.zero_share,
+            zero_extent: found.zero_extent,
+            complete: found.is_complete,
             weakest: found.weakest,
             modes: found
                 .modes
@@ -173,6 +178,7 @@ impl ShownMode {
                 .is_finite()
                 .then_some(mode.relative_frequency),
             nullity: mode.nullity,
+            extent: mode.extent,
             positions: particles
                 .iter()
                 .map(|particle| in_space(crystal.position(particle)))
@@ -202,23 +208,38 @@ impl ShownMode {
 
     /// What it is, in words.
     pub fn kind(&self) -> String {
-        match (self.nullity, self.relative_frequency) {
-            (0, Some(share)) => format!("weak, {:.1} % of the material's frequency", 100.0 * share),
-            (0, None) => "weak".to_owned(),
+        let of_zero = match (self.nullity, self.relative_frequency) {
+            (0, Some(share)) => {
+                return format!("weak, {:.1} % of the material's frequency", 100.0 * share);
+            }
+            (0, None) => return "weak".to_owned(),
             (1, _) => "no energy".to_owned(),
             (count, _) => format!("no energy, {count} independent modes"),
+        };
+        match self.extent {
+            Extent::Point => of_zero,
+            Extent::Line => format!("{of_zero}, and all along a line"),
+            Extent::Surface => format!("{of_zero}, and all over a surface"),
+            Extent::Zone => format!("{of_zero}, and so at every wave vector"),
         }
     }
 }
 
 impl fmt::Display for ModesAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unsure =
+            "\nnot all of the zone could be searched for zero-energy modes: there may be others";
         if self.modes.is_empty() {
-            return writeln!(
+            writeln!(
                 formatter,
                 "no spurious modes: every wave of the undeformed body has at least {:.1} % of the frequency of the material's slowest wave",
                 100.0 * self.weakest
-            );
+            )?;
+            return if self.complete {
+                Ok(())
+            } else {
+                writeln!(formatter, "{unsure}")
+            };
         }
         writeln!(
             formatter,
@@ -233,12 +254,8 @@ impl fmt::Display for ModesAnswer {
                 mode.kind()
             )?;
         }
-        if self.zero_share > 0.0 {
-            writeln!(
-                formatter,
-                "\nmodes without energy on {:.1} % of the zone, not only at single wave vectors: those above are some of them",
-                100.0 * self.zero_share
-            )?;
+        if !self.complete {
+            writeln!(formatter, "{unsure}")?;
         }
         writeln!(
             formatter,

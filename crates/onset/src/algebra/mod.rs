@@ -15,7 +15,7 @@ pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
 pub(crate) use unit::moderate_unit;
-pub(crate) use well::{has_neighbor, is_well, settled};
+pub(crate) use well::{is_well, settled, settled_along};
 
 /// Complex numbers of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

@@ -53,6 +53,17 @@ pub(crate) fn settled<const D: usize>(
     start: (f64, SVector<f64, D>),
     steps: &SMatrix<f64, D, D>,
 ) -> (f64, SVector<f64, D>) {
+    let columns: [SVector<f64, D>; D] = std::array::from_fn(|i| steps.column(i).into());
+    settled_along(at, start, &columns)
+}
+
+/// The same within the space that some initial steps span.
+pub(crate) fn settled_along<const D: usize>(
+    at: &impl Fn(&SVector<f64, D>) -> f64,
+    start: (f64, SVector<f64, D>),
+    steps: &[SVector<f64, D>],
+) -> (f64, SVector<f64, D>) {
+    let count = steps.len();
     let mut best = start;
     let mut size = 0.5;
     for _ in 0..ROUNDS {
@@ -62,44 +73,41 @@ pub(crate) fn settled<const D: usize>(
         let (before, center) = best;
         // The largest weight of the best point: at one it is as far as the stencil reaches, and the bottom may be beyond.
         let mut moved = 0.0;
-        let mut ask = |weights: [f64; D]| {
-            let weights = SVector::from(weights);
-            let k = center + steps * weights * size;
+        let mut ask = |weights: &dyn Fn(usize) -> f64| {
+            let both = steps.iter().enumerate();
+            let move_by: SVector<f64, D> = both.map(|(i, step)| step * (weights(i) * size)).sum();
+            let k = center + move_by;
             let value = at(&k);
             if value < best.0 {
                 best = (value, k);
-                moved = weights.amax();
+                moved = (0..count).map(|i| weights(i).abs()).fold(0.0, f64::max);
             }
             value
         };
-        let unit = |i: usize, s: f64| std::array::from_fn(|j| if i == j { s } else { 0.0 });
-        let (mut gradient, mut hessian) = (DVector::zeros(D), DMatrix::zeros(D, D));
-        for i in 0..D {
-            let (plus, minus) = (ask(unit(i, 1.0)), ask(unit(i, -1.0)));
+        let unit = |i: usize, s: f64| move |j: usize| if i == j { s } else { 0.0 };
+        let (mut gradient, mut hessian) = (DVector::zeros(count), DMatrix::zeros(count, count));
+        for i in 0..count {
+            let (plus, minus) = (ask(&unit(i, 1.0)), ask(&unit(i, -1.0)));
             gradient[i] = 0.5 * (plus - minus);
             hessian[(i, i)] = plus + minus - 2.0 * before;
         }
-        for i in 0..D {
+        for i in 0..count {
             for j in 0..i {
                 let corner = |s: f64| {
-                    std::array::from_fn(|l| {
-                        if l == i {
-                            1.0
-                        } else if l == j {
-                            s
-                        } else {
-                            0.0
-                        }
-                    })
+                    move |l: usize| match l {
+                        _ if l == i => 1.0,
+                        _ if l == j => s,
+                        _ => 0.0,
+                    }
                 };
-                let mixed = 0.5 * (ask(corner(1.0)) - ask(corner(-1.0))) - gradient[j];
+                let mixed = 0.5 * (ask(&corner(1.0)) - ask(&corner(-1.0))) - gradient[j];
                 hessian[(i, j)] = mixed;
                 hessian[(j, i)] = mixed;
             }
         }
         if let Some(step) = downhill(hessian, &gradient) {
             let bounded = 2.0 / step.amax().max(2.0);
-            ask(std::array::from_fn(|i| bounded * step[i]));
+            ask(&|i| bounded * step[i]);
         }
         size *= match moved {
             0.0 => 0.25,

@@ -1,19 +1,24 @@
 //! Waves that a discretization does not resist: zero-energy modes and weak ones.
 
 use super::dispersion::continuum;
-use crate::algebra::{Complex, has_neighbor, is_well, settled};
+use super::zero_energy::{Extent, ZeroMode, ZeroModes};
+use crate::algebra::{Complex, is_well, settled, settled_along};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
+use crate::lattice::BrillouinZone;
 use crate::method::MethodError;
 use crate::verdict::SchemeSurvey;
-use nalgebra::SVector;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use std::f64::consts::TAU;
 
 /// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them.
 const GRID: [usize; 3] = [96, 24, 12];
-/// Ratios of squared frequencies below this are zero to rounding.
-const ZERO: f64 = 1e-9;
-/// How many modes are listed.
-const LISTED: usize = 32;
+/// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
+const LONG: f64 = 1e-3;
+/// How many of the deepest wells are followed to their bottom, weak or not.
+const DEEPEST: usize = 4;
+/// What a wave vector may be short of a face of the zone, relative to it, and be on it.
+const ON_FACE: f64 = 1e-9;
 
 /// A wave of the undeformed body with too little energy.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +29,11 @@ pub struct SpuriousMode<const D: usize> {
     /// Not a number at `k = 0`, where the material has no wave. With several particles in a cell the wave vector is known up to
     /// reciprocal vectors only, and the longest wave is taken: a shorter one is weaker than told.
     pub relative_frequency: f64,
-    /// How many independent modes have no energy at this wave vector, translations not counted.
+    /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
+    /// point, whatever the law.
     pub nullity: usize,
+    /// How far zero-energy modes extend from it; a single point for weak ones.
+    pub extent: Extent,
     /// Displacement of each particle of the cell at the origin, of the mode with the lowest frequency.
     pub displacements: Vec<SVector<Complex, D>>,
 }
@@ -40,39 +48,87 @@ impl<const D: usize> SpuriousMode<D> {
 /// The spurious modes of a discretization.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousModes<const D: usize> {
-    /// Modes without energy first, then the weak ones by their frequency; of `k` and `-k` one.
+    /// Zero-energy modes first, single wave vectors before lines and surfaces; then the weak ones by their frequency. Of `k` and `-k`
+    /// one, of a line or surface one.
     pub modes: Vec<SpuriousMode<D>>,
-    /// The share of the zone on which modes without energy fill lines, planes, or all of it; zero where they are at single wave
-    /// vectors only.
-    pub zero_share: f64,
-    /// The lowest relative frequency anywhere, long waves included: 1 where no wave is slower than the material's.
+    /// How far zero-energy modes extend at most; `None` where there are none.
+    pub zero_extent: Option<Extent>,
+    /// Whether all zero-energy modes have been found: the whole zone has been searched. Not so for large cells that have too many wave
+    /// vectors with little strain.
+    pub is_complete: bool,
+    /// The lowest relative frequency anywhere, long waves included: 0 with zero-energy modes, 1 where no wave is slower than the
+    /// material's.
     pub weakest: f64,
 }
 
-/// All wave vectors at which some mode has no energy, and those at which the relative frequency has a minimum below
-/// `threshold`; in the undeformed body, over the whole zone.
+/// All wave vectors with zero-energy modes, which depend on the discretization alone, and those at which the relative frequency has a
+/// minimum below `threshold`; in the undeformed body, over the whole zone.
 ///
 /// # Errors
-/// [`MethodError`] when the material cannot be evaluated.
+/// [`MethodError`] when the material or the discretization cannot be evaluated.
 pub fn spurious_modes<const D: usize>(
     survey: &SchemeSurvey<'_, D>,
     threshold: f64,
 ) -> Result<SpuriousModes<D>, MethodError> {
-    let identity = DeformationGradient::identity();
-    let stiffness = Stiffness::<D>::at(survey.material(), &identity)?;
-    Ok(Spurious { survey, stiffness }.modes(threshold))
+    let crystal = survey.scheme().crystal();
+    let zone = BrillouinZone::new(*crystal.lattice());
+    let strain = survey.scheme().strain()?;
+    let zero = ZeroModes::new(crystal, &strain, |k| zone.folded(k));
+    let weak = Weak {
+        survey,
+        zone: &zone,
+        stiffness: Stiffness::<D>::at(survey.material(), &DeformationGradient::identity())?,
+    };
+    let (weak_modes, slowest) = weak.modes(threshold, &zero);
+    let mut modes: Vec<SpuriousMode<D>> = zero.modes.iter().map(|m| shown(m, &zone)).collect();
+    let weakest = if modes.is_empty() {
+        slowest.clamp(0.0, 1.0).sqrt()
+    } else {
+        0.0
+    };
+    modes.extend(weak_modes);
+    Ok(SpuriousModes {
+        modes,
+        zero_extent: zero.extent(),
+        is_complete: zero.is_complete,
+        weakest,
+    })
 }
 
-struct Spurious<'a, 's, const D: usize> {
+/// A zero-energy mode with a wave vector of the first zone.
+fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> SpuriousMode<D> {
+    let is_at_rest = mode.wave_vector.norm() == 0.0;
+    SpuriousMode {
+        wave_vector: zone.folded(&mode.wave_vector),
+        relative_frequency: if is_at_rest { f64::NAN } else { 0.0 },
+        nullity: mode.nullity,
+        extent: mode.extent,
+        displacements: mode.displacements.clone(),
+    }
+}
+
+/// The search for weak modes.
+struct Weak<'a, 's, const D: usize> {
     survey: &'a SchemeSurvey<'s, D>,
+    zone: &'a BrillouinZone<D>,
     stiffness: Stiffness<D>,
 }
 
-impl<const D: usize> Spurious<'_, '_, D> {
-    /// The lowest squared frequency over that of the continuum.
+impl<const D: usize> Weak<'_, '_, D> {
+    /// The lowest squared frequency over that of the material's slowest wave. On the boundary of the zone there are several waves with
+    /// the same length: the fastest of them is taken, for which the ratio is least.
     fn ratio(&self, k: &SVector<f64, D>) -> f64 {
-        let k = self.survey.search().folded(k);
-        let exact = continuum(&self.stiffness, self.survey.scheme().density(), &k)[0];
+        let k = self.zone.folded(k);
+        if self.fractional(&k).amax() < LONG {
+            return f64::INFINITY;
+        }
+        let density = self.survey.scheme().density();
+        let slowest = |k: &SVector<f64, D>| continuum(&self.stiffness, density, k)[0];
+        let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - ON_FACE) * g.norm_squared();
+        let images = self.zone.bounding_vectors().iter().filter(on_face);
+        let exact = images
+            .map(|g| slowest(&(k - g)))
+            .fold(slowest(&k), f64::max);
         let found = self.survey.reference().omega_squared(&k)[0].re;
         if exact > 0.0 {
             found / exact
@@ -81,9 +137,15 @@ impl<const D: usize> Spurious<'_, '_, D> {
         }
     }
 
-    fn modes(&self, threshold: f64) -> SpuriousModes<D> {
+    /// In units of the reciprocal vectors.
+    fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.zone.lattice().vectors().transpose() * k / TAU
+    }
+
+    /// The weak modes, and the lowest ratio anywhere.
+    fn modes(&self, threshold: f64, zero: &ZeroModes<D>) -> (Vec<SpuriousMode<D>>, f64) {
         let n = GRID[D - 1];
-        let lattice = self.survey.scheme().crystal().lattice();
+        let reciprocal = self.zone.lattice().reciprocal();
         let count = n.pow(D as u32);
         // Of k and -k one is enough.
         let half = (n / 2 + 1) * (count / n);
@@ -94,72 +156,90 @@ impl<const D: usize> Spurious<'_, '_, D> {
                 fractional[i] = (rest % n) as f64 / n as f64;
                 rest /= n;
             }
-            lattice.reciprocal() * fractional
+            reciprocal * fractional
         };
         let values: Vec<f64> = (0..half)
             .map(|index| self.ratio(&wave_vector(index)))
             .collect();
-        let known = values.iter().filter(|value| value.is_finite());
-        let zeros = (1..half)
-            .filter(|index| values[*index] <= ZERO)
-            .filter(|index| has_neighbor::<D>(&values, *index, n, |value| value <= ZERO))
-            .count();
-        let zero_share = zeros as f64 / known.clone().count().max(1) as f64;
-        let least = known.fold(f64::INFINITY, |a, b| a.min(*b));
-
-        let mut modes: Vec<SpuriousMode<D>> = self.at_rest().into_iter().collect();
-        let steps = lattice.reciprocal() / n as f64;
-        let mut bottoms: Vec<(f64, SVector<f64, D>)> = (1..half)
-            .filter(|index| values[*index] < threshold * threshold * 1.5)
+        let steps = reciprocal / n as f64;
+        let mut wells: Vec<usize> = (1..half)
             .filter(|index| is_well::<D>(&values, *index, n))
-            .map(|index| {
-                let start = (values[index], wave_vector(index));
-                if start.0 <= ZERO {
-                    start
-                } else {
-                    settled(&|k| self.ratio(k), start, &steps)
-                }
-            })
-            .filter(|bottom| bottom.0 < threshold * threshold)
+            .collect();
+        wells.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let limit = threshold * threshold;
+        let mut bottoms: Vec<(f64, SVector<f64, D>)> = wells
+            .into_iter()
+            .enumerate()
+            .filter(|(order, index)| *order < DEEPEST || values[*index] < 1.5 * limit)
+            .map(|(_, index)| self.bottom((values[index], wave_vector(index)), &steps))
             .collect();
         bottoms.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut weakest = least;
+        let lowest = values.iter().chain(bottoms.iter().map(|(ratio, _)| ratio));
+        let lowest = lowest.copied().fold(f64::INFINITY, f64::min);
+
+        let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for (ratio, k) in bottoms {
-            weakest = weakest.min(ratio);
             // A well whose bottom is at k = 0 is no wave: the stiffness of all long waves is too low.
-            let fractional = lattice.vectors().transpose() * k / std::f64::consts::TAU;
+            let fractional = self.fractional(&k);
             let from_zero = fractional - fractional.map(f64::round);
-            if from_zero.amax() < 1.0 / n as f64 {
+            let is_long = from_zero.amax() < 1.0 / n as f64;
+            let is_known = || {
+                modes
+                    .iter()
+                    .any(|known| self.is_same(&known.wave_vector, &k))
+            };
+            if ratio < limit && !is_long && !zero.has(&k) && !is_known() {
+                modes.push(self.mode(&self.zone.folded(&k), ratio));
+            }
+        }
+        (modes, lowest)
+    }
+
+    /// The bottom of a well in the closed zone. The ratio has kinks where the shortest wave with a wave vector changes: on the faces of
+    /// the zone, so that minima lie in it, on its faces, their edges, or at corners, and each of those is searched for itself.
+    fn bottom(
+        &self,
+        start: (f64, SVector<f64, D>),
+        steps: &SMatrix<f64, D, D>,
+    ) -> (f64, SVector<f64, D>) {
+        let at = |k: &SVector<f64, D>| self.ratio(k);
+        let size = steps.column_iter().map(|step| step.norm());
+        let size = size.fold(0.0, f64::max);
+        let inside = settled(&at, start, steps);
+        let folded = self.zone.folded(&inside.1);
+        let distance = |g: &SVector<f64, D>| 0.5 * g.norm() - folded.dot(g) / g.norm();
+        let near: Vec<SVector<f64, D>> = self
+            .zone
+            .bounding_vectors()
+            .iter()
+            .filter(|g| distance(g) < size)
+            .copied()
+            .collect();
+        let mut best = inside;
+        for faces in 1_usize..1 << near.len().min(8) {
+            let chosen: Vec<SVector<f64, D>> = (0..near.len().min(8))
+                .filter(|i| faces >> i & 1 == 1)
+                .map(|i| near[i])
+                .collect();
+            let Some((place, tangents)) = stratum(&folded, &chosen) else {
                 continue;
-            }
-            let mode = self.mode(&self.survey.search().folded(&k), ratio);
-            let is_known = modes.iter().any(|known| self.is_same(known, &mode));
-            if !is_known && modes.len() < LISTED {
-                modes.push(mode);
+            };
+            let tangents: Vec<SVector<f64, D>> = tangents.iter().map(|t| t * size).collect();
+            let found = settled_along(&at, (at(&place), place), &tangents);
+            if found.0 < best.0 {
+                best = found;
             }
         }
-        SpuriousModes {
-            modes,
-            zero_share,
-            weakest: weakest.clamp(0.0, 1.0).sqrt(),
-        }
+        best
     }
 
     fn mode(&self, k: &SVector<f64, D>, ratio: f64) -> SpuriousMode<D> {
-        let exact = continuum(&self.stiffness, self.survey.scheme().density(), k)[0];
         let modes = self.survey.reference().modes(k);
-        let nullity = modes
-            .iter()
-            .filter(|(value, _)| value.re <= ZERO * exact)
-            .count();
         SpuriousMode {
             wave_vector: *k,
-            relative_frequency: if nullity > 0 {
-                0.0
-            } else {
-                ratio.max(0.0).sqrt()
-            },
-            nullity,
+            relative_frequency: ratio.max(0.0).sqrt(),
+            nullity: 0,
+            extent: Extent::Point,
             displacements: modes
                 .first()
                 .map(|(_, displacements)| per_particle(displacements))
@@ -167,52 +247,46 @@ impl<const D: usize> Spurious<'_, '_, D> {
         }
     }
 
-    /// Modes at `k = 0` other than the translations, which only cells with several particles have.
-    fn at_rest(&self) -> Option<SpuriousMode<D>> {
-        let system = self.survey.reference();
-        let zero = SVector::zeros();
-        let modes = system.modes(&zero);
-        // All modes of the cell may be free: the scale is that of the material's waves.
-        let spacing = self.survey.scheme().crystal().nearest_distance();
-        let scale = self.survey.speed_squared() / (spacing * spacing);
-        let free = modes
-            .iter()
-            .filter(|(value, _)| value.re <= ZERO * scale)
-            .count();
-        let nullity = free.checked_sub(D).filter(|nullity| *nullity > 0)?;
-        // The part of a free mode that is no translation.
-        let internal = modes[..free].iter().map(|(_, displacements)| {
-            let particles = per_particle::<D>(displacements);
-            let mean = particles.iter().sum::<SVector<Complex, D>>()
-                / Complex::new(particles.len() as f64, 0.0);
-            particles.iter().map(|own| own - mean).collect::<Vec<_>>()
-        });
-        let size = |particles: &Vec<SVector<Complex, D>>| {
-            particles.iter().map(|own| own.norm_squared()).sum::<f64>()
-        };
-        let displacements = internal.max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        Some(SpuriousMode {
-            wave_vector: zero,
-            relative_frequency: f64::NAN,
-            nullity,
-            displacements,
-        })
-    }
-
-    /// Whether two modes have the same wave vector, or opposite ones, up to reciprocal vectors.
-    fn is_same(&self, a: &SpuriousMode<D>, b: &SpuriousMode<D>) -> bool {
-        let lattice = self.survey.scheme().crystal().lattice();
+    /// Whether two wave vectors are the same, or opposite, up to reciprocal vectors.
+    fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
         let is_zero = |k: SVector<f64, D>| {
-            let fractional = lattice.vectors().transpose() * k / std::f64::consts::TAU;
+            let fractional = self.fractional(&k);
             (fractional - fractional.map(f64::round)).amax() < 1e-4
         };
-        is_zero(a.wave_vector - b.wave_vector) || is_zero(a.wave_vector + b.wave_vector)
+        is_zero(a - b) || is_zero(a + b)
     }
 }
 
-fn per_particle<const D: usize>(
-    displacements: &nalgebra::DVector<Complex>,
-) -> Vec<SVector<Complex, D>> {
+/// Where several faces of the zone meet, `k.G = |G|^2/2`: the point nearest to a wave vector, and unit tangents. `None` where one
+/// of the faces is no further restriction.
+fn stratum<const D: usize>(
+    k: &SVector<f64, D>,
+    faces: &[SVector<f64, D>],
+) -> Option<(SVector<f64, D>, Vec<SVector<f64, D>>)> {
+    if faces.len() > D {
+        return None;
+    }
+    let normals = DMatrix::from_fn(faces.len(), D, |row, i| faces[row][i] / faces[row].norm());
+    let short = DVector::from_fn(faces.len(), |row, _| {
+        0.5 * faces[row].norm() - k.dot(&faces[row]) / faces[row].norm()
+    });
+    // Rows of zeros make the decomposition show the tangents too.
+    let square = normals.clone().resize(D, D, 0.0);
+    let svd = square.try_svd(true, true, f64::EPSILON, 1000)?;
+    let right = svd.v_t.as_ref()?;
+    let is_normal = |n: &usize| svd.singular_values[*n] > 1e-6;
+    if (0..D).filter(is_normal).count() < faces.len() {
+        return None;
+    }
+    let step = svd.solve(&short.resize_vertically(D, 0.0), 1e-6).ok()?;
+    let place = k + SVector::from_fn(|i, _| step[i]);
+    let tangents = (0..D)
+        .filter(|n| !is_normal(n))
+        .map(|n| SVector::from_fn(|i, _| right[(n, i)]));
+    Some((place, tangents.collect()))
+}
+
+fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Vec<SVector<Complex, D>> {
     (0..displacements.len() / D)
         .map(|particle| SVector::from_fn(|i, _| displacements[D * particle + i]))
         .collect()

@@ -1,6 +1,6 @@
 //! The kernel methods of [`crate::method`] among the schemes.
 
-use super::{PeriodicPatch, Scheme};
+use super::{PeriodicPatch, Scheme, SeenForm, StrainOperator};
 use crate::approximation::Order;
 use crate::bloch::{BlochBlocks, Mass, WaveSystem, dynamical_matrix};
 use crate::kinematics::DeformationGradient;
@@ -39,6 +39,31 @@ impl<const D: usize> Scheme<D> for Method<D> {
             stiffness.sum(crystal),
             Mass::Lumped(vec![mass]),
         ))
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let order = if self.is_naturally_stabilized() {
+            Order::Second
+        } else {
+            Order::First
+        };
+        let configuration = self.configuration(&DeformationGradient::identity(), order)?;
+        let mut strain = StrainOperator::new();
+        for point in configuration.points {
+            let particle = |cell: &[i32; D]| Particle {
+                site: 0,
+                cell: *cell,
+            };
+            let shape = &point.shape;
+            let mut forms = vec![SeenForm::Strain(shape.gradients.clone())];
+            if point.second_moments.is_some() {
+                // The energy is that of a strain which is linear over the cell.
+                let slope = |l: usize| shape.hessians.iter().map(move |h| h.column(l).into());
+                forms.extend((0..D).map(|l| SeenForm::Strain(slope(l).collect())));
+            }
+            strain.add(point.cells.iter().map(particle).collect(), forms);
+        }
+        Ok(strain)
     }
 
     fn forces(

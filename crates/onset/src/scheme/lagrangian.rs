@@ -1,6 +1,6 @@
 //! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
 
-use super::{Interaction, Motion, PeriodicPatch, PointResponse, patch_forces};
+use super::{Interaction, Motion, PeriodicPatch, PointResponse, StrainOperator, patch_forces};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
@@ -98,6 +98,15 @@ pub(super) fn stressed<'a, const D: usize>(
     let response = PointResponse::new(material, f)?;
     let with_response = |point| Stressed { point, response };
     Ok(points.iter().map(with_response).collect())
+}
+
+/// What points see.
+pub(super) fn strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOperator<D> {
+    let mut strain = StrainOperator::new();
+    for point in points {
+        strain.add_strain(&point.particles, point.gradients.clone());
+    }
+    strain
 }
 
 /// The forces of interactions on a patch at rest.

@@ -20,6 +20,7 @@ mod products;
 mod response;
 pub mod sph;
 pub mod stabilization;
+mod strain;
 
 pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
@@ -32,6 +33,7 @@ pub use peridynamics::{
     ZeroEnergyControl,
 };
 pub use response::PointResponse;
+pub use strain::{SeenForm, SeenPoint, StrainOperator};
 
 use crate::bloch::WaveSystem;
 use crate::kinematics::DeformationGradient;
@@ -84,6 +86,13 @@ pub trait Scheme<const D: usize>: Debug + Send + Sync {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError>;
+
+    /// What the discretization sees of a displacement of the undeformed body: its strains, and what its control of zero-energy modes
+    /// sees besides, whatever the law.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization cannot be evaluated there.
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError>;
 
     /// The forces on the particles of a periodic patch that are displaced from a homogeneous state, in the order of
     /// [`PeriodicPatch`]; the particles are at rest.

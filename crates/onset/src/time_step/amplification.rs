@@ -88,6 +88,14 @@ impl Amplification {
 
     /// The largest modulus of an eigenvalue of `G(dt)`; infinite where the eigenvalue iteration fails.
     pub fn spectral_radius(&self, integrator: Integrator, step: f64) -> f64 {
+        let moduli = self.moduli(integrator, step);
+        moduli.map_or(f64::INFINITY, |moduli| {
+            moduli.into_iter().fold(0.0, f64::max)
+        })
+    }
+
+    /// The moduli of the eigenvalues of `G(dt)`; `None` where the eigenvalue iteration fails.
+    fn moduli(&self, integrator: Integrator, step: f64) -> Option<Vec<f64>> {
         // Velocities times the step: a similarity that keeps both halves of the same size.
         let n = self.stiffness.nrows();
         let mut matrix = self.matrix(integrator, step);
@@ -98,48 +106,55 @@ impl Amplification {
                 matrix[(n + i, j)] *= scale;
             }
         }
-        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, 400 * n);
-        let values = schur.and_then(|schur| schur.eigenvalues());
-        values.map_or(f64::INFINITY, |values| {
-            values.iter().map(|z| z.norm()).fold(0.0, f64::max)
-        })
+        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, 400 * n)?;
+        let values = schur.eigenvalues()?;
+        Some(values.iter().map(|z| z.norm()).collect())
     }
 
-    fn is_stable(&self, integrator: Integrator, step: f64, growth_rate: f64) -> bool {
+    /// Whether no more solutions of the integrator grow than the linearized equations themselves have, of which the growth rates
+    /// are given: a solution that grows anyway bounds no step, one that does not must not.
+    fn is_stable(&self, integrator: Integrator, step: f64, growth_rates: &[f64]) -> bool {
+        let Some(moduli) = self.moduli(integrator, step) else {
+            return false;
+        };
         // Near a double eigenvalue rounding moves both by its square root.
-        let admitted = (growth_rate * step).exp() + ROUNDING.sqrt() * 1e-2;
-        self.spectral_radius(integrator, step) <= admitted
+        let rounding = ROUNDING.sqrt() * 1e-2;
+        let growing = moduli.iter().filter(|modulus| **modulus > 1.0 + rounding);
+        // A solution of the integrator may grow somewhat faster than the one that it stands for.
+        let grows = |rate: &&f64| **rate * step > 0.5 * rounding;
+        growing.count() <= growth_rates.iter().filter(grows).count()
     }
 }
 
-/// The largest stable step of an integrator for the waves with one wave vector: the first step at which an eigenvalue of the
-/// amplification matrix leaves the unit circle, growth of the waves themselves allowed for. Infinite for waves that do not
-/// oscillate. Time.
+/// The largest stable step of an integrator for the waves with one wave vector: the first step at which more eigenvalues of the
+/// amplification matrix are outside of the unit circle than solutions of the equations of motion grow. So waves that grow by
+/// themselves do not bound it. Infinite for waves that do not oscillate. Time.
 pub fn critical_time_step_at<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
     k: &SVector<f64, D>,
 ) -> f64 {
-    let largest = system
-        .omega_squared(k)
-        .iter()
-        .map(|z| z.norm())
-        .fold(0.0, f64::max);
-    let bound = 2.0 / largest.sqrt();
+    let undamped = system.omega_squared(k);
+    if system.damping().is_none() {
+        // All three are stable up to two over the frequency. Waves with a complex omega^2 grow anyway.
+        let fastest = undamped.last().map_or(0.0, |z| z.re);
+        return 2.0 / fastest.max(0.0).sqrt();
+    }
+    let frequencies = system.frequencies(k);
+    let oscillating = undamped.iter().filter(|z| z.re > 0.0);
+    let decaying = frequencies.iter().filter(|omega| omega.im < 0.0);
+    // Where nothing oscillates something may still decay too fast for a step.
+    let fastest = match oscillating.map(|z| z.norm()).fold(0.0, f64::max) {
+        0.0 => decaying.map(|omega| omega.norm()).fold(0.0, f64::max),
+        largest => largest.sqrt(),
+    };
+    let bound = 2.0 / fastest;
     if !bound.is_finite() {
         return f64::INFINITY;
     }
-    if system.damping().is_none() {
-        // All three are stable up to two over the frequency. Waves with a complex omega^2 grow anyway.
-        let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
-        return 2.0 / fastest.max(0.0).sqrt();
-    }
     let wave = Amplification::new(system, k);
-    let growth = system
-        .frequencies(k)
-        .first()
-        .map_or(0.0, |omega| omega.im.max(0.0));
-    let stable = |step: f64| wave.is_stable(integrator, step, growth);
+    let growth_rates: Vec<f64> = frequencies.iter().map(|omega| omega.im).collect();
+    let stable = |step: f64| wave.is_stable(integrator, step, &growth_rates);
     let (mut low, mut high) = (0.0, f64::INFINITY);
     for n in 1..=STEPS {
         let step = 1.02 * bound * n as f64 / STEPS as f64;
@@ -163,7 +178,8 @@ pub fn critical_time_step_at<const D: usize>(
     low
 }
 
-/// The largest stable step of an integrator at a state: the least over the zone. Time.
+/// The largest stable step of an integrator at a state: the least over the zone. Time. Of a state that is unstable itself it is
+/// that of the waves that do not grow.
 ///
 /// Without damping it is `2 / omega_max`, which the search over the zone finds; otherwise the least over a grid of wave vectors,
 /// refined around the worst one.
@@ -284,6 +300,39 @@ mod tests {
             let damped = 1.0 - ratio * y;
             let residual = 0.25 * y * y * (1.0 + damped) - 1.0 - damped * damped;
             assert!(residual.abs() < 3e-4, "{residual} at {y}");
+        }
+    }
+
+    /// Two oscillators without neighbors on squares: stiffness and damping along the axes.
+    fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
+        let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+        let crystal = Crystal::of_lattice(lattice);
+        let home = Particle::home(0);
+        let sum = |along: [f64; 2]| {
+            let mut blocks = BlochBlocks::new();
+            blocks.add(&home, &home, &SMatrix::from_diagonal(&along.into()));
+            blocks.sum(&crystal)
+        };
+        let (stiffness, damping) = (sum(stiffness), sum(damping));
+        WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0])).with_damping(damping)
+    }
+
+    #[test]
+    fn a_growing_wave_bounds_no_step_and_a_stable_one_beside_it_does() {
+        let k = SVector::from([1.0, 2.0]);
+        // omega = 2 beside growth of any speed, with the closed form of lagged damping.
+        for ratio in [0.02, 0.3] {
+            for negative in [-1e-3, -0.5, -400.0] {
+                let system = held([negative, 4.0], [0.2, 4.0 * ratio]);
+                let expected = (1.0 + ratio * ratio).sqrt() - ratio;
+                let step = critical_time_step_at(&system, Integrator::CentralDifferences, &k);
+                assert!((step - expected).abs() < 1e-4, "{step} for {expected}");
+            }
+        }
+        // Nothing but growth: the part of it that decays is what is left.
+        let system = held([-1.0, -2.0], [0.3, 0.3]);
+        for integrator in Integrator::ALL {
+            assert!(critical_time_step_at(&system, integrator, &k) > 1.0);
         }
     }
 

@@ -1,8 +1,8 @@
 //! Time steps: which are stable, for which integrator, with and without damping.
 //!
 //! A wave of the linearized equations `M dv/dt = -K u - C v`, `du/dt = T v` is a small linear system; one step of an integrator
-//! multiplies `(u, v)` by the amplification matrix `G(dt)`. A step is stable when no eigenvalue of `G` leaves the unit circle,
-//! beyond what the wave itself grows by.
+//! multiplies `(u, v)` by the amplification matrix `G(dt)`. A step is stable when no more eigenvalues of `G` are outside of the unit
+//! circle than solutions of the equations themselves grow: what grows anyway needs no step, what does not must not.
 
 mod amplification;
 

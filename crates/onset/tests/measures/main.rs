@@ -4,6 +4,10 @@ mod fidelity;
 mod frequencies;
 mod onsets;
 mod spurious;
+mod zero_energy;
+
+#[path = "../shared/hunt.rs"]
+mod hunt;
 
 use onset::approximation::Approximation;
 use onset::lattice::Arrangement;

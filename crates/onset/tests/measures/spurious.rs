@@ -2,11 +2,12 @@
 
 use crate::{method, nodal, on_crystal};
 use nalgebra::SVector;
+use onset::approximation::Approximation;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
-use onset::material::ModifiedMooneyRivlin;
-use onset::measures::{SpuriousMode, SpuriousModes, spurious_modes};
+use onset::lattice::{Arrangement, BrillouinZone};
+use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
+use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
 use onset::method::Discretization;
 use onset::quadrature::Quadrature;
 use onset::scheme::Scheme;
@@ -49,7 +50,7 @@ fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
     assert_eq!(zeros(&method, &modes), [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]]);
     assert!(modes.modes.iter().all(|mode| mode.nullity <= 2));
     assert_eq!(modes.weakest, 0.0);
-    assert_eq!(modes.zero_share, 0.0, "single points fill no share");
+    assert_eq!(modes.zero_extent, Some(Extent::Point));
 }
 
 #[test]
@@ -76,7 +77,7 @@ fn nodal_integration_on_cubes_has_seven_and_on_a_chain_one() {
     let chain = method::<1>(nodal(Arrangement::Chain));
     let modes = found(&chain, 0.5);
     assert_eq!(zeros(&chain, &modes), [[0.5]]);
-    assert_eq!(modes.zero_share, 0.0, "single points fill no share");
+    assert_eq!(modes.zero_extent, Some(Extent::Point));
 }
 
 #[test]
@@ -175,4 +176,100 @@ fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
     // That long waves are slow is no mode of its own.
     let close = modes.iter().filter(|mode| mode.wave_vector.norm() < 0.1);
     assert_eq!(close.count(), 1);
+}
+
+fn law(name: &str, parameters: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
+    let law = Law::named(name).expect("a law of the library");
+    law.build(parameters).expect("admissible parameters")
+}
+
+/// The lowest relative frequency of a dense search over the closed zone: of its inside, and along each of its edges, where opposite
+/// ones are different waves of the material.
+fn densely<const D: usize>(survey: &SchemeSurvey<'_, D>, steps: usize) -> f64 {
+    let lattice = *survey.scheme().crystal().lattice();
+    let zone = BrillouinZone::new(lattice);
+    let stiffness = Stiffness::<D>::at(survey.material(), &DeformationGradient::identity());
+    let stiffness = stiffness.expect("a stiffness");
+    let ratio = |k: &SVector<f64, D>| {
+        let tensor = stiffness.acoustic_tensor(k);
+        let tensor = nalgebra::DMatrix::from_fn(D, D, |i, j| tensor[(i, j)]);
+        let exact = tensor.symmetric_eigenvalues().min();
+        let found = survey.reference().omega_squared(k)[0].re * survey.scheme().density();
+        (found / exact).max(0.0).sqrt()
+    };
+    let mut least = f64::INFINITY;
+    for index in 0..steps.pow(D as u32) {
+        let mut rest = index;
+        let place = SVector::<f64, D>::from_fn(|_, _| {
+            let n = rest % steps;
+            rest /= steps;
+            (n as f64 + 0.37) / steps as f64
+        });
+        let k = zone.folded(&(lattice.reciprocal() * place));
+        least = least.min(ratio(&k));
+    }
+    let corners = zone.corners();
+    for (n, from) in corners.iter().enumerate() {
+        let to = &corners[(n + 1) % corners.len()];
+        for step in 0..40 * steps {
+            let share = step as f64 / (40 * steps) as f64;
+            least = least.min(ratio(&(from + (to - from) * share)));
+        }
+    }
+    least
+}
+
+#[test]
+fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
+    let stabilized = |arrangement| Discretization {
+        quadrature: Quadrature::NodalStabilized,
+        approximation: Approximation::Mls,
+        ..nodal(arrangement)
+    };
+    let angle = [("angle", 30.0)];
+    let cases = [
+        (
+            "blatz-ko",
+            &[][..],
+            stabilized(Arrangement::Hexagonal),
+            Some(0.060_910_6),
+        ),
+        ("blatz-ko", &[], stabilized(Arrangement::Square), None),
+        (
+            "saint-venant-orthotropic",
+            &angle,
+            stabilized(Arrangement::Hexagonal),
+            None,
+        ),
+        (
+            "saint-venant-orthotropic",
+            &angle,
+            Discretization {
+                quadrature: Quadrature::StressPoints,
+                ..nodal(Arrangement::Square)
+            },
+            None,
+        ),
+    ];
+    for (name, parameters, discretization, expected) in cases {
+        let material = law(name, parameters);
+        let method = method::<2>(discretization);
+        let survey = SchemeSurvey::new(&method, &*material).expect("a survey");
+        let weakest = spurious_modes(&survey, 0.5).expect("modes").weakest;
+        let least = densely(&survey, 160);
+        assert!(
+            weakest <= least * (1.0 + 1e-9),
+            "{name}: {weakest} above {least}"
+        );
+        assert!(
+            weakest >= least * (1.0 - 1e-3),
+            "{name}: {weakest} below {least}"
+        );
+        if let Some(expected) = expected {
+            assert!(
+                (weakest - expected).abs() < 1e-7,
+                "{weakest} for {expected}"
+            );
+        }
+    }
 }

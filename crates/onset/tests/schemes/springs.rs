@@ -10,7 +10,8 @@ use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::real::Real;
 use onset::scheme::{
-    Interaction, Motion, PeriodicPatch, Scheme, linearized, lumped_masses, patch_forces,
+    Interaction, Motion, PeriodicPatch, Scheme, SeenForm, StrainOperator, linearized,
+    lumped_masses, patch_forces,
 };
 use std::f64::consts::PI;
 
@@ -87,6 +88,18 @@ impl Scheme<1> for Chain {
             Mass::Lumped(self.masses.clone()),
             &self.springs,
         )
+    }
+
+    fn strain(&self) -> Result<StrainOperator<1>, MethodError> {
+        let mut strain = StrainOperator::new();
+        for spring in &self.springs {
+            let elongation = [-1.0, 1.0].map(SVector::<f64, 1>::new).to_vec();
+            strain.add(
+                spring.particles.to_vec(),
+                vec![SeenForm::Control(elongation)],
+            );
+        }
+        Ok(strain)
     }
 
     fn forces(

@@ -9,8 +9,8 @@
 mod gauss;
 mod region;
 
-use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, stressed};
-use super::{PeriodicPatch, Scheme, linearized, lumped_masses};
+use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
+use super::{PeriodicPatch, Scheme, StrainOperator, linearized, lumped_masses};
 use crate::approximation::{Approximation, Order};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -176,6 +176,10 @@ impl<const D: usize> Scheme<D> for ConformingIntegration<D> {
     ) -> Result<WaveSystem<D>, MethodError> {
         let mass = Mass::Lumped(lumped_masses(&self.crystal, self.density));
         linearized(&self.crystal, mass, &stressed(&self.points, material, f)?)
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        Ok(strains(&self.points))
     }
 
     fn forces(

@@ -4,7 +4,7 @@
 use super::shape::sign;
 use crate::lattice::Particle;
 use crate::real::Real;
-use crate::scheme::{Interaction, Motion};
+use crate::scheme::{Interaction, Motion, SeenForm, StrainOperator};
 use nalgebra::SVector;
 
 /// An hourglass mode of an element: `q = sum_a gamma_a u_a`, which is zero for every linear field.
@@ -17,6 +17,17 @@ pub(super) struct HourglassMode<const D: usize> {
     pub(super) stiffness: f64,
     /// `V (sum_a |b_a|^2)^1/2`: the viscosity that an impedance of one has; length^(D-1).
     pub(super) viscosity: f64,
+}
+
+impl<const D: usize> HourglassMode<D> {
+    /// Adds the components of `q` to what is seen.
+    pub(super) fn seen_by(&self, strain: &mut StrainOperator<D>) {
+        let component = |i: usize| {
+            let along = |weight: &f64| SVector::from_fn(|j, _| if i == j { *weight } else { 0.0 });
+            SeenForm::Control(self.gamma.iter().map(along).collect())
+        };
+        strain.add(self.nodes.clone(), (0..D).map(component).collect());
+    }
 }
 
 /// The modes of a multilinear element, products of two or more reference coordinates at the nodes: one in the plane, four in

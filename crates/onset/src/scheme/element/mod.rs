@@ -13,8 +13,8 @@ pub use mesh::{Mesh, MeshError};
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
-use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, stressed};
-use super::{Forced, PeriodicPatch, Scheme};
+use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
+use super::{Forced, PeriodicPatch, Scheme, StrainOperator};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -260,6 +260,16 @@ impl<const D: usize> Scheme<D> for FiniteElements<D> {
             forced.add(mode);
         }
         forced.waves(self.crystal(), self.mass.clone())
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let mut strain = strains(&self.points);
+        if self.formulation.hourglass_stiffness > 0.0 {
+            for mode in &self.modes {
+                mode.seen_by(&mut strain);
+            }
+        }
+        Ok(strain)
     }
 
     fn forces(

@@ -8,9 +8,12 @@
 mod point;
 mod shape;
 
-use super::lagrangian::{LagrangianPoint, Stressed, forces_at_rest, stressed};
+use super::lagrangian::{LagrangianPoint, Stressed, forces_at_rest, strains, stressed};
 use super::layout::{Layout, assert_planar, assert_positive};
-use super::{Interaction, Motion, PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
+use super::{
+    Interaction, Motion, PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized,
+    lumped_masses,
+};
 use crate::approximation::Approximation;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -296,6 +299,12 @@ impl<const D: usize> Scheme<D> for KernelScheme<D> {
         self.with_points(material, f, |points| {
             linearized(&self.crystal, Mass::Lumped(masses), points)
         })?
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let seen = self.seen(&self.reference_layout())?;
+        let points = self.points.iter().zip(seen).map(Seen::fixed);
+        Ok(strains(&points.collect::<Vec<_>>()))
     }
 
     fn forces(

@@ -10,7 +10,7 @@ mod step;
 
 pub use functions::GridFunctions;
 
-use super::{Forced, PeriodicPatch, Scheme, patch_forces};
+use super::{Forced, PeriodicPatch, Scheme, StrainOperator, patch_forces};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
@@ -250,6 +250,26 @@ impl<const D: usize> MaterialPoints<D> {
         self.profile.nodes(&at).into_iter().map(node).collect()
     }
 
+    /// What the points contribute to a sum over nodes, whose velocities are `v_i = sum_q m_q N_iq v_q / m_i`.
+    fn through_nodes(
+        &self,
+        nodes: impl Iterator<Item = (Particle<D>, SVector<f64, D>)>,
+    ) -> BTreeMap<Particle<D>, SVector<f64, D>> {
+        let mut sums = BTreeMap::new();
+        for (node, vector) in nodes {
+            for (site, (place, volume)) in self.points.iter().enumerate() {
+                let share = self.choices.density * volume / self.nodal_mass();
+                for (seen, value) in self.transfer(place) {
+                    // The copy of the point that sees this node where the one of the cell sees `seen`.
+                    let cell = std::array::from_fn(|i| node.cell[i] - seen.cell[i]);
+                    let sum = sums.entry(Particle { site, cell });
+                    *sum.or_insert_with(SVector::zeros) += vector * (share * value);
+                }
+            }
+        }
+        sums
+    }
+
     /// The stiffness between points from that between nodes, `K_pq = sum_ij (m_p N_ip / m_i) K_ij (m_q N_jq / m_j)`: no force acts in
     /// the homogeneous state, so that the transfer itself does not vary.
     fn between_points(&self, nodal: BlochBlocks<D>) -> BlochBlocks<D> {
@@ -366,6 +386,24 @@ impl<const D: usize> Scheme<D> for MaterialPoints<D> {
             }
         };
         forced.waves(&self.crystal, mass)
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let inverse = self.grid.lattice().reciprocal() / std::f64::consts::TAU;
+        let mut strain = StrainOperator::new();
+        for (place, _) in &self.points {
+            let at: [f64; D] = (*place).into();
+            let nodes = self.profile.nodes(&at).into_iter().map(|cell| {
+                let slope: SVector<f64, D> = self.profile.shape(&at, &cell).slope.into();
+                (Particle { site: 0, cell }, inverse * slope)
+            });
+            let (particles, gradients): (Vec<_>, Vec<_>) = match self.choices.formulation {
+                Formulation::Particles { .. } => self.through_nodes(nodes).into_iter().unzip(),
+                _ => nodes.unzip(),
+            };
+            strain.add_strain(&particles, gradients);
+        }
+        Ok(strain)
     }
 
     fn forces(

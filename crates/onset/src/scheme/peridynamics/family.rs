@@ -114,6 +114,19 @@ impl<const D: usize> Family<D> {
         })
     }
 
+    /// The gradients `b_J = w V_J K^-1 X_IJ` of the nonlocal deformation gradient and the vectors `X_IJ`, in the order of the particles;
+    /// its own is minus the sum of the others.
+    pub(super) fn gradients(&self) -> (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>) {
+        let gradient = |n: &Neighbor<D>| self.inverse_shape * n.vector * (n.influence * n.volume);
+        let others: Vec<SVector<f64, D>> = self.neighbors.iter().map(gradient).collect();
+        let own = -others.iter().sum::<SVector<f64, D>>();
+        let vectors = self.neighbors.iter().map(|n| n.vector);
+        (
+            std::iter::once(own).chain(others).collect(),
+            std::iter::once(SVector::zeros()).chain(vectors).collect(),
+        )
+    }
+
     /// The number of particles within the horizon, the one at its center left out.
     pub(super) fn len(&self) -> usize {
         self.neighbors.len()

@@ -9,7 +9,7 @@ mod correspondence;
 mod family;
 
 use super::lagrangian::forces_at_rest;
-use super::{PeriodicPatch, Scheme, linearized, lumped_masses};
+use super::{PeriodicPatch, Scheme, SeenForm, StrainOperator, linearized, lumped_masses};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Crystal;
@@ -332,6 +332,15 @@ impl<const D: usize> Peridynamics<D> {
 }
 
 impl ZeroEnergyControl {
+    /// Whether of the nonuniform part of the deformation only what is along the bonds is resisted; `None` where nothing is.
+    fn sees_only_along_bonds(self) -> Option<bool> {
+        match self {
+            Self::Penalty { coefficient } if coefficient > 0.0 => Some(false),
+            Self::Hourglass { coefficient } if coefficient > 0.0 => Some(true),
+            _ => None,
+        }
+    }
+
     fn check(self) -> Result<(), MethodError> {
         match self {
             Self::Penalty { coefficient } | Self::Hourglass { coefficient } => {
@@ -368,6 +377,31 @@ impl<const D: usize> Scheme<D> for Peridynamics<D> {
             Interactions::Bonds(bonds) => linearized(&self.crystal, mass, &bonds),
             Interactions::Points(points) => linearized(&self.crystal, mass, &points),
         }
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let mut strain = StrainOperator::new();
+        match self.choices.model {
+            BondModel::BondBased { .. } => {
+                for (site, family) in self.families.iter().enumerate() {
+                    for bond in family.bonds(&self.crystal, site) {
+                        let along = bond.vector.normalize();
+                        let elongation = SeenForm::Control(vec![-along, along]);
+                        strain.add(bond.particles.to_vec(), vec![elongation]);
+                    }
+                }
+            }
+            BondModel::Correspondence { control } => {
+                for family in &self.families {
+                    let (gradients, vectors) = family.gradients();
+                    strain.add_strain(&family.particles, gradients.clone());
+                    if let Some(only_along) = control.sees_only_along_bonds() {
+                        strain.add_nonuniform(&family.particles, &gradients, &vectors, only_along);
+                    }
+                }
+            }
+        }
+        Ok(strain)
     }
 
     fn forces(

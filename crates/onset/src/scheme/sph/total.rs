@@ -1,12 +1,14 @@
 //! Total-Lagrangian SPH.
 
-use super::super::lagrangian::{LagrangianPoint, forces_at_rest, stressed};
+use super::super::lagrangian::{LagrangianPoint, forces_at_rest, strains, stressed};
 use super::super::layout::{Layout, assert_positive};
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Slope, ViscousBond, assert_coefficients, smoothed_velocities,
     viscous_bonds, young_modulus,
 };
-use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
+use super::super::{
+    PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
+};
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use crate::bloch::{Mass, WaveSystem};
@@ -223,6 +225,18 @@ impl<const D: usize> Scheme<D> for TotalLagrangianSph<D> {
             &densities,
             weights,
         )))
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let mut strain = strains(&self.points);
+        if self.choices.penalty > 0.0 {
+            for (neighborhood, point) in self.neighborhoods.iter().zip(&self.points) {
+                let vectors: Vec<SVector<f64, D>> =
+                    neighborhood.vectors.iter().map(|x| (*x).into()).collect();
+                strain.add_nonuniform(point.particles(), point.gradients(), &vectors, true);
+            }
+        }
+        Ok(strain)
     }
 
     fn forces(

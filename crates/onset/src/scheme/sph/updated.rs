@@ -6,7 +6,9 @@ use super::super::stabilization::{
     ArtificialStress, ArtificialViscosity, Repulsion, Slope, ViscousBond, assert_coefficients,
     smoothed_velocities, viscous_bonds,
 };
-use super::super::{PeriodicPatch, PointResponse, Scheme, linearized, lumped_masses};
+use super::super::{
+    PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
+};
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use super::stress::{Circle, StressOf, Surroundings};
@@ -347,6 +349,16 @@ impl<const D: usize> Scheme<D> for UpdatedSph<D> {
             let drift = smoothed_velocities(&self.crystal, epsilon, masses, densities, pairs);
             Ok(system.with_drift(drift))
         })?
+    }
+
+    fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let state = self.state(&DeformationGradient::identity())?;
+        let mut strain = StrainOperator::new();
+        for (neighborhood, gradients) in state.neighborhoods.iter().zip(&state.gradients) {
+            let gradients = gradients.iter().map(|b| (*b).into()).collect();
+            strain.add_strain(&neighborhood.particles, gradients);
+        }
+        Ok(strain)
     }
 
     fn forces(

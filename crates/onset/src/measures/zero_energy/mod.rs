@@ -1,0 +1,435 @@
+//! All zero-energy modes: the wave vectors at which the strain operator has a kernel.
+//!
+//! The zone is divided until each part either surely has no such wave vector, by bounds on the strain operator, or lies in the
+//! neighborhood of one that Newton's method has found and that is surely alone there. Where zero-energy modes fill lines or
+//! surfaces the division ends at a small size.
+
+mod root;
+mod rows;
+
+use crate::algebra::Complex;
+use crate::lattice::Crystal;
+use crate::scheme::StrainOperator;
+use nalgebra::{DMatrix, SVector};
+use root::Root;
+use rows::Rows;
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+/// Parts of the zone, in units of the reciprocal vectors: the first ones, those from which Newton's method starts, those at which a
+/// line or surface is followed no further, and the smallest.
+const FIRST: f64 = 0.25;
+const NEWTON: f64 = 0.13;
+const FOLLOWED: [f64; 3] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0];
+const SMALLEST: f64 = 1e-9;
+/// Roots nearer than this to one whose slopes vanish are taken for it, in units of the shortest reciprocal vector.
+const MULTIPLE: f64 = 0.02;
+/// Roots nearer than this to a place whose coordinates are multiples of the fraction, in units of the reciprocal vectors, are tried
+/// there: multiple ones are known to a root of rounding only.
+const NEAR: f64 = 1e-4;
+const FRACTION: f64 = 1.0 / 24.0;
+/// The distance at which it is tried whether a root goes on.
+const CONTINUED: f64 = 0.02;
+/// What is spent on the division: terms of sums.
+const BUDGET: f64 = 1.5e9;
+/// Wave vectors of no symmetry, in units of the reciprocal vectors.
+const GENERIC: [[f64; 3]; 3] = [
+    [0.237_068_1, 0.396_871_4, 0.141_592_7],
+    [0.414_213_6, 0.118_033_9, 0.302_775_6],
+    [0.087_298_3, 0.267_949_2, 0.449_489_7],
+];
+
+/// How far zero-energy modes extend from a wave vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Extent {
+    /// A single wave vector.
+    Point,
+    /// A line of wave vectors, or several that meet.
+    Line,
+    /// A surface in the zone of a body in space.
+    Surface,
+    /// Every wave vector.
+    Zone,
+}
+
+impl Extent {
+    /// The word used in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Line => "line",
+            Self::Surface => "surface",
+            Self::Zone => "zone",
+        }
+    }
+}
+
+/// A wave vector with zero-energy modes.
+#[derive(Clone, Debug)]
+pub(super) struct ZeroMode<const D: usize> {
+    pub(super) wave_vector: SVector<f64, D>,
+    pub(super) extent: Extent,
+    pub(super) nullity: usize,
+    pub(super) displacements: Vec<SVector<Complex, D>>,
+}
+
+/// All of them, of `k` and `-k` one, and whether that is sure.
+pub(super) struct ZeroModes<const D: usize> {
+    rows: Rows<D>,
+    pub(super) modes: Vec<ZeroMode<D>>,
+    pub(super) is_complete: bool,
+}
+
+impl<const D: usize> ZeroModes<D> {
+    /// `folded` takes a wave vector to the first zone.
+    pub(super) fn new(
+        crystal: &Crystal<D>,
+        strain: &StrainOperator<D>,
+        folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Self {
+        let rows = Rows::new(crystal, strain);
+        let mut search = Search::new(crystal, &rows);
+        let (mut modes, mut is_complete) = (Vec::new(), true);
+        match search.everywhere() {
+            Some(mode) => modes.push(mode),
+            None => {
+                is_complete = search.divide();
+                modes.extend(search.at_rest());
+                modes.extend(search.modes(&folded));
+            }
+        }
+        Self {
+            rows,
+            modes,
+            is_complete,
+        }
+    }
+
+    /// How far zero-energy modes extend; `None` where there are none.
+    pub(super) fn extent(&self) -> Option<Extent> {
+        self.modes.iter().map(|mode| mode.extent).max()
+    }
+
+    /// Whether a wave vector that is known to the square root of rounding has a zero-energy mode.
+    pub(super) fn has(&self, k: &SVector<f64, D>) -> bool {
+        self.rows.smallest(k) <= 1e-4 * self.rows.slope * k.norm()
+    }
+}
+
+/// A part of the zone, in units of the reciprocal vectors.
+#[derive(Clone, Copy)]
+struct Part<const D: usize> {
+    center: SVector<f64, D>,
+    half: SVector<f64, D>,
+}
+
+struct Search<'a, const D: usize> {
+    crystal: &'a Crystal<D>,
+    rows: &'a Rows<D>,
+    /// The length of the shortest reciprocal vector.
+    shortest: f64,
+    isolated: Vec<Root<D>>,
+    /// Points of lines and surfaces.
+    continued: Vec<Root<D>>,
+    spent: f64,
+}
+
+impl<'a, const D: usize> Search<'a, D> {
+    fn new(crystal: &'a Crystal<D>, rows: &'a Rows<D>) -> Self {
+        let reciprocal = crystal.lattice().reciprocal().column_iter();
+        Self {
+            crystal,
+            rows,
+            shortest: reciprocal.map(|b| b.norm()).fold(f64::INFINITY, f64::min),
+            isolated: Vec::new(),
+            continued: Vec::new(),
+            spent: 0.0,
+        }
+    }
+
+    fn wave_vector(&self, fractional: &SVector<f64, D>) -> SVector<f64, D> {
+        self.crystal.lattice().reciprocal() * fractional
+    }
+
+    /// In units of the reciprocal vectors.
+    fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.crystal.lattice().vectors().transpose() * k / TAU
+    }
+
+    /// The distance of two wave vectors, of which opposite ones and those that differ by a reciprocal vector are the same.
+    fn distance(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
+        let nearest = |difference: SVector<f64, D>| {
+            let x = self.fractional(&difference);
+            self.wave_vector(&x.map(|x| x - x.round())).norm()
+        };
+        nearest(a - b).min(nearest(a + b))
+    }
+
+    /// The mode that all wave vectors have: `R` is analytic, so that three of them tell.
+    fn everywhere(&self) -> Option<ZeroMode<D>> {
+        let at = |place: &[f64; 3]| {
+            let k = self.wave_vector(&SVector::from_fn(|i, _| place[i]));
+            self.rows.root(&k)
+        };
+        let roots: Vec<Root<D>> = GENERIC.iter().map(at).collect::<Option<_>>()?;
+        let nullity = roots.iter().map(|root| root.kernel.ncols()).min()?;
+        let k = self.wave_vector(&SVector::repeat(0.5));
+        let shown = self.rows.root(&k)?;
+        Some(ZeroMode {
+            wave_vector: k,
+            extent: Extent::Zone,
+            nullity: nullity * self.rows.modes_per_column(),
+            displacements: self.displacements(&shown),
+        })
+    }
+
+    /// Divides half of the zone until all of it is known; whether that could be.
+    fn divide(&mut self) -> bool {
+        if let Some(root) = self.rows.root(&SVector::zeros()) {
+            self.add(root);
+        }
+        let mut parts: VecDeque<Part<D>> = self.first().into();
+        let mut is_complete = true;
+        while let Some(part) = parts.pop_front() {
+            if self.is_known(&part) {
+                continue;
+            }
+            let center = self.wave_vector(&part.center);
+            let edges = self.edges(&part);
+            self.spent += self.rows.cost();
+            if self.rows.is_regular(&center, &edges) {
+                continue;
+            }
+            let is_last = self.spent > BUDGET;
+            if part.half.amax() <= NEWTON || is_last {
+                let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
+                let continues = self.sought(&center, 3.0 * radius);
+                if continues && part.half.amax() <= FOLLOWED[D - 1] {
+                    continue;
+                }
+            }
+            if is_last || part.half.amax() < SMALLEST {
+                is_complete &= self.is_known(&part);
+                continue;
+            }
+            parts.extend(self.halves(&part, &edges));
+        }
+        is_complete
+    }
+
+    /// Parts of the half of the zone with a first coordinate from 0 to 1/2.
+    fn first(&self) -> Vec<Part<D>> {
+        let n = FIRST.recip().round() as usize;
+        let half = 0.5 * FIRST;
+        let count = n.pow(D as u32) / 2;
+        let part = |index: usize| {
+            let mut rest = index;
+            let mut center = SVector::zeros();
+            for i in (0..D).rev() {
+                center[i] = (rest % n) as f64 * FIRST + half;
+                rest /= n;
+            }
+            Part {
+                center,
+                half: SVector::repeat(half),
+            }
+        };
+        (0..count).map(part).collect()
+    }
+
+    fn edges(&self, part: &Part<D>) -> [SVector<f64, D>; D] {
+        let reciprocal = self.crystal.lattice().reciprocal();
+        std::array::from_fn(|i| reciprocal.column(i) * part.half[i])
+    }
+
+    /// The two halves, cut across the longest edge.
+    fn halves(&self, part: &Part<D>, edges: &[SVector<f64, D>; D]) -> [Part<D>; 2] {
+        let length = |i: &usize| edges[*i].norm();
+        let longest = (0..D).max_by(|a, b| length(a).total_cmp(&length(b)));
+        let axis = longest.unwrap_or(0);
+        [-0.5, 0.5].map(|side| {
+            let mut half = *part;
+            half.center[axis] += side * part.half[axis];
+            half.half[axis] *= 0.5;
+            half
+        })
+    }
+
+    /// Whether a part lies in the neighborhood of a root that is alone there.
+    fn is_known(&self, part: &Part<D>) -> bool {
+        let radius: f64 = self.edges(part).iter().map(|edge| edge.norm()).sum();
+        let center = self.wave_vector(&part.center);
+        self.isolated.iter().any(|root| {
+            root.alone_within > radius
+                && self.distance(&root.wave_vector, &center) <= root.alone_within - radius
+        })
+    }
+
+    /// Looks for a root near a wave vector; whether it is one of a line or surface.
+    fn sought(&mut self, start: &SVector<f64, D>, reach: f64) -> bool {
+        self.spent += 10.0 * self.rows.cost();
+        let polished = self.rows.polished(start, reach);
+        let Some(root) = polished.and_then(|k| self.rows.root(&self.rounded(k))) else {
+            return false;
+        };
+        let is_known = self.isolated.iter().any(|known| {
+            let near = known.alone_within.max(1e-6 * self.shortest);
+            self.distance(&known.wave_vector, &root.wave_vector) < near
+        });
+        !is_known && self.add(root)
+    }
+
+    /// The multiple of a simple fraction next to a root, where that is one no less.
+    fn rounded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
+        let place = self.fractional(&k);
+        let simple = place.map(|x| (x / FRACTION).round() * FRACTION);
+        let tried = self.wave_vector(&simple);
+        let is_root = (place - simple).amax() < NEAR
+            && self.rows.smallest(&tried) <= self.rows.smallest(&k).max(1e-14);
+        if is_root { tried } else { k }
+    }
+
+    /// Adds a root; whether it goes on.
+    fn add(&mut self, mut root: Root<D>) -> bool {
+        if root
+            .flat
+            .iter()
+            .any(|direction| self.goes_on(&root, direction))
+        {
+            self.continued.push(root);
+            return true;
+        }
+        if !root.flat.is_empty() {
+            root.alone_within = MULTIPLE * self.shortest;
+        }
+        self.isolated.push(root);
+        false
+    }
+
+    /// Whether there are roots next to a root along a direction.
+    fn goes_on(&self, root: &Root<D>, direction: &SVector<f64, D>) -> bool {
+        let far = CONTINUED * self.shortest;
+        [far, -far].iter().any(|step| {
+            let beside = root.wave_vector + direction * *step;
+            self.rows.polished(&beside, 0.5 * far).is_some()
+        })
+    }
+
+    /// Modes at `k = 0` other than the translations, which only cells with several particles have.
+    fn at_rest(&self) -> Option<ZeroMode<D>> {
+        let zero = SVector::zeros();
+        let root = self.isolated.iter().find(|root| root.wave_vector == zero)?;
+        let free = root.kernel.ncols() * self.rows.modes_per_column();
+        let nullity = free.checked_sub(D).filter(|nullity| *nullity > 0)?;
+        // The part of the kernel that is no translation, of the vector that has the most of it.
+        let internal = (0..root.kernel.ncols()).map(|n| {
+            let particles = self.of_particles(&root.kernel, n);
+            let count = Complex::new(particles.len() as f64, 0.0);
+            let mean = particles.iter().sum::<SVector<Complex, D>>() / count;
+            particles.iter().map(|own| own - mean).collect::<Vec<_>>()
+        });
+        let size = |particles: &Vec<SVector<Complex, D>>| -> f64 {
+            particles.iter().map(|own| own.norm_squared()).sum()
+        };
+        Some(ZeroMode {
+            wave_vector: zero,
+            extent: Extent::Point,
+            nullity,
+            displacements: internal.max_by(|a, b| size(a).total_cmp(&size(b)))?,
+        })
+    }
+
+    /// The others, shortest wave vectors first: each isolated one, and of lines and surfaces that are connected one.
+    fn modes(&self, folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<ZeroMode<D>> {
+        let is_elsewhere = |root: &&Root<D>| root.wave_vector.norm() > 0.0;
+        let mode = |root: &Root<D>, extent| ZeroMode {
+            wave_vector: root.wave_vector,
+            extent,
+            nullity: root.kernel.ncols() * self.rows.modes_per_column(),
+            displacements: self.displacements(root),
+        };
+        let isolated = self.isolated.iter().filter(is_elsewhere);
+        let mut modes: Vec<ZeroMode<D>> = isolated.map(|root| mode(root, Extent::Point)).collect();
+        for component in self.components() {
+            let shortest = component.iter().min_by(|a, b| {
+                let length = |root: &Root<D>| folded(&root.wave_vector).norm();
+                length(a).total_cmp(&length(b))
+            });
+            let extent = extent_of(&component);
+            modes.extend(shortest.map(|root| mode(root, extent)));
+        }
+        modes.sort_by(|a, b| {
+            let length = |mode: &ZeroMode<D>| folded(&mode.wave_vector).norm();
+            let order = a.extent.cmp(&b.extent);
+            order.then(length(a).total_cmp(&length(b)))
+        });
+        modes
+    }
+
+    /// The connected lines and surfaces.
+    fn components(&self) -> Vec<Vec<&Root<D>>> {
+        let near = 4.0 * FOLLOWED[D - 1];
+        let beside = |a: &Root<D>, b: &Root<D>| {
+            let is_near = |difference: SVector<f64, D>| {
+                let x = self.fractional(&difference);
+                x.map(|x| x - x.round()).amax() <= near
+            };
+            is_near(a.wave_vector - b.wave_vector) || is_near(a.wave_vector + b.wave_vector)
+        };
+        let mut left: Vec<&Root<D>> = self.continued.iter().collect();
+        let mut components = Vec::new();
+        while let Some(first) = left.pop() {
+            let mut component = vec![first];
+            let mut next = 0;
+            while next < component.len() {
+                let own = component[next];
+                let (joined, others) = left.into_iter().partition(|other| beside(own, other));
+                component.extend::<Vec<&Root<D>>>(joined);
+                left = others;
+                next += 1;
+            }
+            components.push(component);
+        }
+        components
+    }
+
+    /// The displacements of the particles of a cell in a mode of a root.
+    fn displacements(&self, root: &Root<D>) -> Vec<SVector<Complex, D>> {
+        if self.rows.columns() == 1 {
+            // Any displacement of the single particle.
+            let entry = |i: usize| Complex::new(f64::from(u8::from(i == 0)), 0.0);
+            return vec![SVector::from_fn(|i, _| entry(i))];
+        }
+        self.of_particles(&root.kernel, root.kernel.ncols() - 1)
+    }
+
+    fn of_particles(&self, kernel: &DMatrix<Complex>, column: usize) -> Vec<SVector<Complex, D>> {
+        let sites = self.crystal.sites().len();
+        let entry = |site: usize, i: usize| {
+            let row = D * site + i;
+            kernel.get((row, column)).copied().unwrap_or_default()
+        };
+        (0..sites)
+            .map(|site| SVector::from_fn(|i, _| entry(site, i)))
+            .collect()
+    }
+}
+
+/// How far a connected set extends: as most of its points say, for where lines cross slopes vanish in more directions.
+fn extent_of<const D: usize>(component: &[&Root<D>]) -> Extent {
+    let with = |count: usize| {
+        let tangents = component.iter().map(|root| root.tangents);
+        tangents.filter(|tangents| *tangents == count).count()
+    };
+    let surfaces: usize = (2..=D).map(with).sum();
+    if D == 3 && surfaces > with(1) + with(0) {
+        Extent::Surface
+    } else {
+        Extent::Line
+    }
+}

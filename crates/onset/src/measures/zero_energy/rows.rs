@@ -1,0 +1,311 @@
+//! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
+
+use crate::algebra::Complex;
+use crate::lattice::{Crystal, Particle};
+use crate::scheme::{SeenForm, StrainOperator};
+use nalgebra::{DMatrix, SVector};
+
+/// `R(k)`: what is seen of the wave `u_K = g_K exp(i k.X_K)`, as a matrix that acts on the `g` of the particles of a cell.
+///
+/// With one particle in a cell `sym(g (x) B)` vanishes with `B` alone, whatever `g` is: where nothing but strains is seen, the
+/// gradients `B` themselves are the matrix, of a single column.
+///
+/// A form enters with the phases relative to its middle, and with a factor that makes its slope one at most: neither changes the
+/// kernel.
+pub(super) struct Rows<const D: usize> {
+    sites: usize,
+    /// Whether the gradients stand for the strains.
+    is_gradient: bool,
+    points: Vec<Point<D>>,
+    /// What the norm of a derivative of `R` along a unit direction is at most; length.
+    pub(super) slope: f64,
+    /// The same of a second derivative; length^2.
+    pub(super) curvature: f64,
+}
+
+/// The forms of one place.
+struct Point<const D: usize> {
+    sites: Vec<usize>,
+    /// `X_K` from the middle.
+    vectors: Vec<SVector<f64, D>>,
+    forms: Vec<Form<D>>,
+}
+
+struct Form<const D: usize> {
+    is_strain: bool,
+    vectors: Vec<SVector<f64, D>>,
+}
+
+/// What is summed of a form for each site.
+#[derive(Clone, Copy)]
+struct Sums<const D: usize> {
+    value: SVector<Complex, D>,
+    /// The change along each edge of a box.
+    slopes: [SVector<Complex, D>; D],
+    /// What is left of the change anywhere in it, at most.
+    rest: f64,
+}
+
+impl<const D: usize> Sums<D> {
+    fn zero() -> Self {
+        Self {
+            value: SVector::zeros(),
+            slopes: [SVector::zeros(); D],
+            rest: 0.0,
+        }
+    }
+}
+
+impl<const D: usize> Rows<D> {
+    pub(super) fn new(crystal: &Crystal<D>, strain: &StrainOperator<D>) -> Self {
+        let sites = crystal.sites().len();
+        let seen = || strain.points().iter().flat_map(|point| &point.forms);
+        let is_strain = |form: &SeenForm<D>| matches!(form, SeenForm::Strain(_));
+        let strains = seen().filter(|form| is_strain(form)).count();
+        let controls = seen().count() - strains;
+        let mut rows = Self {
+            sites,
+            is_gradient: sites == 1 && controls == 0,
+            points: Vec::new(),
+            slope: 0.0,
+            curvature: 0.0,
+        };
+        for point in strain.points() {
+            let position = |particle: &Particle<D>| crystal.position(particle);
+            let places: Vec<SVector<f64, D>> = point.particles.iter().map(position).collect();
+            let weight = |k: usize| -> f64 {
+                let forms = point.forms.iter();
+                forms.map(|form| form.vectors()[k].norm()).sum()
+            };
+            let weights: Vec<f64> = (0..places.len()).map(weight).collect();
+            let total: f64 = weights.iter().sum();
+            if total == 0.0 {
+                continue;
+            }
+            let both = places.iter().zip(&weights);
+            let middle: SVector<f64, D> = both.map(|(x, w)| x * (w / total)).sum();
+            let vectors: Vec<SVector<f64, D>> = places.iter().map(|x| x - middle).collect();
+            let mut placed = Point {
+                sites: point
+                    .particles
+                    .iter()
+                    .map(|particle| particle.site)
+                    .collect(),
+                vectors,
+                forms: Vec::new(),
+            };
+            for form in &point.forms {
+                let count = if is_strain(form) { strains } else { controls };
+                let moment = |power: i32, site: Option<usize>| -> f64 {
+                    let terms = placed.sites.iter().zip(&placed.vectors);
+                    let terms = terms.zip(form.vectors());
+                    let terms = terms.filter(|((own, _), _)| site.is_none_or(|site| site == **own));
+                    terms
+                        .map(|((_, x), b)| b.norm() * x.norm().powi(power))
+                        .sum()
+                };
+                let size = match moment(1, None) {
+                    0.0 => moment(0, None) * crystal.nearest_distance(),
+                    size => size,
+                };
+                if size == 0.0 {
+                    continue;
+                }
+                let factor = (size * (count as f64).sqrt()).recip();
+                for site in 0..sites {
+                    rows.slope += (factor * moment(1, Some(site))).powi(2);
+                    rows.curvature += (factor * moment(2, Some(site))).powi(2);
+                }
+                placed.forms.push(Form {
+                    is_strain: is_strain(form),
+                    vectors: form.vectors().iter().map(|b| b * factor).collect(),
+                });
+            }
+            rows.points.push(placed);
+        }
+        // Slopes are lengths: of a form whose moments add up to one spacing.
+        rows.slope = rows.slope.sqrt();
+        rows.curvature = rows.curvature.sqrt();
+        rows
+    }
+
+    /// The number of columns.
+    pub(super) fn columns(&self) -> usize {
+        if self.is_gradient { 1 } else { D * self.sites }
+    }
+
+    /// How many independent modes a vector of the kernel stands for.
+    pub(super) fn modes_per_column(&self) -> usize {
+        if self.is_gradient { D } else { 1 }
+    }
+
+    /// What an evaluation costs, in terms of a sum.
+    pub(super) fn cost(&self) -> f64 {
+        let terms = |point: &Point<D>| point.vectors.len() * (2 + point.forms.len());
+        let sums: usize = self.points.iter().map(terms).sum();
+        let columns = self.columns() as f64;
+        let rows: usize = self.points.iter().map(|point| self.rows_of(point)).sum();
+        sums as f64 + columns * columns * (rows as f64 + 10.0 * columns) * 0.2
+    }
+
+    fn rows_of(&self, point: &Point<D>) -> usize {
+        let of_form = |form: &Form<D>| match (self.is_gradient, form.is_strain) {
+            (true, _) => D,
+            (false, true) => D * (D + 1) / 2,
+            (false, false) => 1,
+        };
+        point.forms.iter().map(of_form).sum()
+    }
+
+    /// `R(k)`.
+    pub(super) fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        self.summed(|x| phase(k.dot(x)))
+    }
+
+    /// The smallest singular value of `R(k)`.
+    pub(super) fn smallest(&self, k: &SVector<f64, D>) -> f64 {
+        self.at(k).singular_values().min()
+    }
+
+    /// `dR/dk_i`.
+    pub(super) fn derivative(&self, k: &SVector<f64, D>, i: usize) -> DMatrix<Complex> {
+        self.summed(|x| phase(k.dot(x)) * Complex::new(0.0, x[i]))
+    }
+
+    fn summed(&self, factor: impl Fn(&SVector<f64, D>) -> Complex) -> DMatrix<Complex> {
+        let mut rows = self.empty();
+        for point in &self.points {
+            let factors: Vec<Complex> = point.vectors.iter().map(&factor).collect();
+            for form in &point.forms {
+                let mut sums = vec![SVector::<Complex, D>::zeros(); self.sites];
+                let terms = point.sites.iter().zip(&factors).zip(&form.vectors);
+                for ((site, factor), b) in terms {
+                    sums[*site] += b.map(|component| *factor * component);
+                }
+                self.push(form, sums.iter(), &mut rows);
+            }
+        }
+        rows.finish()
+    }
+
+    fn empty(&self) -> Stack {
+        Stack {
+            columns: self.columns(),
+            entries: Vec::new(),
+        }
+    }
+
+    /// Adds the rows of a form, from its sums for each site.
+    fn push<'s>(
+        &self,
+        form: &Form<D>,
+        sums: impl Iterator<Item = &'s SVector<Complex, D>> + Clone,
+        rows: &mut Stack,
+    ) {
+        if self.is_gradient {
+            sums.for_each(|b| rows.entries.extend(b.iter()));
+            return;
+        }
+        if !form.is_strain {
+            sums.for_each(|b| rows.entries.extend(b.iter()));
+            return;
+        }
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        for i in 0..D {
+            for j in i..D {
+                for b in sums.clone() {
+                    let entry = |column: usize| match (column == i, column == j) {
+                        (true, true) => b[i],
+                        (true, false) => b[j] * half,
+                        (false, true) => b[i] * half,
+                        (false, false) => Complex::new(0.0, 0.0),
+                    };
+                    rows.entries.extend((0..D).map(entry));
+                }
+            }
+        }
+    }
+
+    /// Whether there is surely no mode without strain in the box `center + sum t_i edge_i`, `|t_i| <= 1`: the smallest singular value
+    /// of `R` at its center is larger than what `R` changes within it, the first derivatives at the center and a bound on the second.
+    pub(super) fn is_regular(
+        &self,
+        center: &SVector<f64, D>,
+        edges: &[SVector<f64, D>; D],
+    ) -> bool {
+        let mut rows = self.empty();
+        let (mut squares, mut slopes, mut rest) = (0.0, [0.0; D], 0.0);
+        let mut factors: Vec<(Complex, [f64; D], f64)> = Vec::new();
+        let mut sums = vec![Sums::zero(); self.sites];
+        for point in &self.points {
+            factors.clear();
+            factors.extend(point.vectors.iter().map(|x| {
+                let along: [f64; D] = std::array::from_fn(|i| edges[i].dot(x));
+                let farthest: f64 = along.iter().map(|a| a.abs()).sum();
+                (phase(center.dot(x)), along, 0.5 * farthest * farthest)
+            }));
+            for form in &point.forms {
+                sums.fill(Sums::zero());
+                let terms = point.sites.iter().zip(&factors).zip(&form.vectors);
+                for ((site, (phase, along, second)), b) in terms {
+                    let own = &mut sums[*site];
+                    let term = b.map(|component| *phase * component);
+                    own.value += term;
+                    for i in 0..D {
+                        // Times i, which no norm sees.
+                        own.slopes[i] += term * Complex::new(along[i], 0.0);
+                    }
+                    own.rest += b.norm() * second;
+                }
+                for own in &sums {
+                    squares += own.value.norm_squared();
+                    for i in 0..D {
+                        slopes[i] += own.slopes[i].norm_squared();
+                    }
+                    rest += own.rest * own.rest;
+                }
+                if !self.is_gradient {
+                    self.push(form, sums.iter().map(|own| &own.value), &mut rows);
+                }
+            }
+        }
+        let change = slopes.iter().map(|s| s.sqrt()).sum::<f64>() + rest.sqrt();
+        let smallest = if self.is_gradient {
+            squares.sqrt()
+        } else if squares.sqrt() <= change {
+            return false;
+        } else {
+            smallest_singular_value(&rows.finish())
+        };
+        smallest > change
+    }
+}
+
+/// The rows of a matrix one after the other.
+struct Stack {
+    columns: usize,
+    entries: Vec<Complex>,
+}
+
+impl Stack {
+    /// The matrix, with rows of zeros where there are fewer rows than columns.
+    fn finish(mut self) -> DMatrix<Complex> {
+        let rows = (self.entries.len() / self.columns).max(self.columns);
+        self.entries
+            .resize(rows * self.columns, Complex::new(0.0, 0.0));
+        DMatrix::from_row_slice(rows, self.columns, &self.entries)
+    }
+}
+
+/// From the eigenvalues of `R* R`: no better than the square root of rounding, which is enough to exclude.
+fn smallest_singular_value(matrix: &DMatrix<Complex>) -> f64 {
+    let gram = matrix.ad_mul(matrix);
+    let smallest = gram.symmetric_eigenvalues().min();
+    let noise = 1e-14 * matrix.norm_squared();
+    (smallest - noise).max(0.0).sqrt()
+}
+
+fn phase(angle: f64) -> Complex {
+    let (sine, cosine) = angle.sin_cos();
+    Complex::new(cosine, sine)
+}

@@ -1,0 +1,443 @@
+//! All zero-energy modes: against dense Newton searches in an algebra of their own, and against the stiffness of three laws.
+
+use crate::hunt::hunted;
+use nalgebra::{DMatrix, SMatrix, SVector};
+use onset::kernel::Kernel;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::material::{Hyperelastic, Law};
+use onset::measures::{Extent, SpuriousModes, spurious_modes};
+use onset::scheme::element::{
+    ElementChoices, ElementMesh, FiniteElements, Formulation, Integration,
+};
+use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+use onset::scheme::{
+    BondModel, Influence, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
+    Scheme, ZeroEnergyControl,
+};
+use onset::verdict::SchemeSurvey;
+use std::f64::consts::TAU;
+
+/// Three laws with stress-free reference states: Lame constants far apart, and one that is not isotropic.
+fn laws() -> Vec<Box<dyn Hyperelastic>> {
+    let law = |name: &str, parameters: &[(&str, f64)]| {
+        let law = Law::named(name).expect("a law of the library");
+        law.build(parameters).expect("admissible parameters")
+    };
+    vec![
+        law("saint-venant-kirchhoff", &[("lambda", 1.0), ("mu", 1.0)]),
+        law("saint-venant-kirchhoff", &[("lambda", 300.0), ("mu", 0.7)]),
+        law("saint-venant-orthotropic", &[]),
+    ]
+}
+
+fn found<const D: usize>(scheme: &dyn Scheme<D>, law: &dyn Hyperelastic) -> SpuriousModes<D> {
+    let survey = SchemeSurvey::new(scheme, law).expect("a survey");
+    spurious_modes(&survey, 0.1).expect("modes")
+}
+
+fn correspondence<const D: usize>(
+    lattice: BravaisLattice<D>,
+    horizon: f64,
+    influence: Influence,
+) -> Peridynamics<D> {
+    let choices = PeridynamicsChoices {
+        horizon,
+        influence,
+        model: BondModel::Correspondence {
+            control: ZeroEnergyControl::None,
+        },
+        ..PeridynamicsChoices::default()
+    };
+    Peridynamics::new(Crystal::of_lattice(lattice), choices).expect("peridynamics")
+}
+
+fn total_lagrangian<const D: usize>(
+    lattice: BravaisLattice<D>,
+    radius: f64,
+) -> TotalLagrangianSph<D> {
+    let choices = TotalLagrangianChoices {
+        kernel: Kernel::QuarticSpline,
+        radius,
+        ..TotalLagrangianChoices::default()
+    };
+    TotalLagrangianSph::new(Crystal::of_lattice(lattice), choices).expect("a method")
+}
+
+fn lattice<const D: usize>(arrangement: Arrangement) -> BravaisLattice<D> {
+    arrangement.lattice(1.0).expect("a lattice")
+}
+
+/// `sum_X w(|X|) X sin(k.X)` over the half of the neighbors within a radius: up to a regular matrix the discrete gradient of a
+/// particle on a lattice.
+struct Gradient<const D: usize> {
+    vectors: SMatrix<f64, D, D>,
+    terms: Vec<([i32; D], SVector<f64, D>)>,
+}
+
+impl<const D: usize> Gradient<D> {
+    fn new(vectors: SMatrix<f64, D, D>, radius: f64, weight: impl Fn(f64) -> f64) -> Self {
+        let reach = 6_i32;
+        let side = (2 * reach + 1) as usize;
+        let mut terms = Vec::new();
+        for index in 0..side.pow(D as u32) / 2 {
+            let mut rest = index;
+            let cell: [i32; D] = std::array::from_fn(|_| {
+                let n = (rest % side) as i32 - reach;
+                rest /= side;
+                n
+            });
+            let x = vectors * SVector::from(cell.map(f64::from));
+            if x.norm() <= radius * (1.0 + 1e-9) {
+                terms.push((cell, x * weight(x.norm() / radius)));
+            }
+        }
+        Self { vectors, terms }
+    }
+
+    fn at(&self, place: &SVector<f64, D>) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+        let (mut value, mut slope) = (SVector::zeros(), SMatrix::zeros());
+        for (cell, b) in &self.terms {
+            let cell = SVector::<f64, D>::from(cell.map(f64::from));
+            let (sine, cosine) = (TAU * cell.dot(place)).sin_cos();
+            value += b * sine;
+            slope += b * cell.transpose() * (TAU * cosine);
+        }
+        (value, slope)
+    }
+
+    /// Newton's method from one place; `None` where it does not converge to a simple root other than zero.
+    fn root_from(&self, start: SVector<f64, D>) -> Option<SVector<f64, D>> {
+        let scale = self.terms.iter().map(|(_, b)| b.norm()).sum::<f64>();
+        let mut place = start;
+        for _ in 0..60 {
+            let (value, slope) = self.at(&place);
+            let slope = DMatrix::from_fn(D, D, |i, j| slope[(i, j)]);
+            if value.norm() < 1e-13 * scale {
+                let is_simple = slope.singular_values().min() > 1e-4 * scale;
+                let is_zero = place.iter().all(|x| (x - x.round()).abs() < 1e-7);
+                return (is_simple && !is_zero).then_some(place);
+            }
+            let step = slope.lu().solve(&DMatrix::from_fn(D, 1, |i, _| value[i]))?;
+            let bounded = 0.08 / step.amax().max(0.08);
+            place -= SVector::<f64, D>::from_fn(|i, _| step[i] * bounded);
+        }
+        None
+    }
+
+    /// All simple roots that a dense grid of starts leads to, of opposite ones one.
+    fn roots(&self, starts: usize) -> Vec<SVector<f64, D>> {
+        let mut roots: Vec<SVector<f64, D>> = Vec::new();
+        for index in 0..starts.pow(D as u32) {
+            let mut rest = index;
+            let start = SVector::from_fn(|i, _| {
+                let n = (rest % starts) as f64;
+                rest /= starts;
+                (n + 0.3 + 0.1 * i as f64) / starts as f64
+            });
+            if let Some(root) = self.root_from(start)
+                && !roots.iter().any(|known| is_same(known, &root))
+            {
+                roots.push(root);
+            }
+        }
+        roots
+    }
+}
+
+fn is_same<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
+    let is_zero = |x: SVector<f64, D>| x.iter().all(|x| (x - x.round()).abs() < 1e-6);
+    is_zero(a - b) || is_zero(a + b)
+}
+
+/// Every root of a dense search is listed, and nothing else; each listed one once.
+fn assert_all<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    gradient: &Gradient<D>,
+    starts: usize,
+    name: &str,
+) -> usize {
+    let law = laws().remove(0);
+    let modes = found(scheme, &*law);
+    assert!(modes.is_complete, "{name}");
+    let listed: Vec<(SVector<f64, D>, Extent)> = modes
+        .modes
+        .iter()
+        .filter(|mode| mode.is_zero())
+        .map(|mode| {
+            assert_eq!(mode.nullity, D, "{name}");
+            let place = gradient.vectors.transpose() * mode.wave_vector / TAU;
+            (place, mode.extent)
+        })
+        .collect();
+    let scale = gradient.terms.iter().map(|(_, b)| b.norm()).sum::<f64>();
+    for (n, (place, _)) in listed.iter().enumerate() {
+        let (value, _) = gradient.at(place);
+        assert!(value.norm() < 1e-9 * scale, "{name}: no root at {place:?}");
+        let again = listed[..n].iter().any(|(other, _)| is_same(other, place));
+        assert!(!again, "{name}: {place:?} is listed twice");
+    }
+    for root in gradient.roots(starts) {
+        let known = listed.iter().any(|(place, _)| is_same(place, &root));
+        // A simple root is alone: no point of a line.
+        assert!(known, "{name}: {root:?} is missing of {}", listed.len());
+    }
+    listed.len()
+}
+
+/// Of the quartic spline, `W'(q)/q`.
+fn quartic(q: f64) -> f64 {
+    (1.0 - q) * (1.0 - q)
+}
+
+#[test]
+fn correspondence_families_have_every_zero_energy_mode_of_a_dense_search() {
+    for (arrangement, horizon, expected) in [
+        (Arrangement::Hexagonal, 3.0, 22),
+        (Arrangement::Hexagonal, 2.0, 13),
+        (Arrangement::Square, 3.0, 21),
+    ] {
+        let lattice = lattice::<2>(arrangement);
+        let gradient = Gradient::new(*lattice.vectors(), horizon, |_| 1.0);
+        let scheme = correspondence(lattice, horizon, Influence::Constant);
+        let name = format!("{arrangement:?} {horizon}");
+        let count = assert_all(&scheme, &gradient, 40, &name);
+        assert_eq!(count, expected, "{name}");
+    }
+    let lattice = lattice::<3>(Arrangement::SimpleCubic);
+    let gradient = Gradient::new(*lattice.vectors(), 2.0, |_| 1.0);
+    let scheme = correspondence(lattice, 2.0, Influence::Constant);
+    // sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and so on in turn, a, b, c the cosines. All sines zero: 7. Two: a = 3/4 beside b c = -1,
+    // -1/4 beside b = c = -1: 9. One: a = b = -3/10 beside c = 1, 1/2 beside c = -1: 12. None: a = b = c = (sqrt(3) - 2)/2: 4. For
+    // a, b that differ c is 1/2 and the third equation makes them 1/2 and -1: nothing new, but these six are triple.
+    let count = assert_all(&scheme, &gradient, 18, "simple cubic 2");
+    assert_eq!(count, 32);
+    let third = lattice.reciprocal() * SVector::from([1.0 / 6.0, 1.0 / 6.0, 0.5]);
+    let listed = zeros(&scheme, &*laws()[0]);
+    let triple = listed.iter().map(|(k, _)| (k.abs() - third).norm());
+    assert!(triple.fold(f64::INFINITY, f64::min) < 1e-9);
+}
+
+#[test]
+fn total_lagrangian_particles_have_every_zero_energy_mode_of_a_dense_search() {
+    for (arrangement, radius, expected) in [
+        (Arrangement::FaceCenteredCubic, 1.6, 16),
+        (Arrangement::BodyCenteredCubic, 1.6, 12),
+        (Arrangement::SimpleCubic, 1.9, 17),
+    ] {
+        let lattice = lattice::<3>(arrangement);
+        let gradient = Gradient::new(*lattice.vectors(), radius, quartic);
+        let scheme = total_lagrangian(lattice, radius);
+        let name = format!("{arrangement:?} {radius}");
+        let count = assert_all(&scheme, &gradient, 14, &name);
+        assert_eq!(count, expected, "{name}");
+    }
+}
+
+/// Numbers between 0 and 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A lattice of cells that are not too flat, with a smallest distance of one.
+    fn lattice<const D: usize>(&mut self) -> BravaisLattice<D> {
+        loop {
+            let vectors = SMatrix::<f64, D, D>::from_fn(|i, j| {
+                f64::from(u8::from(i == j)) + 0.6 * (self.next() - 0.5)
+            });
+            let Some(lattice) = BravaisLattice::new(vectors) else {
+                continue;
+            };
+            let nearest = Crystal::of_lattice(lattice).nearest_distance();
+            let volume = lattice.cell_volume() / nearest.powi(D as i32);
+            if (0.6..1.5).contains(&volume)
+                && let Some(lattice) = BravaisLattice::new(vectors / nearest)
+            {
+                return lattice;
+            }
+        }
+    }
+}
+
+fn a_random_lattice<const D: usize>(random: &mut Random, starts: usize, name: &str) {
+    let lattice = random.lattice::<D>();
+    let vectors = *lattice.vectors();
+    let most = [4.5, 3.2, 2.1][D - 1];
+    let radius = 1.5 + (most - 1.5) * random.next();
+    let kind = (3.0 * random.next()) as usize;
+    let name = format!("{name}: kind {kind}, radius {radius}, {vectors:?}");
+    let gradient = |weight: &dyn Fn(f64) -> f64| Gradient::new(vectors, radius, weight);
+    // Families of too few particles are refused.
+    match kind {
+        0 => {
+            let gradient = gradient(&|_| 1.0);
+            let scheme = correspondence(lattice, radius, Influence::Constant);
+            assert_all(&scheme, &gradient, starts, &name);
+        }
+        1 => {
+            let gradient = gradient(&|q| (-4.0 * q * q).exp());
+            let scheme = correspondence(lattice, radius, Influence::Gaussian);
+            assert_all(&scheme, &gradient, starts, &name);
+        }
+        _ => {
+            let gradient = gradient(&quartic);
+            assert_all(&total_lagrangian(lattice, radius), &gradient, starts, &name);
+        }
+    }
+}
+
+#[test]
+fn every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else() {
+    let (seed, cases) = hunted(12);
+    for case in 0..cases {
+        let mut random = Random(seed.wrapping_mul(1_000_003).wrapping_add(case as u64));
+        (0..8).for_each(|_| _ = random.next());
+        let name = format!("seed {seed}, case {case}");
+        match case % 6 {
+            0 => a_random_lattice::<1>(&mut random, 60, &name),
+            5 => a_random_lattice::<3>(&mut random, 12, &name),
+            _ => a_random_lattice::<2>(&mut random, 30, &name),
+        }
+    }
+}
+
+/// The wave vectors and nullities, in the order of the list.
+fn zeros<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    law: &dyn Hyperelastic,
+) -> Vec<(SVector<f64, D>, usize)> {
+    let modes = found(scheme, law).modes.into_iter();
+    let zeros = modes.filter(|mode| mode.is_zero());
+    zeros.map(|mode| (mode.wave_vector, mode.nullity)).collect()
+}
+
+fn assert_geometry<const D: usize>(scheme: &dyn Scheme<D>, name: &str) {
+    let laws = laws();
+    let first = zeros(scheme, &*laws[0]);
+    for law in &laws {
+        assert_eq!(zeros(scheme, &**law), first, "{name}");
+        // Where they are listed the stiffness has that many vanishing eigenvalues, and nowhere else.
+        let waves = scheme
+            .waves(&**law, &DeformationGradient::identity())
+            .expect("waves");
+        let free = |k: &SVector<f64, D>| {
+            let values = waves.omega_squared(k);
+            let scale = values.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let all = (0..12).map(|n| {
+                let place = SVector::repeat(0.1 + 0.07 * f64::from(n));
+                waves
+                    .omega_squared(&place)
+                    .iter()
+                    .map(|z| z.norm())
+                    .fold(scale, f64::max)
+            });
+            let scale = all.fold(scale, f64::max);
+            values.iter().filter(|z| z.norm() < 1e-10 * scale).count()
+        };
+        for (k, nullity) in &first {
+            let translations = if k.norm() == 0.0 { D } else { 0 };
+            assert_eq!(free(k), nullity + translations, "{name} at {k:?}");
+        }
+        let beside = SVector::<f64, D>::from_fn(|i, _| 1.234 + 0.777 * i as f64);
+        assert_eq!(free(&beside), 0, "{name}");
+    }
+}
+
+#[test]
+fn zero_energy_modes_are_geometry_and_the_same_for_three_laws() {
+    let square = lattice::<2>(Arrangement::Square);
+    let family = correspondence(square, 3.0, Influence::Constant);
+    assert_geometry(&family, "correspondence on squares");
+    let cubic = lattice::<3>(Arrangement::SimpleCubic);
+    assert_geometry(
+        &total_lagrangian(cubic, 1.9),
+        "total-Lagrangian particles on cubes",
+    );
+    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let choices = TotalLagrangianChoices {
+        radius: 1.9,
+        ..TotalLagrangianChoices::default()
+    };
+    let honeycomb = TotalLagrangianSph::new(honeycomb, choices).expect("a method");
+    assert_geometry(&honeycomb, "honeycomb");
+}
+
+fn one_point<const D: usize>(mesh: ElementMesh, hourglass_stiffness: f64) -> FiniteElements<D> {
+    let formulation = Formulation {
+        integration: Integration::OnePoint,
+        hourglass_stiffness,
+        ..Formulation::default()
+    };
+    let choices = ElementChoices {
+        mesh,
+        formulation,
+        ..ElementChoices::default()
+    };
+    FiniteElements::new(&choices).expect("elements")
+}
+
+#[test]
+fn points_lines_and_the_whole_zone_are_told_apart() {
+    let law = laws().remove(0);
+    // Squares with one point: the hourglass, B = (s_x c_y, c_x s_y), s and c of half the phases.
+    let squares = found(&one_point::<2>(ElementMesh::Quadrilaterals, 0.0), &*law);
+    assert_eq!(squares.zero_extent, Some(Extent::Point));
+    assert_eq!(squares.modes.iter().filter(|m| m.is_zero()).count(), 1);
+    // Bricks: (s_x c_y c_z, ...) vanishes where two cosines do, along the edges of the cube, which are connected.
+    let bricks = found(&one_point::<3>(ElementMesh::Bricks, 0.0), &*law);
+    assert_eq!(bricks.zero_extent, Some(Extent::Line));
+    assert!(bricks.is_complete);
+    let zeros: Vec<_> = bricks.modes.iter().filter(|m| m.is_zero()).collect();
+    assert_eq!(zeros.len(), 1, "{zeros:?}");
+    assert_eq!((zeros[0].extent, zeros[0].nullity), (Extent::Line, 3));
+    let on_edge = zeros[0]
+        .wave_vector
+        .iter()
+        .filter(|k| (k.abs() - TAU / 2.0).abs() < 1e-9);
+    assert_eq!(on_edge.count(), 2, "{:?}", zeros[0].wave_vector);
+    // Four points in a cell follow two velocities of a node: most motions of theirs move nothing, at every wave vector.
+    let choices = MaterialPointChoices {
+        per_side: 2,
+        formulation: onset::scheme::Formulation::Particles {
+            grid: onset::method::CurrentLattice::Convected,
+        },
+        ..MaterialPointChoices::default()
+    };
+    let points = MaterialPoints::<2>::new(choices).expect("points");
+    let points = found(&points, &*law);
+    assert_eq!(points.zero_extent, Some(Extent::Zone));
+    assert_eq!(points.modes[0].nullity, 6);
+    assert_eq!(points.weakest, 0.0);
+}
+
+#[test]
+fn what_a_control_sees_has_no_zero_energy_modes_left() {
+    let law = laws().remove(0);
+    for stiffness in [1e-9, 1.0] {
+        let bricks = found(&one_point::<3>(ElementMesh::Bricks, stiffness), &*law);
+        assert_eq!(bricks.zero_extent, None);
+        assert!(bricks.modes.iter().all(|mode| !mode.is_zero()));
+        assert!(bricks.weakest > 0.0);
+    }
+    let hexagonal = Crystal::of_lattice(lattice::<2>(Arrangement::Hexagonal));
+    for control in [
+        ZeroEnergyControl::Penalty { coefficient: 0.01 },
+        ZeroEnergyControl::Hourglass { coefficient: 0.01 },
+    ] {
+        let choices = PeridynamicsChoices {
+            model: BondModel::Correspondence { control },
+            ..PeridynamicsChoices::default()
+        };
+        let scheme = Peridynamics::new(hexagonal.clone(), choices).expect("peridynamics");
+        let modes = found(&scheme, &*law);
+        assert_eq!(modes.zero_extent, None, "{control:?}");
+        assert!(modes.is_complete);
+    }
+}
