@@ -267,6 +267,7 @@ fn updated<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, Me
         artificial_stress,
         viscosity: viscosity(settings),
         velocity_smoothing: method.velocity_smoothing,
+        smoothed_motion: method.smoothed_motion,
     };
     Ok(Box::new(UpdatedSph::new(choices.crystal::<D>()?, own)?))
 }
@@ -281,6 +282,7 @@ fn elements<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, M
             integration: method.integration,
             hourglass_stiffness: method.hourglass_stiffness,
             hourglass_viscosity: method.hourglass_viscosity,
+            hourglass_scale: method.hourglass_scale,
             mass: method.mass,
         },
     };
