@@ -251,10 +251,11 @@ fn total_lagrangian<const D: usize>(
 
 fn updated<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
     let (choices, method) = (&settings.discretization, &settings.method);
+    let crystal = choices.crystal::<D>()?;
     let artificial_stress = (method.artificial_stress != 0.0).then_some(ArtificialStress {
         epsilon: method.artificial_stress,
         exponent: method.artificial_stress_exponent,
-        spacing: choices.spacing,
+        spacing: crystal.spacing(),
     });
     let own = UpdatedSphChoices {
         density: choices.density,
@@ -269,7 +270,7 @@ fn updated<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, Me
         velocity_smoothing: method.velocity_smoothing,
         smoothed_motion: method.smoothed_motion,
     };
-    Ok(Box::new(UpdatedSph::new(choices.crystal::<D>()?, own)?))
+    Ok(Box::new(UpdatedSph::new(crystal, own)?))
 }
 
 fn elements<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {

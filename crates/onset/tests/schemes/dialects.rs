@@ -433,8 +433,8 @@ fn resistance_of_bricks(vectors: &SMatrix<f64, 3, 3>, k: &Vector3<f64>) -> f64 {
 #[test]
 fn hourglass_control_of_radioss_resists_what_its_formulas_resist() {
     let material = saint_venant_kirchhoff(0.7, 1.0);
-    let modulus = 2.7;
-    let speed = (modulus / DENSITY as f64).sqrt();
+    let modulus: f64 = 2.7;
+    let speed = (modulus / DENSITY).sqrt();
     let mut random = Random::new(12);
     let vectors =
         SMatrix::<f64, 3, 3>::identity() * 0.8 + SMatrix::from_fn(|_, _| 0.15 * random.number());
@@ -485,7 +485,7 @@ fn hourglass_control_of_radioss_resists_what_its_formulas_resist() {
 #[test]
 fn hourglass_control_of_radioss_is_viscous_in_the_plane() {
     let material = saint_venant_kirchhoff(0.7, 1.0);
-    let speed = (2.7 / DENSITY as f64).sqrt();
+    let speed = (2.7 / DENSITY).sqrt();
     let squares = |formulation| {
         FiniteElements::<2>::new(&ElementChoices {
             mesh: ElementMesh::Quadrilaterals,
