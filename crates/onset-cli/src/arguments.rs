@@ -333,7 +333,7 @@ pub struct ModesArguments {
     /// Cells of the patch that is drawn and exported, along each primitive vector.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub cells: u16,
-    /// Largest displacement of the exported fields, in distances of neighbors.
+    /// Largest displacement of the exported fields, in spacings of the particles.
     #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share)]
     pub amplitude: f64,
     /// Folder for modes.svg, modes.png, modes.html (moving), and mode-1.csv, mode-1.vtk, ...; nothing is written without it.

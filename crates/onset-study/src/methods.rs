@@ -250,10 +250,11 @@ fn total_lagrangian<const D: usize>(
 
 fn updated<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
     let (choices, method) = (&settings.discretization, &settings.method);
+    let crystal = choices.crystal::<D>()?;
     let artificial_stress = (method.artificial_stress != 0.0).then_some(ArtificialStress {
         epsilon: method.artificial_stress,
         exponent: method.artificial_stress_exponent,
-        spacing: choices.spacing,
+        spacing: crystal.spacing(),
     });
     let own = UpdatedSphChoices {
         density: choices.density,
@@ -266,8 +267,9 @@ fn updated<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, Me
         artificial_stress,
         viscosity: viscosity(settings),
         velocity_smoothing: method.velocity_smoothing,
+        smoothed_motion: method.smoothed_motion,
     };
-    Ok(Box::new(UpdatedSph::new(choices.crystal::<D>()?, own)?))
+    Ok(Box::new(UpdatedSph::new(crystal, own)?))
 }
 
 fn elements<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
@@ -280,6 +282,7 @@ fn elements<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, M
             integration: method.integration,
             hourglass_stiffness: method.hourglass_stiffness,
             hourglass_viscosity: method.hourglass_viscosity,
+            hourglass_scale: method.hourglass_scale,
             mass: method.mass,
         },
     };

@@ -269,3 +269,33 @@ fn a_mode_is_exported_as_large_as_asked() {
         assert_eq!(mode.csv().lines().count(), 17);
     }
 }
+
+#[test]
+fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
+    let of = |perturbation: &str| {
+        let settings = Settings::from_assignments(&[
+            "discretization.method=total-lagrangian-sph",
+            "discretization.arrangement=chain",
+            "discretization.cells=4",
+            "discretization.support=1.6",
+            "discretization.spacing=0.5",
+            perturbation,
+        ])
+        .expect("settings");
+        let material = settings.material.build().expect("a material");
+        let options = CompareSettings {
+            states: 1,
+            ..CompareSettings::default()
+        };
+        let rest = onset::kinematics::DeformationGradient::identity();
+        let modulus = onset::continuum::Stiffness::<1>::at(&*material, &rest)
+            .expect("a tangent")
+            .maximum_eigenvalue();
+        let measured = Measured::of_settings(&settings, &*material, &options).expect("a row");
+        let step = measured.critical_time_step * modulus.sqrt() / 0.5;
+        assert!((measured.courant / step - 1.0).abs() < 1e-12);
+        measured.neighbors
+    };
+    assert_eq!(of("discretization.perturbation=0"), 3.0);
+    of("discretization.perturbation=0.25");
+}

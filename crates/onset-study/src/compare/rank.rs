@@ -10,7 +10,7 @@ const WRONG: f64 = 0.005;
 const LONG_WAVES: f64 = 0.05;
 /// The relative frequency below which a mode is too weak.
 const WEAK: f64 = 0.1;
-/// The wavelength at which frequencies are compared, in distances of neighbors.
+/// The wavelength at which frequencies are compared, in spacings of the particles.
 const WAVELENGTH: f64 = 8.0;
 
 /// The rules, in the order in which they are applied.

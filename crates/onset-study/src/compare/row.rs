@@ -14,7 +14,7 @@ use onset::verdict::SchemeSurvey;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-/// Wavelengths, in distances of neighbors, at which frequencies are compared.
+/// Wavelengths, in spacings of the particles, at which frequencies are compared.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 
 /// A method of a comparison.
@@ -64,7 +64,7 @@ pub struct Measured {
     pub fidelity: Fidelity,
     /// The critical time step; time.
     pub critical_time_step: f64,
-    /// The same times the speed of sound over the distance of neighbors.
+    /// The same times the speed of sound over the spacing of the particles.
     pub courant: f64,
     /// Particles that an evaluation of the forces on one particle looks at.
     pub neighbors: f64,
@@ -116,7 +116,7 @@ impl Measured {
             states: options.states,
         };
         let step = critical_time_step(survey.reference(), options.integrator, survey.search());
-        let spacing = scheme.crystal().nearest_distance();
+        let spacing = scheme.crystal().spacing();
         Ok(Self {
             zero_modes,
             zero_extent: spurious.zero_extent,
@@ -142,7 +142,7 @@ impl Measured {
     }
 
     /// A number to compare the cost of simulating a given time: particles looked at for every speed-of-sound passage
-    /// of a neighbor's distance, `neighbors / courant`.
+    /// of a spacing, `neighbors / courant`.
     pub fn cost(&self) -> f64 {
         self.neighbors / self.courant
     }

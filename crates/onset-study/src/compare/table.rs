@@ -137,7 +137,7 @@ impl Table {
             column(
                 "Courant",
                 "courant",
-                "critical time step times speed of sound over the distance of neighbors",
+                "critical time step times speed of sound over the spacing of the particles",
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             ),

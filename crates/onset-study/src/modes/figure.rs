@@ -8,7 +8,7 @@ const DRAWN: usize = 6;
 
 /// Where the third axis points in the picture.
 const THIRD: (f64, f64) = (0.45, 0.3);
-/// Half the side of the cube of particles that is drawn in space, in distances of neighbors.
+/// Half the side of the cube of particles that is drawn in space, in spacings.
 const HALF_SIDE: f64 = 2.2;
 
 impl ModesAnswer {

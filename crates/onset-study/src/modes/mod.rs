@@ -29,7 +29,7 @@ pub struct ModesQuestion {
     pub weak: f64,
     /// Cells of the patch along each primitive vector.
     pub cells: usize,
-    /// The largest displacement of the exported fields, in distances of neighbors.
+    /// The largest displacement of the exported fields, in spacings of the particles.
     pub amplitude: f64,
 }
 
@@ -49,7 +49,7 @@ impl Default for ModesQuestion {
 pub struct ModesAnswer {
     /// Space dimensions.
     pub dimension: usize,
-    /// The distance of neighbors; length.
+    /// The spacing of the particles; length.
     pub spacing: f64,
     /// How far zero-energy modes extend at most; `None` where there are none.
     pub zero_extent: Option<Extent>,
@@ -120,7 +120,7 @@ impl ModesAnswer {
         let patch = PeriodicPatch::new(crystal, [question.cells; D]);
         Ok(Self {
             dimension: D,
-            spacing: crystal.nearest_distance(),
+            spacing: crystal.spacing(),
             zero_extent: found.zero_extent,
             complete: found.is_complete,
             weakest: found.weakest,
@@ -161,7 +161,7 @@ impl ShownMode {
             .iter()
             .map(|particle| turned(particle).map(|z| z.re).norm())
             .fold(f64::MIN_POSITIVE, f64::max);
-        let scale = amplitude * crystal.nearest_distance() / largest;
+        let scale = amplitude * crystal.spacing() / largest;
         let at = |is_quarter: bool| {
             let displaced = |particle| {
                 let own = turned(particle);

@@ -231,7 +231,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Positive("length"),
-        "distance of nearest particles",
+        "distance of neighbors in the arrangement or mesh, the unit of vectors and support",
     ),
     key(
         "discretization.density",
@@ -246,7 +246,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.support",
         Kind::Positive("1"),
-        "support radius in spacings, D_mx",
+        "support radius in units of discretization.spacing, D_mx",
     ),
     key(
         "discretization.approximation",

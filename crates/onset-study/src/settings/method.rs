@@ -4,9 +4,9 @@ use super::Value;
 use super::key::{Key, Kind, key};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
-use onset::scheme::element::{ElementMass, ElementMesh, Integration};
+use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
-use onset::scheme::stabilization::ViscositySwitch;
+use onset::scheme::stabilization::{SmoothedMotion, ViscositySwitch};
 use onset::scheme::{Calibration, GridFunctions, GridMass, Influence, PartialVolumes, PointLayout};
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ pub struct MethodSettings {
     pub penalty: f64,
     /// SPH: linear coefficient of artificial viscosity; zero without.
     pub viscosity: f64,
-    /// SPH: when artificial viscosity acts.
+    /// SPH: when artificial viscosity acts, and with which lengths.
     pub viscosity_switch: ViscositySwitch,
     /// Updated SPH: coefficient of artificial stress; zero without.
     pub artificial_stress: f64,
@@ -130,6 +130,8 @@ pub struct MethodSettings {
     pub artificial_stress_exponent: f64,
     /// SPH: coefficient of XSPH.
     pub velocity_smoothing: f64,
+    /// Updated SPH: what follows the smoothed velocities.
+    pub smoothed_motion: SmoothedMotion,
     /// Finite elements: the mesh.
     pub mesh: ElementMesh,
     /// Finite elements: integration points.
@@ -138,6 +140,8 @@ pub struct MethodSettings {
     pub hourglass_stiffness: f64,
     /// Finite elements: coefficient of hourglass viscosity.
     pub hourglass_viscosity: f64,
+    /// Finite elements: what both are multiplied with.
+    pub hourglass_scale: HourglassScale,
     /// Finite elements: masses.
     pub mass: ElementMass,
     /// Conforming nodal integration: regions of averaging.
@@ -187,10 +191,12 @@ impl Default for MethodSettings {
             artificial_stress: 0.0,
             artificial_stress_exponent: 4.0,
             velocity_smoothing: 0.0,
+            smoothed_motion: SmoothedMotion::Everything,
             mesh: ElementMesh::Quadrilaterals,
             integration: Integration::Full,
             hourglass_stiffness: 0.0,
             hourglass_viscosity: 0.0,
+            hourglass_scale: HourglassScale::Gradients,
             mass: ElementMass::Lumped,
             smoothing_domain: SmoothingDomain::Voronoi,
             modification: 0.0,
@@ -264,7 +270,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.corrected",
         Kind::Switch,
-        "SPH: gradients corrected to be exact for linear fields",
+        "SPH: gradients corrected to be exact for linear fields (PySPH: false)",
     )
     .only_with(SPH),
     key(
@@ -293,8 +299,8 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(SPH),
     key(
         "discretization.viscosity-switch",
-        Kind::Words(&["always", "averaged"]),
-        "SPH: whether artificial viscosity acts always, or as the mean of compression only",
+        Kind::Words(&["always", "averaged", "smd"]),
+        "SPH: whether artificial viscosity acts always, as the mean of compression only, or as in LAMMPS' SMD",
     )
     .only_with(SPH),
     key(
@@ -315,6 +321,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "SPH: coefficient of smoothed velocities (XSPH)",
     )
     .only_with(SPH),
+    key(
+        "discretization.smoothed-motion",
+        Kind::Words(&["everything", "positions"]),
+        "updated SPH: what follows smoothed velocities: the whole motion, or positions only, as in PySPH",
+    )
+    .only_with(UPDATED_SPH),
     key(
         "discretization.mesh",
         Kind::Words(&[
@@ -351,6 +363,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     )
     .only_with(ONE_POINT),
     key(
+        "discretization.hourglass-scale",
+        Kind::Words(&["gradients", "radioss"]),
+        "finite elements: what the hourglass coefficients are multiplied with, gradients or sizes as in Radioss",
+    )
+    .only_with(ONE_POINT),
+    key(
         "discretization.mass",
         Kind::Words(&["lumped", "consistent"]),
         "finite elements: mass matrix",
@@ -371,7 +389,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.horizon",
         Kind::Positive("1"),
-        "peridynamics: the horizon in spacings",
+        "peridynamics: the horizon in spacings of the particles, which disorder leaves as they are",
     )
     .only_with(PERIDYNAMICS),
     key(

@@ -194,6 +194,31 @@ impl Kernel {
         smoothing_length * self.support_over_smoothing_length::<D>()
     }
 
+    /// The smoothing length `h` that the papers of a kernel, and codes after them, give to a support radius: `R0 / 3` for the quintic
+    /// B-spline and for functions of `exp(-x^2 / h^2)`, `2/5 R0` for the quartic B-spline, `R0 / 2` for all others; length.
+    ///
+    /// It is a habit, no measure of resolution: for that see [`Kernel::support_over_smoothing_length`].
+    ///
+    /// ```
+    /// use onset::kernel::Kernel;
+    /// assert_eq!(Kernel::CubicSpline.nominal_smoothing_length(2.6), 1.3);
+    /// assert_eq!(Kernel::QuinticSpline.nominal_smoothing_length(3.0), 1.0);
+    /// ```
+    pub fn nominal_smoothing_length(self, radius: f64) -> f64 {
+        let radii = match self {
+            Self::QuinticSpline | Self::Gaussian | Self::LaguerreGauss => 3.0,
+            Self::QuarticBSpline => 2.5,
+            Self::QuarticSpline
+            | Self::CubicSpline
+            | Self::WendlandC2
+            | Self::WendlandC4
+            | Self::WendlandC6
+            | Self::Hyperbolic
+            | Self::Formula(_) => 2.0,
+        };
+        radius / radii
+    }
+
     /// The Fourier transform `int W(|x| / radius) exp(i k . x) dx`, which is real and depends on `|k|` only; length^D.
     ///
     /// Where it is negative, estimates of density reward pairs of particles that close ranks (Dehnen and Aly 2012).

@@ -44,10 +44,12 @@ pub struct Crystal<const D: usize> {
     lattice: BravaisLattice<D>,
     sites: Vec<Fractional<D>>,
     volumes: Vec<f64>,
+    spacing: f64,
 }
 
 impl<const D: usize> Crystal<D> {
-    /// A lattice with particles at places given in lattice coordinates. Their volumes are those of their Voronoi cells.
+    /// A lattice with particles at places given in lattice coordinates. Their volumes are those of their Voronoi cells, their
+    /// spacing is that of the lattice with as many particles to the volume.
     ///
     /// # Errors
     /// [`LatticeError::CoincidentPoints`] when two particles are at the same place, [`LatticeError::NoSites`] when there is none.
@@ -64,6 +66,7 @@ impl<const D: usize> Crystal<D> {
             _ => voronoi_volumes(&lattice, &sites)?,
         };
         Ok(Self {
+            spacing: shortest(&lattice) * per_particle::<D>(sites.len()),
             lattice,
             sites,
             volumes,
@@ -83,6 +86,7 @@ impl<const D: usize> Crystal<D> {
             return Err(LatticeError::NoSites);
         }
         Ok(Self {
+            spacing: shortest(&lattice) * per_particle::<D>(sites.len()),
             lattice,
             sites,
             volumes,
@@ -94,16 +98,46 @@ impl<const D: usize> Crystal<D> {
     /// # Errors
     /// [`LatticeError`] as for [`Arrangement::lattice`].
     pub fn of(arrangement: Arrangement, spacing: f64) -> Result<Self, LatticeError> {
-        Self::new(arrangement.lattice(spacing)?, arrangement.sites())
+        let crystal = Self::new(arrangement.lattice(spacing)?, arrangement.sites())?;
+        Ok(crystal.with_spacing(spacing))
+    }
+
+    /// The particles of an arrangement on its lattice, or others in their place. The spacing is the distance of neighbors in the
+    /// arrangement, scaled with the volume of a particle where others take the place of its own.
+    ///
+    /// # Errors
+    /// [`LatticeError`] as for [`Crystal::new`].
+    pub fn arranged(
+        arrangement: Arrangement,
+        lattice: BravaisLattice<D>,
+        others: Option<Vec<Fractional<D>>>,
+    ) -> Result<Self, LatticeError> {
+        let own = Self::new(lattice, arrangement.sites())?;
+        let spacing = match own.sites.len() {
+            1 => own.spacing,
+            _ => own.nearest_distance(),
+        };
+        let Some(others) = others else {
+            return Ok(own.with_spacing(spacing));
+        };
+        let density = per_particle::<D>(others.len()) / per_particle::<D>(own.sites.len());
+        Ok(Self::new(lattice, others)?.with_spacing(spacing * density))
     }
 
     /// One particle in each cell of a lattice.
     pub fn of_lattice(lattice: BravaisLattice<D>) -> Self {
         Self {
+            spacing: shortest(&lattice),
             sites: vec![SVector::zeros()],
             volumes: vec![lattice.cell_volume()],
             lattice,
         }
+    }
+
+    /// The same particles with another length as their spacing.
+    #[must_use]
+    pub fn with_spacing(self, spacing: f64) -> Self {
+        Self { spacing, ..self }
     }
 
     /// The lattice of the cells.
@@ -119,6 +153,25 @@ impl<const D: usize> Crystal<D> {
     /// The volumes of the particles of a cell; length^D.
     pub fn volumes(&self) -> &[f64] {
         &self.volumes
+    }
+
+    /// The spacing of the particles, in which horizons, wavelengths and time steps are measured; length.
+    ///
+    /// Of a lattice, and of an arrangement with a name, the distance of neighbors. Of other particles in the cell of a lattice the
+    /// length that this would be if they were a lattice of the same shape: the distance of neighbors times `n^(-1/D)` with `n`
+    /// particles in the cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
+    /// keep that of the layout that they are moved from, which the distance of the nearest of them is not.
+    ///
+    /// ```
+    /// use onset::lattice::{Arrangement, Crystal};
+    /// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(0.5)?).supercell([4, 4])?;
+    /// let disordered = square.perturbed(0.1, 1)?;
+    /// assert_eq!(disordered.spacing(), 0.5);
+    /// assert!(disordered.nearest_distance() < 0.45);
+    /// # Ok::<(), onset::lattice::LatticeError>(())
+    /// ```
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// The place of a particle in lattice coordinates.
@@ -221,6 +274,7 @@ impl<const D: usize> Crystal<D> {
             lattice,
             sites,
             volumes,
+            spacing: self.spacing,
         })
     }
 
@@ -237,8 +291,21 @@ impl<const D: usize> Crystal<D> {
             let offset = SVector::from_fn(|_, _| amplitude * (2.0 * uniform(&mut state) - 1.0));
             place + to_fractional * offset
         });
-        Self::new(self.lattice, sites.collect())
+        let moved = Self::new(self.lattice, sites.collect())?;
+        Ok(moved.with_spacing(self.spacing))
     }
+}
+
+/// The length of the shortest vector of a lattice.
+fn shortest<const D: usize>(lattice: &BravaisLattice<D>) -> f64 {
+    let short = Reduced::of(lattice.vectors()).map_or(*lattice.vectors(), |basis| basis.vectors);
+    let lengths = short.column_iter().map(|vector| vector.norm());
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
+/// By how much shorter lengths are when a cell is shared by particles: `n^(-1/D)`.
+fn per_particle<const D: usize>(particles: usize) -> f64 {
+    (particles as f64).powf(-1.0 / D as f64)
 }
 
 /// All cells between two corners, both included.

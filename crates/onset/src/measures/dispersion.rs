@@ -19,18 +19,18 @@ const SPACE_DIRECTIONS: usize = 400;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub struct DispersionError {
-    /// Wavelength over the distance of neighbors.
+    /// Wavelength over the spacing of the particles.
     pub particles_per_wavelength: f64,
     /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the undeformed body.
     pub error: f64,
 }
 
-/// The errors of the frequencies of the undeformed body at wavelengths given in distances of neighbors.
+/// The errors of the frequencies of the undeformed body at wavelengths given in spacings of the particles, [`crate::lattice::Crystal::spacing`].
 pub fn dispersion_errors<const D: usize>(
     survey: &SchemeSurvey<'_, D>,
     particles_per_wavelength: &[f64],
 ) -> Result<Vec<DispersionError>, MethodError> {
-    let spacing = survey.scheme().crystal().nearest_distance();
+    let spacing = survey.scheme().crystal().spacing();
     let stiffness = at_rest(survey)?;
     let of_wavelength = |count: &f64| {
         let length = TAU / (count * spacing);

@@ -9,7 +9,7 @@ mod forces;
 
 pub use configuration::{Configuration, ConfiguredPoint};
 
-use crate::approximation::{Approximation, SingularMoment};
+use crate::approximation::{Approximation, Order, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{
@@ -31,6 +31,8 @@ const MAXIMUM_PARTICLES: f64 = 1e3;
 const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Places of the lattice that are looked at for each admitted neighbor.
 const PLACES: f64 = 25.0;
+/// Gradients that add up to less than this, over the support radius, add up to zero but for rounding.
+const TRANSLATION: f64 = 1e-9;
 
 /// In which coordinates the kernel is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +60,8 @@ pub enum Background {
     Imposed,
     /// What the shape functions make of the particles' displacements. Lagrangian kernels: `F_q = 1 +
     /// (F - 1) M_q`, `M_q = sum_K X_K (x) grad phi_K(X_q)`. Eulerian kernels: `F_q^-1 = 1 - (1 - F^-1) m_q`
-    /// with `m_q` likewise in the current arrangement. The undeformed body stays free of stress.
+    /// with `m_q` likewise in the current arrangement. The undeformed body stays free of stress. `X_K` is taken from the point: from
+    /// any other origin the same, where the gradients add up to zero.
     Interpolated,
 }
 
@@ -168,7 +171,8 @@ pub struct Discretization {
     pub perturbation: f64,
     /// The seed of the random offsets: the same for the same seed, everywhere.
     pub seed: u32,
-    /// Distance of nearest particles in the reference state, or what takes its place as the unit of `vectors`; length.
+    /// Distance of neighbors in the arrangement, of rectangles the first side, of oblique and triclinic arrangements the unit of
+    /// `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
@@ -491,12 +495,9 @@ impl Discretization {
         }
         let own = self.basis.chunks_exact(D).map(SVector::from_column_slice);
         let own = own.map(|place| basis.inverse * place);
-        let sites = if self.basis.is_empty() {
-            self.arrangement.sites()
-        } else {
-            std::iter::once(SVector::zeros()).chain(own).collect()
-        };
-        let crystal = Crystal::new(lattice, sites)?;
+        let others = (!self.basis.is_empty())
+            .then(|| std::iter::once(SVector::zeros()).chain(own).collect());
+        let crystal = Crystal::arranged(self.arrangement, lattice, others)?;
         let particles = crystal.sites().len() as f64 * f64::from(self.cells).powi(D as i32);
         MethodError::require(
             particles <= MAXIMUM_PARTICLES,
@@ -573,13 +574,45 @@ impl<const D: usize> Method<D> {
         let lattice = *crystal.lattice();
         let rule = discretization.cell_rule::<D>()?;
         let points = quadrature.points(&lattice, &rule)?;
-        Ok(Self {
+        let method = Self {
             discretization,
             crystal: Crystal::of_lattice(lattice),
             halves: halves_of(&points),
             points,
             wave_grids: Arc::new(WaveGrids::new(lattice)),
-        })
+        };
+        method.assert_background()?;
+        Ok(method)
+    }
+
+    /// Refuses an interpolated background where a translation of all particles strains a point, `sum_K grad phi_K != 0`: the
+    /// displacements `(F - 1) X` give every such point another strain, as far as it is from the origin, and there is no
+    /// homogeneous state. Raw weights do that at points that no symmetry of the reference lattice fixes.
+    fn assert_background(&self) -> Result<(), MethodError> {
+        let Discretization {
+            background,
+            approximation,
+            ..
+        } = self.discretization;
+        if background == Background::Imposed || approximation != Approximation::Raw {
+            return Ok(());
+        }
+        let reference = self.configuration(&DeformationGradient::identity(), Order::First);
+        // A support that is too small or too large is refused where a state is asked for.
+        let points = reference.map_or_else(|_| Vec::new(), |reference| reference.points);
+        let strained = points.iter().any(|point| {
+            let sum: SVector<f64, D> = point.shape.gradients.iter().sum();
+            sum.norm() * self.support_radius() > TRANSLATION
+        });
+        if strained {
+            return Err(MethodError::Incompatible {
+                choice: "the interpolated background",
+                other: "raw weights at points that a translation of all particles strains",
+                hint: "choose discretization.background = \"imposed\", an approximation that is exact for constants, or the quadrature \
+                       nodal or stress-points",
+            });
+        }
+        Ok(())
     }
 
     /// The same method with quadrature points of one's own in place of `discretization.quadrature`.

@@ -13,7 +13,7 @@ use onset::method::MethodError;
 use onset::scheme::Scheme;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
-    Integration, Mesh, MeshError,
+    HourglassScale, Integration, Mesh, MeshError,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -28,6 +28,7 @@ const ONE_POINT: Formulation = Formulation {
     integration: Integration::OnePoint,
     hourglass_stiffness: 0.0,
     hourglass_viscosity: 0.0,
+    hourglass_scale: HourglassScale::Gradients,
     mass: ElementMass::Lumped,
 };
 
@@ -421,25 +422,18 @@ fn simplices_of_squares_and_cubes_are_the_differences_along_the_axes() {
     let space = |k: &Vector3<f64>| SPACING * k.iter().map(|k| row(k * SPACING).0).sum::<f64>();
     assert_laplacian::<3>(ElementMesh::Tetrahedra, space);
     // The long edges of body-centered tetrahedra see right angles, whose cotangent is zero: the eight nearest remain.
+    let edge = 2.0 * SPACING / 3.0_f64.sqrt();
     let centered = |k: &Vector3<f64>| {
-        let cosines: f64 = k.iter().map(|k| (0.5 * k * SPACING).cos()).product();
-        4.0 * SPACING * (1.0 - cosines)
+        let cosines: f64 = k.iter().map(|k| (0.5 * k * edge).cos()).product();
+        4.0 * edge * (1.0 - cosines)
     };
     assert_laplacian::<3>(ElementMesh::TetrahedraBodyCentered, centered);
 }
 
 #[test]
 fn alternating_and_crossed_triangles_are_the_same_mesh_turned_by_an_eighth() {
-    let lumped = |mesh, spacing| {
-        FiniteElements::<2>::new(&ElementChoices {
-            mesh,
-            spacing,
-            ..ElementChoices::default()
-        })
-        .expect("elements")
-    };
-    let alternating = at_rest(&lumped(ElementMesh::TrianglesAlternating, 1.0));
-    let crossed = at_rest(&lumped(ElementMesh::TrianglesCrossed, 2.0_f64.sqrt()));
+    let alternating = at_rest(&elements::<2>(ElementMesh::TrianglesAlternating, full()));
+    let crossed = at_rest(&elements::<2>(ElementMesh::TrianglesCrossed, full()));
     let (sine, cosine) = (TAU / 8.0).sin_cos();
     let turn = Matrix2::new(cosine, -sine, sine, cosine);
     let mut random = Random::new(11);

@@ -2,13 +2,13 @@
 
 use crate::battery::assert_scheme;
 use crate::sph::{crystal, stretched, updated, waves};
-use nalgebra::{SMatrix, SVector, Vector2};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use onset::bloch::ZoneSearch;
 use onset::continuum::Stiffness;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
-use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::scheme::Scheme;
 use onset::scheme::sph::{
     MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
@@ -92,6 +92,88 @@ fn the_penalty_lifts_the_zero_energy_modes_of_the_square_and_the_hexagonal_latti
         assert!(unit > 1e-3, "{arrangement:?}: {unit}");
         for alpha in [0.1, 50.0] {
             assert!((lowest(alpha) - alpha * unit).abs() < 1e-10 * alpha.max(1.0));
+        }
+    }
+}
+
+/// A lamina whose fibers lie at an angle to the first axis, in degrees.
+fn lamina(angle: f64) -> Box<dyn Hyperelastic> {
+    let law = Law::named("saint-venant-orthotropic").expect("a law of the library");
+    law.build(&[("angle", angle)]).expect("a material")
+}
+
+/// Young's modulus of the lamina at an angle to its fibers, in radians, from its engineering constants (Lekhnitskii 1963).
+fn young_modulus_at(angle: f64) -> f64 {
+    let (e1, e2, nu, g) = (140.0, 10.0, 0.3, 5.0);
+    let (s, c) = angle.sin_cos();
+    (c.powi(4) / e1 + s.powi(4) / e2 + (s * c).powi(2) * (1.0 / g - 2.0 * nu / e1)).recip()
+}
+
+#[test]
+fn the_penalty_takes_youngs_modulus_along_each_bond_from_the_whole_compliance() {
+    // Alternating particles strain nothing: rho omega^2 = sum over bonds between opposite ones of 2 alpha E W / |X|^2 n (x) n.
+    assert!((young_modulus_at(PI / 6.0) - 21.29).abs() < 5e-3);
+    let radius = 2.3;
+    for degrees in [0.0_f64, 30.0, 77.0] {
+        let choices = TotalLagrangianChoices {
+            penalty: 0.9,
+            radius,
+            ..TotalLagrangianChoices::default()
+        };
+        let square = total::<2>(Arrangement::Square, choices);
+        let waves = square.waves(&*lamina(degrees), &rest()).expect("waves");
+        for k in [[1, 0], [0, 1], [1, 1]] {
+            let mut expected = Matrix2::zeros();
+            for a in -2..=2_i32 {
+                for b in -2..=2_i32 {
+                    let x = Vector2::new(f64::from(a), f64::from(b));
+                    let weight = KERNEL.weight(&x, radius, &Matrix2::identity());
+                    let Some(weight) = weight.filter(|_| (a * k[0] + b * k[1]) % 2 != 0) else {
+                        continue;
+                    };
+                    let along = x[1].atan2(x[0]) - degrees.to_radians();
+                    let weight = weight.value / KERNEL.integral::<2>(radius);
+                    let spring = 2.0 * 0.9 * young_modulus_at(along) * weight / x.norm_squared();
+                    expected += x.normalize() * x.normalize().transpose() * spring;
+                }
+            }
+            let k = Vector2::from_fn(|i, _| PI * f64::from(k[i]));
+            let found = waves.dynamical_matrix_at(&k);
+            for i in 0..2 {
+                for j in 0..2 {
+                    assert!(
+                        (found[(i, j)].re - expected[(i, j)]).abs() < 1e-10 * expected.amax(),
+                        "{degrees}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rotation_of_law_and_lattice_leaves_the_penalty() {
+    let at = |angle: f64, degrees: f64, k: Vector2<f64>| {
+        let (sine, cosine) = angle.sin_cos();
+        let turn = Matrix2::new(cosine, -sine, sine, cosine);
+        let vectors = turn * Matrix2::new(1.0, 0.3, 0.0, 0.9);
+        let crystal = Crystal::of_lattice(BravaisLattice::new(vectors).expect("a lattice"));
+        let choices = TotalLagrangianChoices {
+            penalty: 1.7,
+            radius: 1.8,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::new(crystal, choices).expect("a scheme");
+        let material = lamina(degrees + angle.to_degrees());
+        let waves = scheme.waves(&*material, &rest()).expect("waves");
+        waves.omega_squared(&(turn * k))
+    };
+    for k in [[0.4, 0.9], [2.5, -1.3], [3.0, 2.8]].map(Vector2::from) {
+        let plain = at(0.0, 20.0, k);
+        for angle in [0.3, 1.1, 2.0] {
+            for (a, b) in plain.iter().zip(at(angle, 20.0, k)) {
+                assert!((a - b).norm() < 1e-10 * plain[1].re, "{a} {b}");
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Control of the hourglass modes of elements with one integration point, after Flanagan and Belytschko, Int. J. Numer. Meth.
 //! Engng. 17 (1981) 679.
 
+use super::HourglassScale;
 use super::shape::sign;
 use crate::lattice::Particle;
 use crate::real::Real;
@@ -13,9 +14,9 @@ pub(super) struct HourglassMode<const D: usize> {
     nodes: Vec<Particle<D>>,
     /// `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
     gamma: Vec<f64>,
-    /// `V sum_a |b_a|^2`: the stiffness that a modulus of one has; length^(D-2).
+    /// The stiffness that a modulus and a coefficient of one have; length^(D-2).
     pub(super) stiffness: f64,
-    /// `V (sum_a |b_a|^2)^1/2`: the viscosity that an impedance of one has; length^(D-1).
+    /// The viscosity that an impedance and a coefficient of one have; length^(D-1).
     pub(super) viscosity: f64,
 }
 
@@ -30,6 +31,22 @@ impl<const D: usize> HourglassMode<D> {
     }
 }
 
+impl HourglassScale {
+    /// Stiffness and viscosity of a modulus, an impedance and coefficients of one, for `gamma` as below.
+    fn of<const D: usize>(self, volume: f64, gradients: &[SVector<f64, D>]) -> [f64; 2] {
+        let squares: f64 = gradients.iter().map(SVector::norm_squared).sum();
+        // Codes do not divide gamma by the number of nodes.
+        let codes = (gradients.len() * gradients.len()) as f64;
+        match (self, D) {
+            (Self::Gradients, _) => [volume * squares, volume * squares.sqrt()],
+            (Self::Radioss, 3) => {
+                [0.038 * volume.cbrt(), 0.25 * volume.cbrt().powi(2)].map(|x| codes * x)
+            }
+            (Self::Radioss, _) => [0.0, 0.5 * codes * volume.sqrt()],
+        }
+    }
+}
+
 /// The modes of a multilinear element, products of two or more reference coordinates at the nodes: one in the plane, four in
 /// space, none of a bar. `gradients` are the mean gradients of its shape functions, `volume` is its own.
 pub(super) fn hourglass_modes<const D: usize>(
@@ -37,8 +54,9 @@ pub(super) fn hourglass_modes<const D: usize>(
     positions: &[SVector<f64, D>],
     gradients: &[SVector<f64, D>],
     volume: f64,
+    scale: HourglassScale,
 ) -> Vec<HourglassMode<D>> {
-    let squares: f64 = gradients.iter().map(SVector::norm_squared).sum();
+    let [stiffness, viscosity] = scale.of(volume, gradients);
     let mode = |axes: usize| {
         let product = |n: usize| -> f64 {
             let along = (0..D).filter(|i| axes >> i & 1 == 1);
@@ -55,8 +73,8 @@ pub(super) fn hourglass_modes<const D: usize>(
         HourglassMode {
             nodes: nodes.to_vec(),
             gamma: gradients.iter().enumerate().map(gamma).collect(),
-            stiffness: volume * squares,
-            viscosity: volume * squares.sqrt(),
+            stiffness,
+            viscosity,
         }
     };
     let modes = (0..1_usize << D).filter(|axes| axes.count_ones() >= 2);

@@ -53,10 +53,29 @@ pub enum ElementMass {
     Consistent,
 }
 
+/// What the coefficients of hourglass control are multiplied with, `gamma_a` as in [`Formulation`], `V` the volume of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum HourglassScale {
+    /// The gradients of the element: stiffness `kappa M V b^2`, viscosity `epsilon rho c V b`.
+    Gradients,
+    /// The size of the element, as in production codes: of bricks the stiffness `0.038 kappa M V^(1/3)` and the viscosity
+    /// `epsilon/4 rho c V^(2/3)`, of quadrilaterals the viscosity `epsilon/2 rho c V^(1/2)` and no stiffness, with `2^D gamma_a` in
+    /// the place of `gamma_a`.
+    ///
+    /// Source: OpenRadioss, `shvis3.F`, `s_hg5.F`, `qhvis2.F`; the viscosity of bricks is that of LS-DYNA's theory manual,
+    /// `Q rho c V^(2/3) / 4`.
+    Radioss,
+}
+
 /// How elements become equations of motion. The default: full integration, lumped masses.
 ///
-/// Hourglass control resists each mode `q` of a one-point element with the force `kappa M V b^2 q + epsilon rho c V b dq/dt`,
-/// where `M = rho c^2` is the modulus of the fastest wave in the undeformed material, `b^2 = sum_a |b_a|^2` with the mean gradients
+/// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force
+/// `gamma_a (kappa M V b^2 q + epsilon rho c V b dq/dt)`, or with that of another [`HourglassScale`], where `M = rho c^2` is the modulus of the fastest wave in the undeformed material, `b^2 = sum_a |b_a|^2` with the mean gradients
 /// `b_a`. Both parts are objective: `q` vanishes for every linear field, and turns with the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -72,6 +91,8 @@ pub struct Formulation {
     pub hourglass_stiffness: f64,
     /// The coefficient `epsilon` of one-point elements; dimensionless.
     pub hourglass_viscosity: f64,
+    /// What both are multiplied with.
+    pub hourglass_scale: HourglassScale,
     /// Masses.
     pub mass: ElementMass,
 }
@@ -82,6 +103,7 @@ impl Default for Formulation {
             integration: Integration::Full,
             hourglass_stiffness: 0.0,
             hourglass_viscosity: 0.0,
+            hourglass_scale: HourglassScale::Gradients,
             mass: ElementMass::Lumped,
         }
     }
@@ -97,7 +119,7 @@ impl Default for Formulation {
 pub struct ElementChoices {
     /// Arrangement of the elements.
     pub mesh: ElementMesh,
-    /// The side of the squares, cubes or triangles; length.
+    /// The distance of neighboring nodes; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
@@ -170,6 +192,14 @@ impl<const D: usize> FiniteElements<D> {
                 return Err(MeshError::NeedlessControl.into());
             }
         }
+        let scale = formulation.hourglass_scale;
+        if scale == HourglassScale::Radioss && D < 3 && formulation.hourglass_stiffness > 0.0 {
+            return Err(MethodError::Incompatible {
+                choice: "hourglass-scale \"radioss\" with a hourglass-stiffness",
+                other: "quadrilaterals, whose hourglass control is viscous there",
+                hint: "set hourglass-viscosity, or take hourglass-scale = \"gradients\"",
+            });
+        }
         let (mut points, mut modes) = (Vec::new(), Vec::new());
         for nodes in mesh.elements() {
             let samples = mesh.samples(nodes);
@@ -189,7 +219,9 @@ impl<const D: usize> FiniteElements<D> {
                     if mesh.shape() == ElementShape::Multilinear {
                         let positions = nodes.iter().map(|node| mesh.crystal().position(node));
                         let positions: Vec<SVector<f64, D>> = positions.collect();
-                        modes.extend(hourglass_modes(nodes, &positions, &gradients, volume));
+                        modes.extend(hourglass_modes(
+                            nodes, &positions, &gradients, volume, scale,
+                        ));
                     }
                 }
             }

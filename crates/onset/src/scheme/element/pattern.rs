@@ -5,7 +5,8 @@ use crate::lattice::{BravaisLattice, Crystal, LatticeError};
 use crate::method::MethodError;
 use nalgebra::{SMatrix, SVector};
 
-/// How elements are arranged; `spacing` is the side of the squares, cubes and triangles that they are made of.
+/// How elements are arranged; `spacing` is the distance of neighboring nodes: the side of the squares, cubes and triangles that
+/// they are made of, or half of a diagonal where a node is in the middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -117,12 +118,15 @@ impl ElementMesh {
 
     fn lattice<const D: usize>(self, spacing: f64) -> Result<BravaisLattice<D>, MethodError> {
         let half = 0.5 * 3.0_f64.sqrt();
+        let third = 1.0_f64 / 3.0;
         let entry = |i: usize, j: usize| match (self, i, j) {
             // The second vector at 120 degrees, so that the sum of both is the short diagonal.
             (Self::TrianglesEquilateral, 0, 1) => -0.5,
             (Self::TrianglesEquilateral, 1, 1) => half,
-            (Self::TetrahedraBodyCentered, i, j) if i == j => -0.5,
-            (Self::TetrahedraBodyCentered, ..) => 0.5,
+            // Half of the diagonals of a cube.
+            (Self::TetrahedraBodyCentered, i, j) if i == j => -third.sqrt(),
+            (Self::TetrahedraBodyCentered, ..) => third.sqrt(),
+            (Self::TrianglesCrossed, i, j) => 2.0_f64.sqrt() * f64::from(u8::from(i == j)),
             // One step along the first axis for each along another: all but the first keep the color of the chess board.
             (Self::TrianglesAlternating | Self::TetrahedraAlternating, 0, _) => 1.0,
             (_, i, j) => f64::from(u8::from(i == j)),

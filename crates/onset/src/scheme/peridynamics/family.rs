@@ -16,7 +16,7 @@ pub(super) struct Neighbor<const D: usize> {
     pub(super) particle: Particle<D>,
     /// The reference bond `X_IJ`.
     pub(super) vector: SVector<f64, D>,
-    /// `w`.
+    /// `w`; zero at the rim of some functions, where forces that are not weighted remain.
     pub(super) influence: f64,
     /// What counts of the volume of the particle.
     pub(super) volume: f64,
@@ -88,8 +88,6 @@ impl<const D: usize> Family<D> {
                     fraction,
                 })
             })
-            // At the horizon some functions vanish, and beyond it they are not defined.
-            .filter(|neighbor| neighbor.influence > 1e-8)
             .collect();
         let shape: SMatrix<f64, D, D> = neighbors
             .iter()

@@ -32,7 +32,7 @@ pub enum Influence {
     Constant,
     /// `w = 1/q`.
     Inverse,
-    /// `w = 1 - q`.
+    /// `w = 1 - q` up to the horizon, zero beyond.
     Conical,
     /// `w = exp(-4 q^2)`.
     Gaussian,
@@ -44,7 +44,7 @@ impl Influence {
         match self {
             Self::Constant => q,
             Self::Inverse => 1.0,
-            Self::Conical => q * (1.0 - q),
+            Self::Conical => q * (1.0 - q).max(0.0),
             Self::Gaussian => q * (-4.0 * q * q).exp(),
         }
     }
@@ -169,7 +169,7 @@ pub enum BondModel {
 pub struct PeridynamicsChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// The horizon in units of the distance of nearest particles.
+    /// The horizon in units of the spacing of the particles, [`Crystal::spacing`].
     pub horizon: f64,
     /// Weights of the bonds.
     pub influence: Influence,
@@ -234,7 +234,7 @@ impl<const D: usize> Peridynamics<D> {
         if let BondModel::Correspondence { control } = choices.model {
             control.check()?;
         }
-        let horizon = choices.horizon * crystal.nearest_distance();
+        let horizon = choices.horizon * crystal.spacing();
         let families = (0..crystal.sites().len())
             .map(|site| {
                 Family::new(

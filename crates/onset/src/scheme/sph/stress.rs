@@ -40,6 +40,9 @@ pub(super) struct StressOf<'a, const D: usize> {
     pub(super) masses: Vec<f64>,
     /// Of the particle, and of its neighbors too where their densities count.
     pub(super) circles: Vec<Circle<D>>,
+    /// Where positions follow smoothed velocities and nothing else does: of each particle whose position counts, by their numbers,
+    /// its neighbors with their shares.
+    pub(super) smoothing: Vec<Vec<(usize, f64)>>,
 }
 
 /// Displacements, and the positions that come of them.
@@ -49,6 +52,16 @@ struct Moved<'a, R, const D: usize> {
 }
 
 impl<const D: usize> StressOf<'_, D> {
+    /// How far the position of the particle with a number has moved: `u_I + sum_J s_IJ (u_J - u_I)`.
+    fn shift<R: Real>(&self, number: usize, displacements: &[[R; D]]) -> [R; D] {
+        let own = displacements[number];
+        let shares = self.smoothing.get(number).into_iter().flatten();
+        shares.fold(own, |sum, (other, share)| {
+            let apart = between(&own, &displacements[*other]);
+            std::array::from_fn(|i| sum[i] + apart[i] * *share)
+        })
+    }
+
     /// The deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
     fn deformation<R: Real>(&self, displacements: &[[R; D]], circle: &Circle<D>) -> [[R; D]; D] {
         let seen: Vec<[R; D]> = circle.members.iter().map(|n| displacements[*n]).collect();
@@ -82,12 +95,13 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let surroundings = self.surroundings;
-        let displaced = self.positions.iter().zip(motion.displacements);
+        let position = |(number, x): (usize, &[f64; D])| -> [R; D] {
+            let shift = self.shift(number, motion.displacements);
+            std::array::from_fn(|i| shift[i] + x[i])
+        };
         let moved = Moved {
             displacements: motion.displacements,
-            positions: displaced
-                .map(|(x, u)| std::array::from_fn(|i| u[i] + x[i]))
-                .collect(),
+            positions: self.positions.iter().enumerate().map(position).collect(),
         };
         let circle = &self.circles[0];
         let f = self.deformation(motion.displacements, circle);

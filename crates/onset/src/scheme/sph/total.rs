@@ -3,8 +3,8 @@
 use super::super::lagrangian::{LagrangianPoint, forces_at_rest, strains, stressed};
 use super::super::layout::{Layout, assert_positive};
 use super::super::stabilization::{
-    ArtificialViscosity, BondPenalty, Slope, ViscousBond, assert_coefficients, smoothed_velocities,
-    viscous_bonds, young_modulus,
+    ArtificialViscosity, BondPenalty, Compliance, Slope, ViscousBond, ViscousScales,
+    assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
     PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
@@ -136,8 +136,9 @@ impl<const D: usize> TotalLagrangianSph<D> {
         let points = stressed(&self.points, material, f)?;
         let mut interactions: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
         if self.choices.penalty > 0.0 {
-            let penalties = self.penalties(young_modulus(material)?, &response);
-            interactions.extend(penalties.map(SphInteraction::Penalty));
+            let compliance = Compliance::of(material)?;
+            let penalties = self.penalties(&compliance, &response);
+            interactions.extend(penalties.into_iter().map(SphInteraction::Penalty));
         }
         if let Some(viscosity) = &self.choices.viscosity {
             let bonds = self.viscous_bonds(viscosity, material, f)?;
@@ -148,14 +149,18 @@ impl<const D: usize> TotalLagrangianSph<D> {
 
     fn penalties<'a>(
         &'a self,
-        modulus: f64,
+        compliance: &Compliance,
         response: &'a PointResponse<'a, D>,
-    ) -> impl Iterator<Item = BondPenalty<'a, D>> {
+    ) -> Vec<BondPenalty<'a, D>> {
         let volumes = self.crystal.volumes();
-        let penalty = move |(neighborhood, point): (&Neighborhood<D>, &LagrangianPoint<D>)| {
-            let factor = 0.5 * self.choices.penalty * modulus * point.volume();
-            let bonds = neighborhood.particles.iter().zip(&neighborhood.weights);
-            let weights = bonds.map(|(j, w)| factor * volumes[j.site] * w.value);
+        let penalty = |(neighborhood, point): (&Neighborhood<D>, &LagrangianPoint<D>)| {
+            let factor = 0.5 * self.choices.penalty * point.volume();
+            let bonds = neighborhood.particles.iter().zip(&neighborhood.vectors);
+            let weights = bonds
+                .zip(&neighborhood.weights)
+                .map(|((j, along), weight)| {
+                    factor * compliance.young_modulus(along) * volumes[j.site] * weight.value
+                });
             BondPenalty::new(
                 neighborhood.particles.clone(),
                 neighborhood.vectors.clone(),
@@ -164,7 +169,8 @@ impl<const D: usize> TotalLagrangianSph<D> {
                 response,
             )
         };
-        self.neighborhoods.iter().zip(&self.points).map(penalty)
+        let particles = self.neighborhoods.iter().zip(&self.points);
+        particles.map(penalty).collect()
     }
 
     fn viscous_bonds(
@@ -188,8 +194,12 @@ impl<const D: usize> TotalLagrangianSph<D> {
                 (ends, current.into(), Slope::Fixed(slope))
             })
         });
-        let scales = (self.choices.density, self.choices.radius);
-        viscous_bonds(viscosity, material, scales, &masses, &densities, bonds)
+        let scales = ViscousScales {
+            density: self.choices.density,
+            kernel: self.choices.kernel,
+            radius: self.choices.radius,
+        };
+        viscous_bonds(viscosity, material, &scales, &masses, &densities, bonds)
     }
 }
 

@@ -3,8 +3,8 @@
 use super::super::lagrangian::forces_at_rest;
 use super::super::layout::{Layout, assert_planar, assert_positive};
 use super::super::stabilization::{
-    ArtificialStress, ArtificialViscosity, Repulsion, Slope, ViscousBond, assert_coefficients,
-    smoothed_velocities, viscous_bonds,
+    ArtificialStress, ArtificialViscosity, Repulsion, Slope, SmoothedMotion, ViscousBond,
+    ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
     PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
@@ -80,6 +80,8 @@ pub struct UpdatedSphChoices {
     pub viscosity: Option<ArtificialViscosity>,
     /// The coefficient `epsilon` of XSPH; zero without.
     pub velocity_smoothing: f64,
+    /// What follows the smoothed velocities of XSPH.
+    pub smoothed_motion: SmoothedMotion,
 }
 
 impl Default for UpdatedSphChoices {
@@ -95,6 +97,7 @@ impl Default for UpdatedSphChoices {
             artificial_stress: None,
             viscosity: None,
             velocity_smoothing: 0.0,
+            smoothed_motion: SmoothedMotion::Everything,
         }
     }
 }
@@ -103,7 +106,8 @@ impl Default for UpdatedSphChoices {
 ///
 /// The stress is that of the law at the deformation gradient that a particle carries along, `Fdot = L F` with
 /// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. Forces are
-/// those of [`MomentumForm`] and are linearized exactly: kernels, densities and volumes move.
+/// those of [`MomentumForm`] and are linearized exactly: kernels, densities and volumes move. Where positions alone follow the
+/// smoothed velocities of XSPH, a displacement is what the velocity makes of it, and positions are moved by its smoothed image.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
 /// Mech. Engrg. 139 (1996) 375.
@@ -135,6 +139,22 @@ struct State<const D: usize> {
     neighborhoods: Vec<Neighborhood<D>>,
     densities: Vec<f64>,
     gradients: Vec<Vec<[f64; D]>>,
+}
+
+/// Particles by the order in which they are first named.
+#[derive(Default)]
+struct Numbered<const D: usize> {
+    particles: Vec<Particle<D>>,
+    numbers: BTreeMap<Particle<D>, usize>,
+}
+
+impl<const D: usize> Numbered<D> {
+    fn number(&mut self, particle: Particle<D>) -> usize {
+        *self.numbers.entry(particle).or_insert_with(|| {
+            self.particles.push(particle);
+            self.particles.len() - 1
+        })
+    }
 }
 
 impl<const D: usize> UpdatedSph<D> {
@@ -263,26 +283,22 @@ impl<const D: usize> UpdatedSph<D> {
             MomentumForm::Symmetric => &own[..1],
             MomentumForm::Mean | MomentumForm::Difference => &own[..],
         };
-        let mut numbers: BTreeMap<Particle<D>, usize> = BTreeMap::new();
-        let mut particles = Vec::new();
-        let mut number = |particle: Particle<D>| {
-            *numbers.entry(particle).or_insert_with(|| {
-                particles.push(particle);
-                particles.len() - 1
-            })
-        };
-        own.iter().for_each(|particle| _ = number(*particle));
+        let mut members = Numbered::default();
+        own.iter()
+            .for_each(|particle| _ = members.number(*particle));
         let circles = seeing
             .iter()
             .map(|center| Circle {
                 members: state.neighborhoods[center.site]
                     .particles
                     .iter()
-                    .map(|particle| number(particle.moved(&center.cell)))
+                    .map(|particle| members.number(particle.moved(&center.cell)))
                     .collect(),
                 gradients: state.gradients[center.site].clone(),
             })
             .collect();
+        let smoothing = self.smoothing(own.len(), &mut members, state);
+        let particles = members.particles;
         let place = &self.crystal.sites()[site];
         let vector = |particle| state.layout.vector(&self.crystal, place, particle);
         StressOf {
@@ -291,7 +307,38 @@ impl<const D: usize> UpdatedSph<D> {
             masses: particles.iter().map(|p| self.masses[p.site]).collect(),
             particles,
             circles,
+            smoothing,
         }
+    }
+
+    /// The shares of neighbors in how far positions move, where only they follow smoothed velocities: for the first particles,
+    /// a particle with its neighbors, or for all where densities are sums over positions.
+    fn smoothing(
+        &self,
+        nearest: usize,
+        members: &mut Numbered<D>,
+        state: &State<D>,
+    ) -> Vec<Vec<(usize, f64)>> {
+        let epsilon = self.choices.velocity_smoothing;
+        if epsilon == 0.0 || self.choices.smoothed_motion == SmoothedMotion::Everything {
+            return Vec::new();
+        }
+        let positioned = match self.choices.density_evolution {
+            DensityEvolution::Continuity => nearest,
+            DensityEvolution::Summation => members.particles.len(),
+        };
+        let shares = |number: usize| {
+            let own = members.particles[number];
+            let neighborhood = &state.neighborhoods[own.site];
+            let share = |([_, other], weight): ([Particle<D>; 2], f64)| {
+                let densities = [own, other].map(|particle| state.densities[particle.site]);
+                let mass = self.masses[other.site];
+                let share = smoothing_share(epsilon, mass, densities, weight);
+                (members.number(other.moved(&own.cell)), share)
+            };
+            neighborhood.pairs().map(share).collect()
+        };
+        (0..positioned).map(shares).collect()
     }
 
     fn viscous_bonds(
@@ -308,11 +355,15 @@ impl<const D: usize> UpdatedSph<D> {
                 .skip(1)
                 .map(move |(other, vector)| ([own, *other], *vector, slope))
         });
-        let scales = (self.choices.density, self.choices.radius);
+        let scales = ViscousScales {
+            density: self.choices.density,
+            kernel: self.choices.kernel,
+            radius: self.choices.radius,
+        };
         viscous_bonds(
             viscosity,
             material,
-            scales,
+            &scales,
             &self.masses,
             &state.densities,
             bonds,
@@ -341,7 +392,9 @@ impl<const D: usize> Scheme<D> for UpdatedSph<D> {
         self.with_interactions(material, f, |state, interactions| {
             let mass = Mass::Lumped(self.masses.clone());
             let system = linearized(&self.crystal, mass, interactions)?;
-            if epsilon == 0.0 {
+            // Positions that alone follow smoothed velocities are shifted where forces are computed.
+            let is_everything = self.choices.smoothed_motion == SmoothedMotion::Everything;
+            if epsilon == 0.0 || !is_everything {
                 return Ok(system);
             }
             let pairs = state.neighborhoods.iter().flat_map(Neighborhood::pairs);

@@ -16,9 +16,10 @@ pub use artificial_stress::ArtificialStress;
 pub use viscosity::{ArtificialViscosity, ViscositySwitch};
 
 pub(super) use artificial_stress::Repulsion;
-pub(super) use penalty::{BondPenalty, young_modulus};
-pub(super) use velocity_smoothing::smoothed_velocities;
-pub(super) use viscosity::{Slope, ViscousBond, viscous_bonds};
+pub(super) use penalty::{BondPenalty, Compliance};
+pub use velocity_smoothing::SmoothedMotion;
+pub(super) use velocity_smoothing::{smoothed_velocities, smoothing_share};
+pub(super) use viscosity::{Slope, ViscousBond, ViscousScales, viscous_bonds};
 
 use crate::method::MethodError;
 

@@ -6,12 +6,12 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::real::Real;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix6, Vector6};
 
 /// The forces along the bonds of a particle by which its deformation gradient misses them:
 ///
-/// `f_J = -f_I = c_J delta_J x_IJ / |x_IJ|`, `delta_J = (F_I X_IJ - x_IJ) . x_IJ / |x_IJ|`, `c_J = alpha/2 E V_I V_J W_IJ / |X_IJ|^2`;
-/// the neighbors add their own half of each bond.
+/// `f_J = -f_I = c_J delta_J x_IJ / |x_IJ|`, `delta_J = (F_I X_IJ - x_IJ) . x_IJ / |x_IJ|`, `c_J = alpha/2 E V_I V_J W_IJ / |X_IJ|^2`
+/// with Young's modulus `E` along the bond; the neighbors add their own half of each bond.
 ///
 /// Source: Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87.
 pub(in super::super) struct BondPenalty<'a, const D: usize> {
@@ -77,12 +77,34 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
     }
 }
 
-/// Young's modulus of the undeformed material along the first axis, sideways free of stress; stress.
-pub(in super::super) fn young_modulus(material: &dyn Hyperelastic) -> Result<f64, MaterialError> {
-    let tangent = material.response(&DeformationGradient::identity())?.tangent;
-    let normal = Matrix3::from_fn(|i, k| tangent[(i, i, k, k)]);
-    let compliance = normal
-        .try_inverse()
-        .ok_or(MaterialError::NotFinite { jacobian: 1.0 })?;
-    Ok(compliance[(0, 0)].recip())
+/// The compliance of the undeformed material, `S = C^-1` with six strains and six stresses.
+pub(in super::super) struct Compliance(Matrix6<f64>);
+
+/// Pairs of indices in the order of Voigt.
+const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+
+impl Compliance {
+    /// That of a material.
+    pub(in super::super) fn of(material: &dyn Hyperelastic) -> Result<Self, MaterialError> {
+        let tangent = material.response(&DeformationGradient::identity())?.tangent;
+        // Of a stressed reference state, whose tangent turns with it, the part that strains see.
+        let stiffness = Matrix6::from_fn(|row, column| {
+            let ((i, j), (k, l)) = (VOIGT[row], VOIGT[column]);
+            let entries = [(i, j, k, l), (j, i, k, l), (i, j, l, k), (j, i, l, k)];
+            entries.iter().map(|entry| tangent[*entry]).sum::<f64>() / 4.0
+        });
+        let inverse = stiffness.try_inverse();
+        let regular = inverse.filter(|compliance| compliance.iter().all(|x| x.is_finite()));
+        Ok(Self(
+            regular.ok_or(MaterialError::NotFinite { jacobian: 1.0 })?,
+        ))
+    }
+
+    /// Young's modulus along a vector of any length, sideways free of stress: `1 / (s : S : s)` with `s = n (x) n`; stress.
+    pub(in super::super) fn young_modulus<const D: usize>(&self, along: &[f64; D]) -> f64 {
+        let component = |i: usize| along.get(i).copied().unwrap_or(0.0);
+        let stress = Vector6::from_fn(|row, _| component(VOIGT[row].0) * component(VOIGT[row].1));
+        let squared: f64 = along.iter().map(|x| x * x).sum();
+        squared * squared / stress.dot(&(self.0 * stress))
+    }
 }

@@ -4,10 +4,38 @@ use crate::bloch::{BlochBlocks, BlochSum};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::SMatrix;
 
+/// What follows the smoothed velocity.
+///
+/// The velocity itself obeys the forces in both. With `T` as below, positions move by `T w` where velocities alone would displace
+/// particles by `w`; the deformation and the density that a particle carries follow `T w` too, or `w`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum SmoothedMotion {
+    /// Positions, deformations and densities.
+    Everything,
+    /// Positions only, as codes have it that integrate stress and density with the velocity itself. Without stress the kernels'
+    /// positions move no force, and smoothing changes no wave.
+    ///
+    /// Source: Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992) 543; PySPH, `XSPHCorrection`, `SolidMechStep`.
+    Positions,
+}
+
+/// `epsilon m_J / rho_IJ W_IJ`, the share of the velocity of a neighbor, with the mean density of the two.
+pub(in super::super) fn smoothing_share(
+    epsilon: f64,
+    mass: f64,
+    densities: [f64; 2],
+    weight: f64,
+) -> f64 {
+    epsilon * mass / (0.5 * (densities[0] + densities[1])) * weight
+}
+
 /// `T` in `du/dt = T v`: `du_I/dt = v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ` with the mean density of the two; densities
 /// and weights are those of the homogeneous state. Each pair is given from both of its ends.
-///
-/// What follows the displacements, the deformation that the particles carry included, follows the smoothed velocity.
 ///
 /// Source: Monaghan, J. Comput. Phys. 82 (1989) 1.
 pub(in super::super) fn smoothed_velocities<const D: usize>(
@@ -23,8 +51,8 @@ pub(in super::super) fn smoothed_velocities<const D: usize>(
         blocks.add(&Particle::home(site), &Particle::home(site), &one);
     }
     for ([own, other], weight) in pairs {
-        let density = 0.5 * (densities[own.site] + densities[other.site]);
-        let share = one * (epsilon * masses[other.site] / density * weight);
+        let between = [densities[own.site], densities[other.site]];
+        let share = one * smoothing_share(epsilon, masses[other.site], between, weight);
         blocks.add(&own, &other, &share);
         blocks.add(&own, &own, &-share);
     }

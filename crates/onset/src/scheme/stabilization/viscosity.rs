@@ -4,13 +4,14 @@ use super::super::layout::MovingWeight;
 use super::super::{Interaction, Motion};
 use super::assert_coefficients;
 use crate::continuum::Stiffness;
+use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
 
-/// When the viscosity acts.
+/// When the viscosity acts, and with which lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -23,11 +24,18 @@ pub enum ViscositySwitch {
     /// With half its strength: the mean of the original, which acts only on particles that come nearer and has no derivative
     /// at rest, over the two halves of an oscillation.
     Averaged,
+    /// As LAMMPS' SMD has it: always, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`. With kernels
+    /// of material coordinates it takes `x / (|x| + 0.01 h)` for the direction of a bond, and its quadratic term repels, whichever way
+    /// the particles move; with those of current coordinates it has none.
+    ///
+    /// Source: Ganzenmueller, Smooth Mach Dynamics (2015); LAMMPS, `pair_smd_tlsph.cpp` and `pair_smd_ulsph.cpp`.
+    Smd,
 }
 
 /// Monaghan's artificial viscosity: the force `-m_I m_J Pi_IJ grad W_IJ` on particle `I` with
 /// `Pi = (-alpha c mu + beta |mu| mu_-) / rho`, `mu = h v_IJ.x_IJ / (|x_IJ|^2 + 0.01 h^2)`. `rho` is the mean density of the two in the
-/// homogeneous state, `c` the largest speed of sound of the undeformed material, `h` half the support radius.
+/// homogeneous state, `c` the largest speed of sound of the undeformed material, `h` the smoothing length of the kernel,
+/// [`Kernel::nominal_smoothing_length`].
 ///
 /// Near rest the quadratic term vanishes; what remains is the damping of a linear dashpot along each bond.
 ///
@@ -100,6 +108,35 @@ pub(in super::super) struct ViscousBond<const D: usize> {
     quadratic: f64,
     /// `h`.
     length: f64,
+    is_of_smd: bool,
+}
+
+impl<const D: usize> ViscousBond<D> {
+    /// `rho Pi` from the squared length of the bond and `v.x`.
+    fn pressure<R: Real>(&self, squared: R, rate: R) -> R {
+        let h = self.length;
+        if self.is_of_smd {
+            let length = squared.sqrt() + 0.1 * h;
+            let mu = rate * h / (length * length);
+            return mu * (mu * self.quadratic - self.linear);
+        }
+        let mu = rate * h / (squared + 0.01 * h * h);
+        let size = mu.switch(0.0, || -mu, || mu);
+        -mu * (size * self.quadratic + self.linear)
+    }
+
+    /// The gradient of the kernel with respect to the end of the bond, with the direction that the code gives to it.
+    fn gradient<R: Real>(&self, x: &[R; D], squared: R) -> [R; D] {
+        let gradient = self.slope.at(x, squared);
+        match self.slope {
+            Slope::Fixed(_) if self.is_of_smd => {
+                let length = squared.sqrt();
+                let shorter = length / (length + 0.01 * self.length);
+                gradient.map(|component| component * shorter)
+            }
+            _ => gradient,
+        }
+    }
 }
 
 impl<const D: usize> Interaction<D> for ViscousBond<D> {
@@ -114,11 +151,9 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
         let zero = R::constant(0.0);
         let squared = x.iter().fold(zero, |sum, x| sum + *x * *x);
         let rate = (0..D).fold(zero, |sum, i| sum + x[i] * difference(motion.velocities, i));
-        let mu = rate * self.length / (squared + 0.01 * self.length * self.length);
-        let size = mu.switch(0.0, || -mu, || mu);
-        let pressure = -mu * (size * self.quadratic + self.linear) * self.factor;
+        let pressure = self.pressure(squared, rate) * self.factor;
         // grad W_IJ with respect to I is minus that with respect to J.
-        let on_first = self.slope.at(&x, squared).map(|slope| slope * pressure);
+        let on_first = self.gradient(&x, squared).map(|slope| slope * pressure);
         vec![on_first, on_first.map(|force| -force)]
     }
 
@@ -127,23 +162,34 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
     }
 }
 
+/// What viscosity is measured by, apart from the bonds.
+pub(in super::super) struct ViscousScales {
+    /// In the reference state.
+    pub(in super::super) density: f64,
+    pub(in super::super) kernel: Kernel,
+    /// The support radius.
+    pub(in super::super) radius: f64,
+}
+
 /// The viscous bonds of all pairs, each pair given from both of its ends: with its vector in the homogeneous state and its
-/// kernel. Masses and densities are those of the sites; the scales are the reference density and the support radius.
+/// kernel. Masses and densities are those of the sites.
 pub(in super::super) fn viscous_bonds<const D: usize>(
     viscosity: &ArtificialViscosity,
     material: &dyn Hyperelastic,
-    (reference_density, radius): (f64, f64),
+    scales: &ViscousScales,
     masses: &[f64],
     densities: &[f64],
     pairs: impl Iterator<Item = ([Particle<D>; 2], [f64; D], Slope<D>)>,
 ) -> Result<Vec<ViscousBond<D>>, MethodError> {
     let undeformed = Stiffness::<D>::at(material, &DeformationGradient::identity())?;
-    let speed = (undeformed.maximum_eigenvalue() / reference_density).sqrt();
-    let share = match viscosity.switch {
-        ViscositySwitch::Always => 1.0,
-        ViscositySwitch::Averaged => 0.5,
+    let speed = (undeformed.maximum_eigenvalue() / scales.density).sqrt();
+    let is_of_smd = viscosity.switch == ViscositySwitch::Smd;
+    let (share, length) = match viscosity.switch {
+        ViscositySwitch::Always => (1.0, scales.kernel.nominal_smoothing_length(scales.radius)),
+        ViscositySwitch::Averaged => (0.5, scales.kernel.nominal_smoothing_length(scales.radius)),
+        ViscositySwitch::Smd => (1.0, scales.radius),
     };
-    let bond = |(particles, vector, slope): ([Particle<D>; 2], _, _)| {
+    let bond = |(particles, vector, slope): ([Particle<D>; 2], _, Slope<D>)| {
         let of = |values: &[f64], end: usize| values[particles[end].site];
         let density = 0.5 * (of(densities, 0) + of(densities, 1));
         ViscousBond {
@@ -152,8 +198,12 @@ pub(in super::super) fn viscous_bonds<const D: usize>(
             slope,
             factor: share * 0.5 * of(masses, 0) * of(masses, 1) / density,
             linear: viscosity.alpha * speed,
-            quadratic: viscosity.beta,
-            length: 0.5 * radius,
+            quadratic: match slope {
+                Slope::Moving(_) if is_of_smd => 0.0,
+                _ => viscosity.beta,
+            },
+            length,
+            is_of_smd,
         }
     };
     Ok(pairs.map(bond).collect())
