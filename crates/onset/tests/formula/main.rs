@@ -2,11 +2,15 @@
 
 mod agreement;
 mod conditions;
+mod domain;
 mod hostile;
+#[path = "../shared/hunt.rs"]
+mod hunt;
 mod language;
 mod library;
 #[path = "../shared/random.rs"]
 mod random;
 mod refusals;
+mod standing;
 mod states;
 mod trees;
