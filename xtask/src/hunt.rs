@@ -50,6 +50,22 @@ const SUBJECTS: &[Subject] = &[Subject {
     test: "every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else",
     cases: 120,
 }];
+        name: "formulas-agree",
+        claim: "numbers, jets, intervals and orders of arguments agree where a formula is defined; no proof is contradicted",
+        package: "onset",
+        program: "formula",
+        test: "formulas_agree_about_being_defined_and_proofs_are_never_contradicted",
+        cases: 100_000,
+    },
+    Subject {
+        name: "ellipticity-agrees",
+        claim: "word and number of ellipticity are those of sixty digits",
+        package: "onset",
+        program: "formula",
+        test: "the_word_on_ellipticity_is_that_of_sixty_digits",
+        cases: 5_000,
+    },
+];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.
 pub fn run(arguments: &[String]) -> Result<(), String> {

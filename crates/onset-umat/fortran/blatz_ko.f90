@@ -2,7 +2,7 @@
 !
 !   W = mu/2 (I2/J^2 + 2 J - 5),   sigma = mu (1 - B^-1 / J),   B = F F^T
 !
-! PROPS(1) = mu, in units of stress. No state variables. SSE is W, per reference volume.
+! PROPS(1) = mu, in units of stress. No state variables. SSE is W/J, per current volume as in Abaqus.
 !
 ! With b = B^-1 and no spin, B' = D B + B D, so that b' = -(b D + D b) and the Jaumann rate of J sigma = mu (J 1 - b) is
 ! mu (b D + D b + J tr(D) 1). DDSDDE is that over J.
@@ -36,7 +36,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       ddsdde(p, q) = mu*(0.5d0*tangent/jacobian + delta(i, j)*delta(k, l))
     end do
   end do
-  sse = 0.5d0*mu*(b(1, 1) + b(2, 2) + b(3, 3) + 2.0d0*jacobian - 5.0d0)
+  sse = 0.5d0*mu*(b(1, 1) + b(2, 2) + b(3, 3) + 2.0d0*jacobian - 5.0d0)/jacobian
 
 contains
 

@@ -281,3 +281,143 @@ fn a_conditional_law_has_the_onset_of_its_side() {
     assert_close(stress("1.2,1"), matrix(1.2) + 2.0 * 2.0 * 1.2 * 0.44, 1e-12);
     assert_close(stress("0.8,1"), matrix(0.8), 1e-12);
 }
+
+#[test]
+fn a_part_without_a_value_is_refused_in_any_order_and_undefined_in_maps() {
+    let rubber = "mu/2*(I1 - 3 - 2*ln(J))";
+    for part in [
+        "max(0, sqrt(3 - I1))",
+        "max(sqrt(3 - I1), 0)",
+        "0*sqrt(3 - I1)",
+    ] {
+        let energy = format!("{rubber} + {part}");
+        let law = ["--set", "material.mu=1", "--energy", &energy];
+        let message = refusal(&[&["state", "--stretch", "1.3,1.2"], &law[..]].concat());
+        assert!(
+            message.contains("not defined") && message.contains("sqrt(3 - I1)"),
+            "{message}"
+        );
+        answer(&[&["state", "--stretch", "0.9,0.8"], &law[..]].concat());
+    }
+    let energy = "min(-10*(I1 - 3), E23^E23) + 50*(I1 - 3 - 2*ln(J))";
+    for certify in [&[][..], &["--certify"][..]] {
+        let message = refusal(
+            &[
+                &["state", "--stretch", "1.2,0.9", "--energy", energy],
+                certify,
+            ]
+            .concat(),
+        );
+        assert!(message.contains("E23^E23"), "{message}");
+    }
+}
+
+#[test]
+fn a_state_on_a_kink_is_refused_and_beside_it_answered() {
+    for part in ["- 5*abs(J-1)", "+ 5*min(J,2-J)", "+ heaviside(1-J)"] {
+        let energy = format!("10*(I1-3-2*ln(J)) {part}");
+        for certify in [&[][..], &["--certify"][..]] {
+            let on = ["state", "--stretch", "2,0.5", "--energy", &energy];
+            let message = refusal(&[&on[..], certify].concat());
+            let word = if part.contains("heaviside") {
+                "jumps"
+            } else {
+                "kink"
+            };
+            assert!(message.contains(word), "{message}");
+            let beside = ["state", "--stretch", "2,0.51", "--energy", &energy];
+            assert_eq!(
+                answer(&[&beside[..], certify].concat())["verdict"],
+                "stable"
+            );
+        }
+    }
+    // On the way across it there is a state without an answer, and no other change.
+    let energy = "10*(I1-3-2*ln(J)) - 5*abs(J-1)";
+    let path = answer(&[
+        "path", "--from", "2,0.45", "--to", "2,0.55", "--energy", energy,
+    ]);
+    let crossings = path["material_crossings"].as_array().expect("a list");
+    let words = |crossing: &Value| format!("{} {}", crossing["from"], crossing["to"]);
+    for crossing in crossings {
+        assert!(words(crossing).contains("undefined"), "{crossing}");
+        assert_close(number(crossing, "/stretch/1"), 0.5, 1e-12);
+    }
+}
+
+#[test]
+fn a_fluid_is_not_strongly_elliptic_and_not_unstable() {
+    for (energy, state) in [
+        ("50*(J-1)^2", "1.2,0.9"),
+        ("50*(J-1)^2", "1,1"),
+        ("3*J^2", "1.1,0.9"),
+        ("20*(J - 1 - ln(J))", "0.8,1.1"),
+    ] {
+        let document = answer(&["state", "--stretch", state, "--energy", energy]);
+        let material = &document["material"];
+        assert_eq!(material["elliptic"], false, "{energy}");
+        assert_eq!(material["elliptic_in_space"], false, "{energy}");
+        assert_eq!(material["ellipticity"], "undecided", "{energy}");
+        assert_eq!(
+            number(&document, "/material/minimum_acoustic_eigenvalue"),
+            0.0
+        );
+        assert_eq!(
+            number(&document, "/material_in_space/minimum_acoustic_eigenvalue"),
+            0.0
+        );
+        assert_eq!(document["verdict"], "stable", "{energy}");
+        let text = onset(&["state", "--stretch", state, "--energy", energy]).stdout;
+        assert!(
+            text.contains("zero to rounding") && !text.contains("is strongly elliptic"),
+            "{text}"
+        );
+        let certified = answer(&["state", "--certify", "--stretch", state, "--energy", energy]);
+        assert_eq!(
+            certified["certificate"]["material"]["certainty"],
+            "undecided"
+        );
+    }
+}
+
+#[test]
+fn what_rounding_cannot_decide_is_said_to_be_undecided() {
+    let state = [
+        "state",
+        "--stretch",
+        "1.5,0.6667",
+        "--set",
+        "material.model=neo-hooke-isochoric",
+    ];
+    for (kappa, word) in [
+        ("1e3", "elliptic"),
+        ("1e8", "elliptic"),
+        ("1e20", "undecided"),
+    ] {
+        let kappa = format!("material.kappa={kappa}");
+        let document = answer(&[&state[..], &["--set", &kappa]].concat());
+        assert_eq!(
+            document["material_in_space"]["ellipticity"], word,
+            "{kappa}"
+        );
+        let number = number(&document, "/material_in_space/minimum_acoustic_eigenvalue");
+        assert_eq!(number > 0.0, word == "elliptic", "{kappa}: {number}");
+    }
+    let gent = [
+        "state",
+        "--stretch",
+        "1.1,0.9",
+        "--set",
+        "material.model=gent",
+        "--set",
+        "material.kappa=1e150",
+    ];
+    let message = onset(
+        &[
+            &gent[..],
+            &["--set", "discretization.arrangement=honeycomb"],
+        ]
+        .concat(),
+    );
+    assert!(!message.stdout.contains("NaN"), "{}", message.stdout);
+}

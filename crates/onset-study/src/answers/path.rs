@@ -6,6 +6,7 @@ use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::state::{ComplexNumber, list, rows};
 use crate::methods::Discretized;
+use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
 use serde::Serialize;
@@ -16,6 +17,9 @@ pub struct PathAnswer {
     /// Number of space dimensions of the particles.
     #[serde(skip)]
     pub dimension: usize,
+    /// Whether the smallest acoustic eigenvalue of the material is zero to rounding at an end.
+    #[serde(skip)]
+    pub is_marginal: bool,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
@@ -111,8 +115,16 @@ fn answer<const D: usize>(
 ) -> Result<PathAnswer, ProblemError> {
     let path = StraightPath::new(*from, *to)?;
     let method = Discretized::<D>::new(&problem.settings)?;
-    // A state that the discretization cannot have is refused, rather than called undefined all along.
-    method.assess(&*problem.material, from)?;
+    // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
+    // stress, as on a kink, is a state like others.
+    match method.assess(&*problem.material, from) {
+        Err(error) if error.is_outside_domain() => {}
+        other => drop(other?),
+    }
+    let is_marginal = |f: &DeformationGradient| {
+        let stiffness = Stiffness::<D>::at(&*problem.material, f);
+        stiffness.is_ok_and(|stiffness| stiffness.ellipticity() == Ellipticity::Undecided)
+    };
     let continuum = scan_material::<D>(&*problem.material, &path)?;
     let particles = method.scan(&*problem.material, &path)?;
 
@@ -160,6 +172,7 @@ fn answer<const D: usize>(
     };
     Ok(PathAnswer {
         dimension: D,
+        is_marginal: is_marginal(from) || is_marginal(to),
         from: *from.components(),
         to: *to.components(),
         material_onset,
@@ -246,6 +259,11 @@ impl std::fmt::Display for PathAnswer {
                 "The material loses ellipticity at {} for waves along N = {}.",
                 at(&onset.place),
                 sentence::vector(&onset.direction)
+            )?,
+            None if self.is_marginal => writeln!(
+                formatter,
+                "No wave of the material grows along the path, but at an end its smallest acoustic eigenvalue is zero to rounding, as that of a \
+                 fluid."
             )?,
             None => writeln!(
                 formatter,

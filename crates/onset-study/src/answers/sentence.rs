@@ -5,7 +5,7 @@ use crate::methods::Discretized;
 use crate::settings::{Family, word_of};
 use nalgebra::SVector;
 use onset::bloch::Stability;
-use onset::continuum::Stiffness;
+use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
 use onset::method::{Discretization, Frame};
 use onset::verdict::{Assessment, Verdict};
@@ -30,10 +30,11 @@ pub(super) fn of_correction(
     )
 }
 
-/// The sentence of an assessment.
+/// The sentence of an assessment; `in_space` tells of waves of the material in all directions.
 pub(super) fn of<const D: usize>(
     method: &Discretized<D>,
     assessment: &Assessment<D>,
+    in_space: Ellipticity,
     f: &DeformationGradient,
 ) -> String {
     let spectrum = &assessment.spectrum;
@@ -56,10 +57,16 @@ pub(super) fn of<const D: usize>(
             } else {
                 String::new()
             };
-            format!(
-                "Stable: the material is strongly elliptic{} and no plane wave of the particles grows.{weak}",
-                in_plane(assessment)
-            )
+            match assessment.material.ellipticity() {
+                Ellipticity::Undecided => format!(
+                    "Stable as far as the particles go: none of their plane waves grows. Of the material it is undecided: its smallest \
+                     acoustic eigenvalue is zero to rounding, as that of a fluid, which bears no shear.{weak}"
+                ),
+                _ => format!(
+                    "Stable: the material is strongly elliptic{} and no plane wave of the particles grows.{weak}",
+                    in_plane(in_space)
+                ),
+            }
         }
         Verdict::Material => format!(
             "Unstable, and rightly so: the material itself has lost ellipticity, for waves along N = {}, and the \
@@ -86,7 +93,7 @@ pub(super) fn of<const D: usize>(
         Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(
             "Unstable although the material is stable: flutter of the kernel ({tension} mean stress), {wave}, {growth}."
         ),
-        Verdict::Kernel if !assessment.material.is_elliptic => format!(
+        Verdict::Kernel if assessment.material.ellipticity().is_lost() => format!(
             "Unstable, but not as the material is: the material has lost ellipticity, while the particles are stable \
              for long waves and unstable by the method's own {tension} instability, {wave}, {growth}."
         ),
@@ -101,12 +108,12 @@ pub(super) fn of<const D: usize>(
     }
 }
 
-/// What to add where the material is unstable for waves that the discretization does not have.
-fn in_plane<const D: usize>(assessment: &Assessment<D>) -> &'static str {
-    if Stiffness::<3>::of(&assessment.material.response).is_strongly_elliptic() {
-        ""
-    } else {
-        " for waves in the plane (not for waves out of it)"
+/// What to add where waves of the material that the discretization does not have say another thing.
+fn in_plane(in_space: Ellipticity) -> &'static str {
+    match in_space {
+        Ellipticity::Elliptic => "",
+        Ellipticity::Undecided => " for waves in the plane (undecided for waves out of it)",
+        Ellipticity::Lost => " for waves in the plane (not for waves out of it)",
     }
 }
 

@@ -10,7 +10,7 @@ use crate::settings::{Family, MethodSettings, Settings, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::certificate::{certify, certify_in_space};
-use onset::continuum::Stiffness;
+use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::{Discretization, MethodError};
@@ -70,14 +70,19 @@ pub struct MaterialAnswer {
     pub first_piola: [[f64; 3]; 3],
     /// Tangent `A_iJkL = dP_iJ/dF_kL`, nested in the order of its indices.
     pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
-    /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement.
+    /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement: whether their smallest eigenvalue is
+    /// positive, beyond rounding.
     pub elliptic: bool,
-    /// Whether it is so for waves in all directions of space, (60) instead of (62).
+    /// The same in three values: `undecided` where the smallest eigenvalue is zero to rounding, as that of a fluid.
+    pub ellipticity: Ellipticity,
+    /// Whether it is elliptic for waves in all directions of space, (60) instead of (62).
     pub elliptic_in_space: bool,
     /// Smallest eigenvalue of the acoustic tensor over all directions of space.
     pub minimum_acoustic_eigenvalue_in_space: f64,
-    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the arrangement.
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the arrangement; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
+    /// How much of it can be rounding.
+    pub rounding: f64,
     /// Reference direction of that wave.
     pub direction: Vec<f64>,
     /// Its polarization.
@@ -89,8 +94,12 @@ pub struct MaterialAnswer {
 pub struct SpaceAnswer {
     /// Whether the state is strongly elliptic.
     pub elliptic: bool,
-    /// Smallest eigenvalue of the acoustic tensor over all directions.
+    /// The same in three values.
+    pub ellipticity: Ellipticity,
+    /// Smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
+    /// How much of it can be rounding.
+    pub rounding: f64,
     /// No direction has a smaller one than this: how sure the search is, to rounding. With proofs in intervals see
     /// the certificate.
     pub bound: f64,
@@ -102,13 +111,14 @@ pub struct SpaceAnswer {
 
 impl SpaceAnswer {
     fn new(response: &Response) -> Self {
-        let stiffness = Stiffness::<3>::of(response);
-        let minimum = stiffness.minimum();
+        let minimum = Stiffness::<3>::of(response).minimum();
         // Adding zero turns a negative zero into a plain one.
         let components = |v: SVector<f64, 3>| std::array::from_fn(|i| v[i] + 0.0);
         Self {
-            elliptic: stiffness.is_strongly_elliptic(),
-            minimum_acoustic_eigenvalue: minimum.eigenvalue.re,
+            elliptic: minimum.ellipticity().is_elliptic(),
+            ellipticity: minimum.ellipticity(),
+            minimum_acoustic_eigenvalue: minimum.significant(),
+            rounding: minimum.rounding,
             bound: minimum.bound,
             direction: components(minimum.direction),
             polarization: components(minimum.polarization),
@@ -196,11 +206,12 @@ fn answer<const D: usize>(
     let assessment = method.assess(&*problem.material, f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
-    let mut sentence = sentence::of(&method, &assessment, f);
+    let in_space = SpaceAnswer::new(&assessment.material.response);
+    let mut sentence = sentence::of(&method, &assessment, in_space.ellipticity, f);
     if let Some(tolerance) = tolerance {
         let kernel = problem.method::<D>()?;
         let proved = certify(&kernel, &*problem.material, f, tolerance)?;
-        let in_space =
+        let proved_in_space =
             certify_in_space(&*problem.material, f, tolerance).map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
         verdict = corrected.0;
@@ -209,13 +220,12 @@ fn answer<const D: usize>(
         }
         certificate = Some(CertificateAnswer::new(
             &proved,
-            &in_space,
+            &proved_in_space,
             tolerance,
             corrected != searched,
         ));
     }
     let steps = method.damped_time_steps(&*problem.material, f)?;
-    let in_space = SpaceAnswer::new(&assessment.material.response);
     Ok(StateAnswer {
         verdict,
         sentence,
@@ -247,10 +257,12 @@ fn material_answer<const D: usize>(
                     .collect()
             })
             .collect(),
-        elliptic: continuum.is_elliptic,
+        elliptic: continuum.ellipticity().is_elliptic(),
+        ellipticity: continuum.ellipticity(),
         elliptic_in_space: in_space.elliptic,
         minimum_acoustic_eigenvalue_in_space: in_space.minimum_acoustic_eigenvalue,
-        minimum_acoustic_eigenvalue: continuum.minimum.eigenvalue.re,
+        minimum_acoustic_eigenvalue: continuum.minimum.significant(),
+        rounding: continuum.minimum.rounding,
         direction: list(&continuum.minimum.direction),
         polarization: list(&continuum.minimum.polarization),
     }
@@ -341,10 +353,19 @@ impl std::fmt::Display for StateAnswer {
         writeln!(
             formatter,
             "  strongly elliptic     {}",
-            match (material.elliptic, material.elliptic_in_space) {
-                (true, true) => "yes",
-                (true, false) => "for waves in the plane, not for waves out of it",
-                (false, _) => "no",
+            match (material.ellipticity, self.material_in_space.ellipticity) {
+                (Ellipticity::Elliptic, Ellipticity::Elliptic) => "yes".to_owned(),
+                (Ellipticity::Elliptic, Ellipticity::Lost) =>
+                    "for waves in the plane, not for waves out of it".to_owned(),
+                (Ellipticity::Elliptic, Ellipticity::Undecided) => format!(
+                    "for waves in the plane; undecided for waves out of it, zero to rounding ({:.1e})",
+                    self.material_in_space.rounding
+                ),
+                (Ellipticity::Undecided, _) => format!(
+                    "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
+                    material.rounding
+                ),
+                (Ellipticity::Lost, _) => "no".to_owned(),
             }
         )?;
         writeln!(

@@ -22,7 +22,7 @@ pub struct Sample {
     pub deformation: DeformationGradient,
     /// The Cauchy stress.
     pub cauchy: Matrix3<f64>,
-    /// The energy.
+    /// The energy per reference volume.
     pub energy: f64,
     /// The tangent as delivered.
     pub delivery: Delivery,
@@ -122,7 +122,7 @@ fn of_user(
             Sample {
                 deformation: *f,
                 cauchy: delivered.cauchy(),
-                energy: delivered.sse,
+                energy: delivered.energy(f),
                 delivery: Delivery::Matrix(Box::new(delivered.ddsdde)),
             }
         })

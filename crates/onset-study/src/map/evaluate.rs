@@ -214,9 +214,9 @@ impl Evaluator {
     ) -> Record {
         let [_, scaled, long_wave] = record.measures;
         Record {
-            acoustic_minimum: minimum.eigenvalue.re,
+            acoustic_minimum: minimum.significant(),
             acoustic_direction: components(&minimum.direction),
-            measures: [minimum.eigenvalue.re / self.stiffness, scaled, long_wave],
+            measures: [minimum.significant() / self.stiffness, scaled, long_wave],
             ..record
         }
     }

@@ -143,7 +143,7 @@ fn numbers() -> Vec<(Field, Taken)> {
     vec![
         number(
             "acoustic_minimum",
-            "smallest eigenvalue of the acoustic tensor over all directions",
+            "smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding",
             "stress",
             |record| record.acoustic_minimum,
         ),

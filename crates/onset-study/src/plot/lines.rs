@@ -71,7 +71,7 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
         .iter()
         .zip(&acoustic)
         .map(|(class, minimum)| match class {
-            _ if minimum.is_finite() => Some(*minimum > 0.0),
+            _ if minimum.is_finite() => Some(*minimum >= 0.0),
             Some(Class::Verdict(verdict)) => is_elliptic(*verdict),
             Some(Class::Flutter | Class::Undefined) | None => None,
         })

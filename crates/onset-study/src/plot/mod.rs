@@ -222,7 +222,7 @@ fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError>
     Ok(if is_signed { field.diverging() } else { field })
 }
 
-/// Whether the material is strongly elliptic, as far as the verdict says.
+/// Whether no wave of the material grows, as far as the verdict says.
 fn is_elliptic(verdict: Verdict) -> Option<bool> {
     match verdict {
         Verdict::Stable | Verdict::RankDeficient => Some(true),

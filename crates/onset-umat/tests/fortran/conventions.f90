@@ -172,5 +172,5 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
     stress(p) = real(result(first(p), second(p)), dp)
   end do
   g = inverse(f)
-  sse = 0.5_dp*mu*real(sum(g**2) + 2.0_dp*determinant(f) - 5.0_dp, dp)
+  sse = 0.5_dp*mu*real((sum(g**2) + 2.0_dp*determinant(f) - 5.0_dp)/determinant(f), dp)
 end subroutine umat

@@ -12,7 +12,7 @@ pub(super) struct Acoustic {
 
 /// What is known of the smallest acoustic eigenvalue.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Ellipticity {
+pub(super) enum Proved {
     /// At least this, in every direction.
     Bounded(f64),
     /// In this direction it is within these bounds, and negative.
@@ -88,16 +88,16 @@ impl Acoustic {
     }
 
     /// Proves or refutes that the smallest eigenvalue is positive. `hint` is a direction in which it may be negative.
-    pub(super) fn ellipticity(&self, hint: [f64; 2], budget: usize) -> Ellipticity {
+    pub(super) fn ellipticity(&self, hint: [f64; 2], budget: usize) -> Proved {
         let all = self.powers.iter().flatten();
         if !all.clone().all(|entry| entry.is_finite()) {
-            return Ellipticity::Open {
+            return Proved::Open {
                 eigenvalue: f64::NAN,
             };
         }
         let refuted = |direction: [f64; 2]| {
             let eigenvalue = self.eigenvalue(direction);
-            (eigenvalue.high < 0.0).then_some(Ellipticity::Refuted {
+            (eigenvalue.high < 0.0).then_some(Proved::Refuted {
                 direction,
                 eigenvalue,
             })
@@ -144,9 +144,9 @@ impl Acoustic {
                 regions.extend([(chart, center - half, half), (chart, center + half, half)]);
             }
             if is_proved {
-                return Ellipticity::Bounded(target);
+                return Proved::Bounded(target);
             }
         }
-        Ellipticity::Open { eigenvalue: seen }
+        Proved::Open { eigenvalue: seen }
     }
 }

@@ -19,7 +19,7 @@ mod waves;
 pub use space::{SpaceCertificate, certify_in_space};
 
 use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
-use crate::continuum::Stiffness;
+use crate::continuum::{Ellipticity, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::BrillouinZone;
 use crate::material::Hyperelastic;
@@ -28,7 +28,7 @@ use crate::quadrature::QuadraturePoint;
 use crate::real::Interval;
 use crate::verdict::{SurveyedState, Verdict, decided, speed_squared};
 use cover::{Finding, GrowingWave, Question, cover};
-use ellipticity::{Acoustic, Ellipticity};
+use ellipticity::{Acoustic, Proved};
 use nalgebra::SVector;
 
 /// Growth rates of oscillations up to this fraction of sound speed over spacing are no instability, as in
@@ -142,10 +142,10 @@ impl Reason {
 impl<const D: usize> Certificate<D> {
     /// The verdict and how perturbations develop, where what is proved goes before what a search has found.
     pub fn corrected(&self, found: &SurveyedState<D>) -> (Verdict, Stability) {
-        let is_elliptic = match self.material {
-            Certainty::Stable { .. } => true,
-            Certainty::Unstable { .. } => false,
-            _ => found.is_elliptic,
+        let ellipticity = match self.material {
+            Certainty::Stable { .. } => Ellipticity::Elliptic,
+            Certainty::Unstable { .. } => Ellipticity::Lost,
+            _ => found.acoustic.ellipticity(),
         };
         let searched = found.stability;
         let (stability, has_zero_mode) = match &self.discretization {
@@ -157,7 +157,7 @@ impl<const D: usize> Certificate<D> {
             _ => (searched, found.verdict == Verdict::RankDeficient),
         };
         let is_stable = stability == Stability::Stable;
-        let verdict = decided(is_elliptic, is_stable, has_zero_mode, found.long_waves_grow);
+        let verdict = decided(ellipticity, is_stable, has_zero_mode, found.long_waves_grow);
         (verdict, stability)
     }
 }
@@ -386,24 +386,20 @@ impl<'a, const D: usize> Certifier<'a, D> {
         })
     }
 
-    fn ellipticity(
-        &self,
-        f: &DeformationGradient<Interval>,
-        hint: &SVector<f64, D>,
-    ) -> Ellipticity {
+    fn ellipticity(&self, f: &DeformationGradient<Interval>, hint: &SVector<f64, D>) -> Proved {
         let acoustic = Acoustic::new::<D>(&self.material.enclosure(f).tangent);
         acoustic.ellipticity(planar(hint), DIRECTIONS)
     }
 
-    fn of_material(&self, ellipticity: Ellipticity) -> Certainty<D> {
+    fn of_material(&self, ellipticity: Proved) -> Certainty<D> {
         let scale = self.method.discretization().density * self.speed_squared;
         match ellipticity {
             // The scale is a double of its own: two roundings.
-            Ellipticity::Bounded(bound) if bound > 0.0 => Certainty::Stable {
+            Proved::Bounded(bound) if bound > 0.0 => Certainty::Stable {
                 bound: bound / scale * (1.0 - 4.0 * f64::EPSILON),
             },
-            Ellipticity::Bounded(bound) => Certainty::undecided(bound, self.tolerance, false),
-            Ellipticity::Refuted {
+            Proved::Bounded(bound) => Certainty::undecided(bound, self.tolerance, false),
+            Proved::Refuted {
                 direction,
                 eigenvalue,
             } => {
@@ -418,7 +414,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
                     },
                 }
             }
-            Ellipticity::Open { eigenvalue } => {
+            Proved::Open { eigenvalue } => {
                 Certainty::undecided(eigenvalue / scale, self.tolerance, false)
             }
         }
@@ -428,11 +424,11 @@ impl<'a, const D: usize> Certifier<'a, D> {
         &self,
         f: &DeformationGradient,
         hint: &SVector<f64, D>,
-        ellipticity: Ellipticity,
+        ellipticity: Proved,
     ) -> Result<Certainty<D>, MethodError> {
         let is_imposed = self.method.discretization().background == Background::Imposed;
         // One tangent at all points, elliptic: the theorem.
-        if let (Some(gradient), true, Ellipticity::Bounded(bound)) =
+        if let (Some(gradient), true, Proved::Bounded(bound)) =
             (self.gradient, is_imposed, ellipticity)
             && bound > 0.0
         {
@@ -454,7 +450,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
             let mut least = f64::INFINITY;
             for point in &points {
                 least = match self.ellipticity(&point.deformation, hint) {
-                    Ellipticity::Bounded(bound) => least.min(bound),
+                    Proved::Bounded(bound) => least.min(bound),
                     _ => 0.0,
                 };
             }

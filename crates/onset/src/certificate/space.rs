@@ -54,7 +54,7 @@ pub fn certify_in_space(
     f: &DeformationGradient,
     tolerance: f64,
 ) -> Result<SpaceCertificate, MaterialError> {
-    let reference = material.response(&DeformationGradient::identity())?;
+    let reference = material.undeformed()?;
     let scale = Stiffness::<3>::of(&reference).maximum_eigenvalue();
     let exact =
         DeformationGradient::from_components(f.components().map(|row| row.map(Interval::point)));
@@ -83,7 +83,7 @@ impl SpaceCertificate {
         let form = form.map(|component| component * unit);
         let in_units = |value: Interval| value / Interval::point(unit) / Interval::point(scale);
         let middle = form.map(Interval::midpoint);
-        let (wave, _) = symmetric_minimum(&middle, f64::INFINITY);
+        let (wave, _) = symmetric_minimum(&middle);
         if wave.eigenvalue < 0.0 {
             let energy = energy(&form, &wave);
             if energy.high < 0.0 {

@@ -3,7 +3,7 @@
 //! A homogeneous state is strongly elliptic when every acoustic tensor
 //! `Q_ik(N) = A_iJkL N_J N_L` is positive definite (equation (28)). In one and two dimensions the
 //! smallest eigenvalue over *all* directions is found algebraically; in three it is searched for, with a lower bound that
-//! says how sure the result is.
+//! says how sure the result is. What the sign of that eigenvalue says, where rounding leaves it a sign, is [`Ellipticity`].
 
 mod planar;
 pub(crate) mod spherical;
@@ -37,6 +37,102 @@ pub struct AcousticMinimum<const D: usize> {
     /// `1e-10` of the largest component below the eigenvalue; further where the minimum is flat and no bound at once is
     /// attained, or without major symmetry. Units of the stiffness.
     pub bound: f64,
+    /// Eigenvalues nearer to zero than this can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the
+    /// stiffness.
+    pub rounding: f64,
+}
+
+/// How much of the largest component of a stiffness can be rounding: of the law that computed it, and of the eigenvalue found.
+///
+/// Held against arithmetic with sixty digits in the tests, for laws and constants at random.
+pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// What the smallest acoustic eigenvalue says of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Ellipticity {
+    /// It is positive: every plane wave travels, the state is strongly elliptic.
+    Elliptic,
+    /// It is zero to rounding: not positive as far as the numbers tell, nor negative. So it is for a fluid, which bears no shear.
+    Undecided,
+    /// It is negative: some plane waves grow.
+    Lost,
+}
+
+impl Ellipticity {
+    /// By an eigenvalue and how much of it can be rounding.
+    pub fn of(eigenvalue: f64, rounding: f64) -> Self {
+        if eigenvalue > rounding {
+            Self::Elliptic
+        } else if eigenvalue < -rounding {
+            Self::Lost
+        } else {
+            Self::Undecided
+        }
+    }
+
+    /// Whether the state is strongly elliptic.
+    pub fn is_elliptic(self) -> bool {
+        self == Self::Elliptic
+    }
+
+    /// Whether some plane waves grow.
+    pub fn is_lost(self) -> bool {
+        self == Self::Lost
+    }
+
+    /// The word used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Elliptic => "elliptic",
+            Self::Undecided => "undecided",
+            Self::Lost => "lost",
+        }
+    }
+}
+
+impl<const D: usize> AcousticMinimum<D> {
+    /// What it says of the state.
+    ///
+    /// ```
+    /// use onset::continuum::{Ellipticity, Stiffness};
+    /// use onset::formula::Formula;
+    /// use onset::kinematics::DeformationGradient;
+    /// use onset::material::Hyperelastic;
+    /// // A fluid: shear waves cost nothing, which is not positive, and not negative.
+    /// let fluid = Formula::parse("50*(J - 1)^2")?.with(&[])?;
+    /// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+    /// let minimum = Stiffness::<2>::of(&fluid.response(&f)?).minimum();
+    /// assert_eq!(minimum.ellipticity(), Ellipticity::Undecided);
+    /// assert_eq!(minimum.significant(), 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn ellipticity(&self) -> Ellipticity {
+        Ellipticity::of(self.eigenvalue.re, self.rounding)
+    }
+
+    /// The real part of the eigenvalue with the sign that [`AcousticMinimum::ellipticity`] says: zero where rounding leaves it none.
+    /// Units of the stiffness.
+    pub fn significant(&self) -> f64 {
+        match self.ellipticity() {
+            Ellipticity::Undecided if !self.eigenvalue.re.is_nan() => 0.0,
+            _ => self.eigenvalue.re,
+        }
+    }
+
+    /// The same of a stiffness that is larger by a factor.
+    fn scaled(self, scale: f64) -> Self {
+        Self {
+            eigenvalue: self.eigenvalue * scale,
+            bound: self.bound * scale,
+            rounding: self.rounding * scale,
+            ..self
+        }
+    }
 }
 
 impl<const D: usize> Stiffness<D> {
@@ -127,12 +223,7 @@ impl<const D: usize> Stiffness<D> {
         let scale = self.magnitude();
         if scale != 1.0 && scale.is_normal() {
             // The products of the search must neither over- nor underflow, whatever the units.
-            let minimum = self.divided(scale).minimum_of_unit();
-            return AcousticMinimum {
-                eigenvalue: minimum.eigenvalue * scale,
-                bound: minimum.bound * scale,
-                ..minimum
-            };
+            return self.divided(scale).minimum_of_unit().scaled(scale);
         }
         self.minimum_of_unit()
     }
@@ -167,6 +258,7 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: f64::NEG_INFINITY,
+            rounding: ROUNDING * scale,
         }
     }
 
@@ -190,12 +282,13 @@ impl<const D: usize> Stiffness<D> {
             eigenvalue,
             direction: oriented(direction),
             polarization,
-            bound: eigenvalue.re - planar::ROUNDING * self.magnitude(),
+            bound: eigenvalue.re - ROUNDING * self.magnitude(),
+            rounding: ROUNDING * self.magnitude(),
         }
     }
 
     fn minimum_on_sphere(&self) -> AcousticMinimum<D> {
-        let found = spherical::minimum(&self.0, f64::INFINITY);
+        let found = spherical::minimum(&self.0);
         let vector = |axes: [f64; 3]| SVector::from_fn(|i, _| axes[i]);
         let direction = vector(found.direction);
         let (eigenvalue, polarization) = match found.eigenpair {
@@ -210,26 +303,19 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: found.bound,
+            rounding: ROUNDING * self.magnitude(),
         }
     }
 
-    /// Whether the acoustic tensor is positive definite in every direction, equation (28).
-    ///
-    /// In two dimensions decided on the polynomials themselves: `tr Q`, quadratic, and `det Q`,
-    /// quartic in `tan theta`, are positive at their algebraically determined minima. A minimum that is zero to the
-    /// rounding error of the components counts as positive: at very large strains that is all that can be known. In three
-    /// dimensions the search of [`Stiffness::minimum`] ends as soon as a direction is found that says no, or a bound that says yes.
+    /// What the smallest eigenvalue over all directions says of the state; its sign and this word always agree.
+    pub fn ellipticity(&self) -> Ellipticity {
+        self.minimum().ellipticity()
+    }
+
+    /// Whether the acoustic tensor is positive definite in every direction, equation (28): whether the smallest eigenvalue over
+    /// all of them is positive, beyond rounding.
     pub fn is_strongly_elliptic(&self) -> bool {
-        let scale = self.magnitude();
-        if !scale.is_normal() {
-            return false;
-        }
-        let unit = self.divided(scale);
-        match D {
-            1 => unit.minimum().eigenvalue.re > -f64::EPSILON,
-            2 => planar::is_strongly_elliptic(&unit),
-            _ => spherical::is_above(&unit.0, -f64::EPSILON),
-        }
+        self.ellipticity().is_elliptic()
     }
 
     /// The smallest eigenvalue (by real part) in one direction, and its polarization.
@@ -259,13 +345,10 @@ impl<const D: usize> Stiffness<D> {
     }
 }
 
-/// Whether a tangent within the plane is strongly elliptic, and the smallest acoustic eigenvalue: what [`Stiffness`] says, faster
-/// where the coordinate axes are its mirror axes.
-pub(crate) fn plane_minimum<const D: usize>(tangent: &PlaneTangent) -> (bool, AcousticMinimum<D>) {
-    planar::mirrored_minimum(tangent).unwrap_or_else(|| {
-        let stiffness = Stiffness::of_plane(tangent);
-        (stiffness.is_strongly_elliptic(), stiffness.minimum())
-    })
+/// The smallest acoustic eigenvalue of a tangent within the plane: what [`Stiffness::minimum`] says, faster where the coordinate axes are its
+/// mirror axes.
+pub(crate) fn plane_minimum<const D: usize>(tangent: &PlaneTangent) -> AcousticMinimum<D> {
+    planar::mirrored_minimum(tangent).unwrap_or_else(|| Stiffness::of_plane(tangent).minimum())
 }
 
 /// Of `N` and `-N`, which are the same direction, the one whose first component that is not

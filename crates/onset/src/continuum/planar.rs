@@ -6,7 +6,7 @@
 //! points obey `4 d h'^2 = d'^2`, a polynomial of fourth order with at most eight zeros; where
 //! `d < 0` (possible without major symmetry) the real part is `h`, stationary where `h' = 0`.
 
-use super::{AcousticMinimum, Stiffness};
+use super::{AcousticMinimum, ROUNDING, Stiffness};
 use crate::algebra::{Complex, TrigonometricPolynomial};
 use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
@@ -46,12 +46,6 @@ impl Entries {
         half.times(&half)
             .combine(1.0, &self.q12.times(&self.q21), 1.0)
     }
-
-    fn determinant(&self) -> TrigonometricPolynomial {
-        self.q11
-            .times(&self.q22)
-            .combine(1.0, &self.q12.times(&self.q21), -1.0)
-    }
 }
 
 /// A stiffness whose mirror axes are the coordinate axes, as that of an isotropic law in its principal axes: with
@@ -63,9 +57,6 @@ struct Orthotropic {
     /// `Q12 = mixed N1 N2`.
     mixed: f64,
 }
-
-/// Rounding error of an eigenvalue of a stiffness of magnitude one.
-pub(super) const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl Orthotropic {
     fn of<const D: usize>(stiffness: &Stiffness<D>) -> Option<Self> {
@@ -163,24 +154,11 @@ impl Orthotropic {
         let eigenvalue = 0.5 * (q11 + q22) - root;
         AcousticMinimum {
             bound: eigenvalue - ROUNDING,
+            rounding: ROUNDING,
             eigenvalue: Complex::new(eigenvalue, 0.0),
             direction: SVector::from_fn(|i, _| normal[i]),
             polarization: SVector::from_fn(|i, _| polarization[i]),
         }
-    }
-
-    fn is_strongly_elliptic(&self) -> bool {
-        let half_trace = self.half_trace(1.0).min(self.half_trace(-1.0));
-        let determinant = |x: f64| {
-            (self.a[0] + self.a[1] * x) * (self.b[0] + self.b[1] * x) - self.c * (1.0 - x * x)
-        };
-        let curvature = self.a[1] * self.b[1] + self.c;
-        let vertex = -0.5 * (self.a[0] * self.b[1] + self.a[1] * self.b[0]) / curvature;
-        let mut lowest = determinant(1.0).min(determinant(-1.0));
-        if curvature > 0.0 && vertex.abs() <= 1.0 {
-            lowest = lowest.min(determinant(vertex));
-        }
-        is_positive(half_trace, lowest)
     }
 }
 
@@ -190,37 +168,14 @@ fn quadratic_zeros(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
     [q / a, c / q].into_iter().filter(|x| x.is_finite())
 }
 
-/// Of a stiffness of magnitude one. The rounding error of a sum or product of components is a few units of their last
-/// place.
-fn is_positive(half_trace: f64, determinant: f64) -> bool {
-    half_trace > -f64::EPSILON && determinant > -4.0 * f64::EPSILON * half_trace.abs()
-}
-
-pub(super) fn is_strongly_elliptic<const D: usize>(stiffness: &Stiffness<D>) -> bool {
-    if let Some(orthotropic) = Orthotropic::of(stiffness) {
-        return orthotropic.is_strongly_elliptic();
-    }
-    let entries = Entries::of(stiffness);
-    let half_trace = entries.half_trace().minimum().1;
-    is_positive(half_trace, entries.determinant().minimum().1)
-}
-
-/// Strong ellipticity and the smallest eigenvalue of a tangent within the plane, if its mirror axes are the coordinate axes.
+/// The smallest eigenvalue of a tangent within the plane, if its mirror axes are the coordinate axes.
 pub(super) fn mirrored_minimum<const D: usize>(
     tangent: &PlaneTangent,
-) -> Option<(bool, AcousticMinimum<D>)> {
+) -> Option<AcousticMinimum<D>> {
     let entries = tangent.as_flattened().iter();
     let scale = entries.fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     let unit = Orthotropic::of_plane(tangent, scale).filter(|_| scale.is_normal())?;
-    let minimum = unit.minimum();
-    Some((
-        unit.is_strongly_elliptic(),
-        AcousticMinimum {
-            eigenvalue: minimum.eigenvalue * scale,
-            bound: minimum.bound * scale,
-            ..minimum
-        },
-    ))
+    Some(unit.minimum().scaled(scale))
 }
 
 pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {

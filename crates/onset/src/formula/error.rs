@@ -74,6 +74,69 @@ impl std::fmt::Display for Place {
     }
 }
 
+/// Why a formula that could be taken has no stress at a state.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum Trouble {
+    /// A part that is needed is not defined there: the root of a negative number, a division by zero.
+    #[error("is not defined")]
+    Undefined,
+    /// Two sides of a condition meet with different energies.
+    #[error("jumps")]
+    Jump,
+    /// Two sides of a condition, a ramp or an extreme meet with different stresses.
+    #[error("has a kink")]
+    Kink,
+}
+
+/// A formula without a stress at a state: why, and by which part of it. Rounding is counted: a state that may be one of these is one.
+///
+/// ```
+/// use onset::formula::{Formula, Trouble};
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::{Hyperelastic, MaterialError};
+/// let law = Formula::parse("I1 - 2*ln(J) - abs(J - 1)")?.with(&[])?;
+/// let f = DeformationGradient::from_stretches([2.0, 0.5, 1.0])?;
+/// let Err(MaterialError::Formula(error)) = law.response(&f) else { panic!("not differentiable") };
+/// assert_eq!((error.trouble, error.place.column), (Trouble::Kink, 15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateError {
+    /// Why.
+    pub trouble: Trouble,
+    /// The part.
+    pub place: Place,
+}
+
+impl std::error::Error for StateError {}
+
+impl std::fmt::Display for StateError {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (why, hint) = match self.trouble {
+            Trouble::Undefined => (
+                "",
+                "roots, logarithms and real powers need positive numbers, quotients a divisor that is not zero; only a side that \
+                 if(condition, value, otherwise) does not take may be undefined",
+            ),
+            Trouble::Jump => (
+                ": the energies of its two sides differ",
+                "there is no stress; ask for a state beside this one",
+            ),
+            Trouble::Kink => (
+                ": the stresses of its two sides differ",
+                "there is no tangent, and a layering of both sides can have less energy; ask for a state beside this one",
+            ),
+        };
+        write!(
+            formatter,
+            "energy, {}: to rounding, this {} at this deformation{why}\n{}\n  hint: {hint}",
+            self.place,
+            self.trouble,
+            self.place.marked(),
+        )
+    }
+}
+
 /// A formula that cannot be taken: what is wrong, where, and what to do.
 ///
 /// ```

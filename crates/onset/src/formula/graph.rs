@@ -97,6 +97,14 @@ impl Node {
     }
 }
 
+/// What is known of the sign of a node at every admissible state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Sign {
+    Any,
+    NotNegative,
+    Positive,
+}
+
 /// Nodes in the order of evaluation.
 #[derive(Clone, Default)]
 pub(super) struct Graph {
@@ -104,6 +112,10 @@ pub(super) struct Graph {
     /// Where in the text a node was first written.
     ranges: Vec<Range<usize>>,
     known: HashMap<Node, Id>,
+    /// What is known of the signs of the nodes, by their form alone.
+    signs: Vec<Sign>,
+    /// Whether a node is defined at every admissible state, by its form alone.
+    total: Vec<bool>,
     /// Where in the text the nodes to come are written.
     pub(super) range: Range<usize>,
 }
@@ -153,10 +165,85 @@ impl Graph {
             return id;
         }
         let id = self.nodes.len();
+        self.signs.push(self.sign_of(node));
+        self.total.push(self.is_total_node(node));
         self.nodes.push(node);
         self.ranges.push(self.range.clone());
         self.known.insert(node, id);
         id
+    }
+
+    fn sign_of(&self, node: Node) -> Sign {
+        let sign = |id: Id| self.signs[id];
+        let is_whole = |x: f64, divisor: f64| (x / divisor).fract() == 0.0;
+        match node {
+            Node::Constant(bits) if bits.value() > 0.0 => Sign::Positive,
+            Node::Constant(bits) if bits.value() == 0.0 => Sign::NotNegative,
+            Node::Leaf(Leaf::Jacobian | Leaf::Stretch(_)) => Sign::Positive,
+            Node::Leaf(Leaf::CauchyGreen(i, j)) if i == j => Sign::Positive,
+            Node::Apply(Function::Exponential | Function::HyperbolicCosine, _) => Sign::Positive,
+            Node::Add(a, b) => match (sign(a), sign(b)) {
+                (Sign::Any, _) | (_, Sign::Any) => Sign::Any,
+                (a, b) => a.max(b),
+            },
+            Node::Multiply(a, b) => sign(a).min(sign(b)),
+            Node::Divide(a, b) if sign(b) == Sign::Positive => sign(a),
+            Node::Power(a, b) => match (sign(a), self.value(b)) {
+                (Sign::Positive, _) => Sign::Positive,
+                (_, Some(exponent)) if is_whole(exponent, 2.0) => Sign::NotNegative,
+                (sign, Some(exponent)) if is_whole(exponent, 1.0) => sign,
+                _ => Sign::NotNegative,
+            },
+            Node::Select(_, below, above) => sign(below).min(sign(above)),
+            _ => Sign::Any,
+        }
+    }
+
+    fn is_total_node(&self, node: Node) -> bool {
+        let is_positive = |id: Id| self.signs[id] == Sign::Positive;
+        let has_domain = match node {
+            Node::Apply(Function::Logarithm, a) => is_positive(a),
+            Node::Divide(_, b) => is_positive(b) || self.value(b).is_some_and(|b| b != 0.0),
+            Node::Power(a, b) => {
+                let is_count = |b: f64| b >= 0.0 && b.fract() == 0.0;
+                is_positive(a) || self.value(b).is_some_and(is_count)
+            }
+            _ => true,
+        };
+        has_domain && node.operands().all(|id| self.total[id])
+    }
+
+    /// Whether a node is defined at every admissible state, by its form alone.
+    pub(super) fn is_total(&self, id: Id) -> bool {
+        self.total[id]
+    }
+
+    /// A value that is there only where another node is defined: what has no part in the value can still have none itself.
+    fn demanding(&mut self, needed: Id, value: Id) -> Id {
+        if self.total[needed] {
+            return value;
+        }
+        let zero = self.constant(0.0);
+        let nothing = self.node(Node::Multiply(needed.min(zero), needed.max(zero)));
+        if self.value(value) == Some(0.0) {
+            nothing
+        } else {
+            self.node(Node::Add(value.min(nothing), value.max(nothing)))
+        }
+    }
+
+    /// Whether two nodes are the same or opposite, with the factor.
+    pub(super) fn multiple(&self, a: Id, b: Id) -> Option<f64> {
+        let is_opposite = |a: Id, b: Id| match (self.nodes[a], self.nodes[b]) {
+            (Node::Negate(x), _) if x == b => true,
+            (Node::Subtract(p, q), Node::Subtract(r, s)) => p == s && q == r,
+            _ => false,
+        };
+        if a == b {
+            Some(1.0)
+        } else {
+            (is_opposite(a, b) || is_opposite(b, a)).then_some(-1.0)
+        }
     }
 
     pub(super) fn constant(&mut self, value: f64) -> Id {
@@ -261,7 +348,7 @@ impl Graph {
     /// The product with a constant, which is the node `constant`.
     fn scale(&mut self, x: Id, factor: f64, constant: Id) -> Id {
         if factor == 0.0 {
-            return constant;
+            return self.demanding(x, constant);
         }
         if factor == 1.0 {
             return x;
@@ -312,7 +399,10 @@ impl Graph {
             return id;
         }
         match (self.value(base), self.value(exponent), self.nodes[base]) {
-            (_, Some(0.0), _) => self.constant(1.0),
+            (_, Some(0.0), _) => {
+                let one = self.constant(1.0);
+                self.demanding(base, one)
+            }
             (_, Some(1.0), _) => base,
             // (J^m)^n = J^(m n), as J is positive.
             (_, _, Node::Power(inner, earlier))
@@ -337,7 +427,7 @@ impl Graph {
             Some(value) if !value.is_finite() => test,
             Some(value) if value < 0.0 => below,
             Some(_) => above,
-            None if below == above => below,
+            None if below == above => self.demanding(test, below),
             None => self.node(Node::Select(test, below, above)),
         }
     }
@@ -404,32 +494,35 @@ impl Graph {
             };
         }
         // Sums are taken apart from the end on, so that a part that occurs twice is one term.
-        let mut factors = vec![0.0; result + 1];
-        factors[result] = 1.0;
+        let mut factors = vec![None; result + 1];
+        factors[result] = Some(1.0);
+        let add = |sum: &mut Option<f64>, factor: f64| *sum = Some(sum.unwrap_or(0.0) + factor);
         let mut sums = [None; 2];
         for id in (0..=result).rev() {
-            let factor = factors[id];
-            if factor == 0.0 {
+            let Some(factor) = factors[id] else {
                 continue;
-            }
+            };
             match (self.nodes[id], self.scaled(id)) {
                 (Node::Add(a, b), _) if depends[id] => {
-                    factors[a] += factor;
-                    factors[b] += factor;
+                    add(&mut factors[a], factor);
+                    add(&mut factors[b], factor);
                 }
                 (Node::Subtract(a, b), _) if depends[id] => {
-                    factors[a] += factor;
-                    factors[b] -= factor;
+                    add(&mut factors[a], factor);
+                    add(&mut factors[b], -factor);
                 }
-                (Node::Negate(a), _) if depends[id] => factors[a] -= factor,
-                (_, Some((a, inner))) if depends[id] => factors[a] += inner * factor,
+                (Node::Negate(a), _) if depends[id] => add(&mut factors[a], -factor),
+                (_, Some((a, inner))) if depends[id] => add(&mut factors[a], inner * factor),
                 (Node::Divide(a, b), _) if depends[id] && self.value(b).is_some() => {
-                    factors[a] += factor / self.value(b).unwrap_or(1.0);
+                    add(&mut factors[a], factor / self.value(b).unwrap_or(1.0));
                 }
                 _ => {
                     self.range = self.range_of(id);
                     let factor = self.constant(factor);
                     let term = self.multiply(id, factor);
+                    if self.value(term) == Some(0.0) {
+                        continue;
+                    }
                     let sum = sums[usize::from(!depends[id])];
                     sums[usize::from(!depends[id])] = Some(match sum {
                         Some(sum) => self.add(sum, term),

@@ -19,6 +19,8 @@
 //! parameter. The text is compiled once: equal parts are shared, constants folded, and the same list of operations serves
 //! floating point, jets and intervals.
 
+mod contact;
+mod domain;
 mod error;
 mod graph;
 mod lexer;
@@ -28,13 +30,13 @@ mod stretches;
 mod tape;
 mod words;
 
-pub use error::{FormulaError, Place, Problem};
+pub use error::{FormulaError, Place, Problem, StateError, Trouble};
 pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
 use crate::kinematics::DeformationGradient;
-use crate::material::{StrainEnergy, energy_of_stretches};
-use crate::real::Real;
+use crate::material::{MaterialError, StrainEnergy, energy_of_stretches};
+use crate::real::{Interval, Jet, Real};
 use graph::{Graph, Id, Leaf};
 use std::ops::Range;
 use stretches::StretchTape;
@@ -147,6 +149,7 @@ impl Formula {
         let is_stretch = |leaf: Leaf| matches!(leaf, Leaf::Stretch(_));
         if !graph.leaves_of(result).any(is_stretch) {
             return Ok(FormulaLaw {
+                text: self.text.clone(),
                 stretches: None,
                 rest: Some(Tape::new(&graph, result)),
             });
@@ -157,7 +160,11 @@ impl Formula {
             .transpose()
             .map_err(|(range, problem)| self.error(range, problem))?;
         let rest = rest.map(|id| Tape::new(&graph, id));
-        Ok(FormulaLaw { stretches, rest })
+        Ok(FormulaLaw {
+            text: self.text.clone(),
+            stretches,
+            rest,
+        })
     }
 
     /// That every value is finite and belongs to a parameter.
@@ -226,31 +233,77 @@ impl Formula {
 /// A law given by a formula with numbers for its parameters; made by [`Formula::with`]. Units are those of the formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaLaw {
+    /// As typed.
+    text: String,
     /// The terms in principal stretches.
     stretches: Option<StretchTape>,
     /// The other terms.
     rest: Option<Tape>,
 }
 
+/// What the operations without principal stretches begin with.
+fn leaf<R: Real>(f: &DeformationGradient<R>, leaf: Leaf) -> R {
+    let components = f.components();
+    match leaf {
+        Leaf::Component(i, j) => components[i][j],
+        Leaf::CauchyGreen(i, j) => {
+            let product = |k: usize| components[k][i] * components[k][j];
+            product(0) + product(1) + product(2)
+        }
+        Leaf::Jacobian => f.determinant(),
+        // Terms with stretches are in the other tape; an energy has no argument.
+        Leaf::Stretch(_) | Leaf::Argument => R::constant(f64::NAN),
+    }
+}
+
+impl FormulaLaw {
+    /// The operations without stretches, unless they have a continuous stress at every admissible state.
+    fn delicate(&self) -> Option<&Tape> {
+        self.rest.as_ref().filter(|tape| !tape.is_plain())
+    }
+}
+
 impl StrainEnergy for FormulaLaw {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let rest = |tape: &Tape| {
-            tape.evaluate(|leaf| match leaf {
-                Leaf::Component(i, j) => f.components()[i][j],
-                Leaf::CauchyGreen(i, j) => {
-                    let f = f.components();
-                    f[0][i] * f[0][j] + f[1][i] * f[1][j] + f[2][i] * f[2][j]
-                }
-                Leaf::Jacobian => f.determinant(),
-                // Terms with stretches are in the other tape; an energy has no argument.
-                Leaf::Stretch(_) | Leaf::Argument => R::constant(f64::NAN),
-            })
-        };
+        let rest = |tape: &Tape| tape.evaluate(|part| leaf(f, part));
         match (&self.stretches, &self.rest) {
             (None, None) => R::constant(0.0),
             (None, Some(tape)) => rest(tape),
             (Some(stretches), None) => energy_of_stretches(stretches, f),
             (Some(stretches), Some(tape)) => energy_of_stretches(stretches, f) + rest(tape),
         }
+    }
+
+    fn admits(&self, f: &DeformationGradient) -> Result<(), MaterialError> {
+        let components = f.components().map(|row| row.map(Interval::point));
+        let of_stretches = || {
+            let stretches = f.principal_stretches().map(|x| Interval::around(x, 8));
+            self.stretches.as_ref()?.trouble(stretches)
+        };
+        let of_rest = || {
+            let exact = DeformationGradient::from_components(components);
+            let variables = Jet::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
+            let jets = DeformationGradient::from_components(std::array::from_fn(|i| {
+                std::array::from_fn(|j| variables[3 * i + j])
+            }));
+            domain::trouble(
+                self.delicate()?,
+                |part| leaf(&exact, part),
+                |part| leaf(&jets, part),
+            )
+        };
+        match of_stretches().or_else(of_rest) {
+            Some((trouble, range)) => Err(StateError {
+                trouble,
+                place: Place::of(&self.text, range),
+            }
+            .into()),
+            None => Ok(()),
+        }
+    }
+
+    fn is_smooth(&self, f: &DeformationGradient<Interval>) -> bool {
+        let is_smooth = |tape: &Tape| domain::is_smooth(tape, |part| leaf(f, part));
+        self.delicate().is_none_or(is_smooth)
     }
 }

@@ -1,10 +1,11 @@
 //! The part of a formula that is a function of the principal stretches.
 
-use super::error::Problem;
+use super::domain;
+use super::error::{Problem, Trouble};
 use super::graph::{Graph, Id, Leaf, Node};
 use super::tape::Tape;
 use crate::material::PrincipalEnergy;
-use crate::real::Real;
+use crate::real::{Interval, Jet, Real};
 use std::ops::Range;
 
 /// A symmetric function of the principal stretches; `J` is their product.
@@ -54,14 +55,32 @@ impl StretchTape {
         }
         Ok(tape)
     }
+
+    /// A part that is not defined at some stretches.
+    pub(super) fn trouble(&self, stretches: [Interval; 3]) -> Option<(Trouble, Range<usize>)> {
+        let Self(tape) = self;
+        if tape.is_plain() {
+            return None;
+        }
+        // Without a condition there is no side to differ.
+        domain::trouble(
+            tape,
+            |part| leaf(stretches, part),
+            |_| Jet::constant(f64::NAN),
+        )
+    }
+}
+
+fn leaf<R: Real>(stretches: [R; 3], leaf: Leaf) -> R {
+    match leaf {
+        Leaf::Stretch(n) => stretches[n],
+        Leaf::Jacobian => stretches[0] * stretches[1] * stretches[2],
+        Leaf::Component(..) | Leaf::CauchyGreen(..) | Leaf::Argument => R::constant(f64::NAN),
+    }
 }
 
 impl PrincipalEnergy for StretchTape {
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
-        self.0.evaluate(|leaf| match leaf {
-            Leaf::Stretch(n) => stretches[n],
-            Leaf::Jacobian => stretches[0] * stretches[1] * stretches[2],
-            Leaf::Component(..) | Leaf::CauchyGreen(..) | Leaf::Argument => R::constant(f64::NAN),
-        })
+        self.0.evaluate(|part| leaf(stretches, part))
     }
 }

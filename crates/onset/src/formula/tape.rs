@@ -1,7 +1,9 @@
 //! A formula as a straight list of operations on a few registers, for numbers of every kind.
 
+use super::contact::is_smooth_across;
 use super::graph::{Function, Graph, Id, Leaf, Node};
-use crate::real::Real;
+use crate::real::{Real, Side};
+use std::ops::Range;
 
 /// A place for an intermediate result.
 type Register = u16;
@@ -41,6 +43,39 @@ pub(super) struct Tape {
     steps: Vec<(Operation, Register)>,
     registers: usize,
     result: Register,
+    /// Where in the text the steps are written.
+    ranges: Vec<Range<usize>>,
+    branches: Vec<Branch>,
+    is_total: bool,
+}
+
+/// A step that takes one of two sides.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Branch {
+    pub(super) step: usize,
+    /// Whether the stress of the whole is certainly continuous where the sides meet.
+    pub(super) is_smooth: bool,
+    /// The first branch with the same test, and the factor of this test from that one, 1 or -1.
+    pub(super) alike: (usize, f64),
+}
+
+/// Looks on while a tape runs.
+pub(super) trait Observer<R> {
+    /// The side that a step takes; both where it is not known.
+    fn side(&mut self, step: usize, test: &R) -> Option<Side>;
+
+    /// Looks at the result of a step.
+    fn seen(&mut self, _step: usize, _result: &mut R) {}
+}
+
+/// Takes the side of the number, and looks at nothing.
+struct Plain;
+
+impl<R: Real> Observer<R> for Plain {
+    #[inline(always)]
+    fn side(&mut self, _step: usize, test: &R) -> Option<Side> {
+        test.side(0.0)
+    }
 }
 
 /// Largest exponent of a power by multiplication.
@@ -56,30 +91,83 @@ impl Tape {
                 writer.write(id);
             }
         }
-        let result = writer.operand(result);
+        let place = writer.operand(result);
+        let tests: Vec<(usize, Id)> = writer.tests;
+        let alike = |n: usize| {
+            let earlier = (0..=n).find_map(|first| {
+                let factor = graph.multiple(tests[n].1, tests[first].1)?;
+                Some((first, factor))
+            });
+            earlier.unwrap_or((n, 1.0))
+        };
+        let mut branches: Vec<Branch> = Vec::with_capacity(tests.len());
+        for (n, &(step, test)) in tests.iter().enumerate() {
+            let alike = alike(n);
+            let is_smooth = match branches.get(alike.0) {
+                Some(first) => first.is_smooth,
+                None => is_smooth_across(graph, &needed, test, result),
+            };
+            branches.push(Branch {
+                step,
+                is_smooth,
+                alike,
+            });
+        }
         Self {
             steps: writer.steps,
             registers: writer.count,
-            result,
+            result: place,
+            ranges: writer.ranges,
+            branches,
+            is_total: graph.is_total(result),
         }
+    }
+
+    /// Where in the text a step is written.
+    pub(super) fn range(&self, step: usize) -> Range<usize> {
+        self.ranges[step].clone()
+    }
+
+    /// The steps that take one of two sides, in order.
+    pub(super) fn branches(&self) -> &[Branch] {
+        &self.branches
+    }
+
+    /// Whether it is defined, and its stress continuous, at every admissible state.
+    pub(super) fn is_plain(&self) -> bool {
+        self.is_total && self.branches.iter().all(|branch| branch.is_smooth)
     }
 
     /// The result for values of the leaves. Registers live on the stack, unless there are many.
     pub(super) fn evaluate<R: Real>(&self, value: impl Fn(Leaf) -> R) -> R {
+        self.observed(value, &mut Plain)
+    }
+
+    /// The result, with somebody who looks on.
+    pub(super) fn observed<R: Real>(
+        &self,
+        value: impl Fn(Leaf) -> R,
+        observer: &mut impl Observer<R>,
+    ) -> R {
         let zero = R::constant(0.0);
         match self.registers {
-            0..=4 => self.run(value, &mut [zero; 4]),
-            5..=8 => self.run(value, &mut [zero; 8]),
-            9..=16 => self.run(value, &mut [zero; 16]),
-            17..=32 => self.run(value, &mut [zero; 32]),
-            many => self.run(value, &mut vec![zero; many]),
+            0..=4 => self.run(value, observer, &mut [zero; 4]),
+            5..=8 => self.run(value, observer, &mut [zero; 8]),
+            9..=16 => self.run(value, observer, &mut [zero; 16]),
+            17..=32 => self.run(value, observer, &mut [zero; 32]),
+            many => self.run(value, observer, &mut vec![zero; many]),
         }
     }
 
-    fn run<R: Real>(&self, value: impl Fn(Leaf) -> R, registers: &mut [R]) -> R {
-        for &(operation, target) in &self.steps {
+    fn run<R: Real>(
+        &self,
+        value: impl Fn(Leaf) -> R,
+        observer: &mut impl Observer<R>,
+        registers: &mut [R],
+    ) -> R {
+        for (step, &(operation, target)) in self.steps.iter().enumerate() {
             let at = |register: Register| registers[usize::from(register)];
-            registers[usize::from(target)] = match operation {
+            let mut result = match operation {
                 Operation::Constant(number) => R::constant(number),
                 Operation::Leaf(leaf) => value(leaf),
                 Operation::Apply(function, a) => function.of(at(a)),
@@ -98,9 +186,15 @@ impl Tape {
                 Operation::RealPower(a, exponent) => at(a).powf(exponent),
                 Operation::Power(a, b) => (at(a).ln() * at(b)).exp(),
                 Operation::Select(test, below, above) => {
-                    at(test).switch(0.0, || at(below), || at(above))
+                    match observer.side(step, &registers[usize::from(test)]) {
+                        Some(Side::Below) => at(below),
+                        Some(Side::Above) => at(above),
+                        None => at(test).blended(0.0, at(below), at(above)),
+                    }
                 }
             };
+            observer.seen(step, &mut result);
+            registers[usize::from(target)] = result;
         }
         registers[usize::from(self.result)]
     }
@@ -110,6 +204,9 @@ impl Tape {
 struct Writer<'a> {
     graph: &'a Graph,
     steps: Vec<(Operation, Register)>,
+    ranges: Vec<Range<usize>>,
+    /// The steps that take one of two sides, with the nodes that they test.
+    tests: Vec<(usize, Id)>,
     /// The register of a node that has been written.
     place: Vec<Option<Register>>,
     /// How many uses of a node are still to come.
@@ -130,6 +227,8 @@ impl<'a> Writer<'a> {
         Self {
             graph,
             steps: Vec::new(),
+            ranges: Vec::new(),
+            tests: Vec::new(),
             place: vec![None; graph.len()],
             uses,
             free: Vec::new(),
@@ -151,7 +250,15 @@ impl<'a> Writer<'a> {
         }
         let target = self.register();
         self.place[id] = Some(target);
+        if let Node::Select(test, ..) = node {
+            self.tests.push((self.steps.len(), test));
+        }
+        self.push(id, operation, target);
+    }
+
+    fn push(&mut self, id: Id, operation: Operation, target: Register) {
         self.steps.push((operation, target));
+        self.ranges.push(self.graph.range_of(id));
     }
 
     /// A register that holds nothing of use.
@@ -169,7 +276,7 @@ impl<'a> Writer<'a> {
         }
         let register = self.register();
         let value = self.graph.value(id).unwrap_or(0.0);
-        self.steps.push((Operation::Constant(value), register));
+        self.push(id, Operation::Constant(value), register);
         self.place[id] = Some(register);
         register
     }

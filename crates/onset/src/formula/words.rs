@@ -148,7 +148,7 @@ const fn word(name: &'static str, meaning: &'static str, arity: Arity) -> Functi
 pub const FUNCTIONS: &[FunctionWord] = &[
     word(
         "if",
-        "if(condition, value, otherwise); conditions: < <= > >=, and, or, not",
+        "if(condition, value, otherwise); conditions: < <= > >=, and, or, not; the side that is not taken may be undefined",
         Arity::Condition,
     ),
     word("sqrt", "square root", Arity::One),
@@ -162,12 +162,28 @@ pub const FUNCTIONS: &[FunctionWord] = &[
     word("sinh", "hyperbolic sine", Arity::One),
     word("cosh", "hyperbolic cosine", Arity::One),
     word("tanh", "hyperbolic tangent", Arity::One),
-    word("abs", "absolute value", Arity::One),
-    word("macaulay", "<x>: 0 below zero, x above", Arity::One),
+    word("abs", "absolute value; at zero a kink", Arity::One),
+    word(
+        "macaulay",
+        "<x>: 0 below zero, x above; at zero a kink",
+        Arity::One,
+    ),
     word("ramp", "the same as macaulay", Arity::One),
-    word("heaviside", "0 below zero, 1 at zero and above", Arity::One),
-    word("min", "smallest of its arguments", Arity::TwoOrMore),
-    word("max", "largest of its arguments", Arity::TwoOrMore),
+    word(
+        "heaviside",
+        "0 below zero, 1 above; at zero a jump",
+        Arity::One,
+    ),
+    word(
+        "min",
+        "smallest of its arguments, all of which must be defined",
+        Arity::TwoOrMore,
+    ),
+    word(
+        "max",
+        "largest of its arguments, all of which must be defined",
+        Arity::TwoOrMore,
+    ),
     word("pow", "pow(x, y) = x^y", Arity::Two),
 ];
 

@@ -15,6 +15,7 @@ pub use laws::{BlatzKo, ModifiedMooneyRivlin};
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
+use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
 use nalgebra::Matrix3;
@@ -51,6 +52,9 @@ pub enum MaterialError {
         /// What the law demands of it, with the number.
         expected: String,
     },
+    /// A typed energy is not defined at the state, or has no stress there.
+    #[error(transparent)]
+    Formula(#[from] Box<StateError>),
     /// A material that is not of the library cannot be made or asked.
     #[error("{message}")]
     External {
@@ -89,7 +93,18 @@ pub enum MaterialError {
     },
 }
 
+impl From<StateError> for MaterialError {
+    fn from(error: StateError) -> Self {
+        Self::Formula(Box::new(error))
+    }
+}
+
 impl MaterialError {
+    /// Whether the law has no stress at this state, while it has one at others.
+    pub fn leaves_undefined(&self) -> bool {
+        matches!(self, Self::OutsideDomain { .. } | Self::Formula(_))
+    }
+
     /// Checks that a combination of parameters, named by its formula, is positive and finite.
     fn positive(name: &'static str, value: f64) -> Result<f64, Self> {
         if Admitted::Positive.holds(value) {
@@ -110,12 +125,19 @@ pub trait StrainEnergy {
     /// must be written with operations of [`Real`] only.
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
 
-    /// Whether the law is defined at a state; all with `J > 0`, unless it says otherwise.
+    /// Whether the law is defined at a state, and has a stress there; at all with `J > 0`, unless it says otherwise.
     ///
     /// # Errors
-    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds.
+    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds, [`MaterialError::Formula`] with the part that
+    /// has no value or no derivative.
     fn admits(&self, _f: &DeformationGradient) -> Result<(), MaterialError> {
         Ok(())
+    }
+
+    /// Whether the stress is known to be continuous at all states of some intervals. Where it is not, bounds of derivatives on either
+    /// side bound nothing.
+    fn is_smooth(&self, _f: &DeformationGradient<Interval>) -> bool {
+        true
     }
 }
 
@@ -139,6 +161,15 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
     /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
+
+    /// The response of the undeformed material, in whose wave speeds all others are measured. Of a law with a kink there, which
+    /// has no tangent, it is that of one side.
+    ///
+    /// # Errors
+    /// [`MaterialError`] as for [`Hyperelastic::response`], kinks and jumps excepted.
+    fn undeformed(&self) -> Result<Response, MaterialError> {
+        self.response(&DeformationGradient::identity())
+    }
 
     /// The part of the tangent that acts within the plane, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1: what
     /// waves in the plane need, several times cheaper than all. Units of stress.
@@ -179,11 +210,7 @@ pub trait Hyperelastic: Send + Sync {
     ///
     /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.
     fn enclosure(&self, _f: &DeformationGradient<Interval>) -> ResponseEnclosure {
-        ResponseEnclosure {
-            energy: Interval::ENTIRE,
-            first_piola: [[Interval::ENTIRE; 3]; 3],
-            tangent: [[[[Interval::ENTIRE; 3]; 3]; 3]; 3],
-        }
+        ResponseEnclosure::ENTIRE
     }
 }
 
@@ -198,6 +225,15 @@ pub struct ResponseEnclosure {
     pub first_piola: [[Interval; 3]; 3],
     /// `A_iJkL`, indexed `[i][J][k][L]`.
     pub tangent: [[[[Interval; 3]; 3]; 3]; 3],
+}
+
+impl ResponseEnclosure {
+    /// Nothing is known.
+    pub const ENTIRE: Self = Self {
+        energy: Interval::ENTIRE,
+        first_piola: [[Interval::ENTIRE; 3]; 3],
+        tangent: [[[[Interval::ENTIRE; 3]; 3]; 3]; 3],
+    };
 }
 
 /// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
@@ -296,6 +332,9 @@ fn lane_tangents(law: &impl StrainEnergy, states: &[DeformationGradient]) -> [[L
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {
+        if !self.is_smooth(f) {
+            return ResponseEnclosure::ENTIRE;
+        }
         let energy = energy_jet(self, f);
         let hessian = |i: usize, j: usize, k: usize, l: usize| energy.hessian[3 * i + j][3 * k + l];
         ResponseEnclosure {
@@ -358,22 +397,39 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.admits(f)?;
-        let energy = energy_jet(self, f);
-        let response = Response {
-            deformation: *f,
-            energy: energy.value,
-            first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
-            tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
-        };
-        let finite = response.energy.is_finite()
-            && response.first_piola.iter().all(|value| value.is_finite())
-            && response.tangent.is_finite();
-        if finite {
-            Ok(response)
-        } else {
-            Err(MaterialError::NotFinite {
-                jacobian: f.jacobian(),
-            })
+        finite_response(self, f)
+    }
+
+    fn undeformed(&self) -> Result<Response, MaterialError> {
+        let f = DeformationGradient::identity();
+        match self.admits(&f) {
+            Err(MaterialError::Formula(error)) if error.trouble != Trouble::Undefined => {}
+            other => other?,
         }
+        finite_response(self, &f)
+    }
+}
+
+/// Energy, stress and tangent, unless one of them over- or underflows.
+fn finite_response(
+    law: &impl StrainEnergy,
+    f: &DeformationGradient,
+) -> Result<Response, MaterialError> {
+    let energy = energy_jet(law, f);
+    let response = Response {
+        deformation: *f,
+        energy: energy.value,
+        first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
+        tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
+    };
+    let is_finite = response.energy.is_finite()
+        && response.first_piola.iter().all(|value| value.is_finite())
+        && response.tangent.is_finite();
+    if is_finite {
+        Ok(response)
+    } else {
+        Err(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })
     }
 }

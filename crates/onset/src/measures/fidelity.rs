@@ -63,9 +63,10 @@ pub fn fidelity<const D: usize>(
             }
             match survey.state(&f) {
                 Ok(state) => {
-                    found.elliptic += if state.is_elliptic { share } else { 0.0 };
+                    let is_lost = state.acoustic.ellipticity().is_lost();
+                    found.elliptic += if is_lost { 0.0 } else { share };
                     match state.verdict {
-                        Verdict::Kernel if state.is_elliptic => found.false_instability += share,
+                        Verdict::Kernel if !is_lost => found.false_instability += share,
                         Verdict::Missed => found.missed_instability += share,
                         Verdict::RankDeficient => found.rank_deficient += share,
                         Verdict::Stable | Verdict::Material | Verdict::Kernel => {}

@@ -423,9 +423,10 @@ impl MethodError {
         )
     }
 
-    /// Whether the law of the material is not defined at the state, as beyond the locking stretch of its chains.
+    /// Whether the law of the material is not defined at the state, as beyond the locking stretch of its chains, or has no stress
+    /// there, as on a kink.
     pub fn is_outside_domain(&self) -> bool {
-        matches!(self, Self::Material(MaterialError::OutsideDomain { .. }))
+        matches!(self, Self::Material(error) if error.leaves_undefined())
     }
 
     /// Whether there is no answer at this state, while there is at others: by the support, or by the law.

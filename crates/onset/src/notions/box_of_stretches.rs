@@ -98,33 +98,34 @@ const AT_END: f64 = 1e-7;
 /// # Ok::<(), &str>(())
 /// ```
 pub fn safe_box(material: &dyn Hyperelastic, skew: f64, range: &Range) -> Option<SafeBox> {
-    Field::new(material).safe_box(skew, range, true)
+    Field::new(material).safe_box(skew.atan(), range, true)
 }
 
 /// The widest box `[low, high]^3` within a range in which a law is strongly elliptic: the one with the largest `high / low` among boxes of all
-/// skews that [`safe_box`] finds, refined beside the best of 17 skews; boxes that reach the ends of the range are among them. `None` where the law
-/// is not elliptic in the reference.
+/// skews that [`safe_box`] finds, those that begin or end at the reference among them, refined beside the best of 19 skews; boxes that reach the
+/// ends of the range are looked at too. `None` where the law is not elliptic in the reference.
 pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<SafeBox> {
     let field = Field::new(material);
     let width = |found: &SafeBox| (found.high / found.low).ln();
     let mut widest: Option<(f64, SafeBox)> = None;
-    let mut at = |skew: f64| -> Option<f64> {
-        let found = field.safe_box(skew, range, false)?;
+    let mut at = |angle: f64| -> Option<f64> {
+        let found = field.safe_box(angle, range, false)?;
         if widest.is_none_or(|(_, best)| width(&found) > width(&best)) {
-            widest = Some((skew, found));
+            widest = Some((angle, found));
         }
         Some(width(&found))
     };
-    let step = std::f64::consts::FRAC_PI_2 / SKEWS as f64;
-    let angle = |n: usize| step * (n as f64 + 0.5);
-    let widths: Vec<f64> = (0..SKEWS)
-        .map(|n| at(angle(n).tan()))
+    // The skew is the tangent of an angle; at its ends the box reaches to one side of the reference only.
+    let end = std::f64::consts::FRAC_PI_2;
+    let step = end / SKEWS as f64;
+    let angle = |n: usize| (step * (n as f64 - 0.5)).clamp(0.0, end);
+    let widths: Vec<f64> = (0..SKEWS + 2)
+        .map(|n| at(angle(n)))
         .collect::<Option<_>>()?;
-    let best = (0..SKEWS).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
+    let best = (0..SKEWS + 2).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
     // Golden section between the neighbors of the best one.
-    let low = angle(best) - 0.99 * step.min(angle(best));
-    let high = angle(best) + 0.99 * step.min(std::f64::consts::FRAC_PI_2 - angle(best));
-    let mut at_angle = |angle: f64| at(angle.tan()).ok_or(());
+    let (low, high) = (angle(best.saturating_sub(1)), angle(best + 1));
+    let mut at_angle = |angle: f64| at(angle).ok_or(());
     let mut section = GoldenSection::new(low, high, &mut at_angle).ok()?;
     for _ in 0..REFINEMENTS {
         let [a, b] = section.inner;
@@ -132,18 +133,19 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
     }
     // Boxes that reach an end of the range, or both.
     let (_, found) = widest?;
-    let mut at = |skew: f64| {
-        let found = field.safe_box(skew, range, false)?;
+    let mut at = |angle: f64| {
+        let found = field.safe_box(angle, range, false)?;
         // The same width to rounding, at a proper end, is preferred.
         if widest.is_none_or(|(_, best)| width(&found) > width(&best) - AT_END) {
-            widest = Some((skew, found));
+            widest = Some((angle, found));
         }
         Some(())
     };
+    let angle_of = |low: f64, high: f64| (-low.ln()).max(0.0).atan2(high.ln().max(0.0));
     // Boxes a little too large for the range beside the end tell where the other end is exactly.
     let nudge = 1e-3;
-    let beside_low = -range.low().ln() / found.high.ln() * (1.0 - nudge);
-    let beside_high = -found.low.ln() / range.high().ln() * (1.0 + nudge);
+    let beside_low = angle_of(range.low().powf(1.0 - nudge), found.high);
+    let beside_high = angle_of(found.low.powf(1.0 + nudge), range.high());
     let high = field.safe_box(beside_low, range, false)?.high;
     let low = field.safe_box(beside_high, range, false)?.low;
     for (low, high) in [
@@ -151,10 +153,10 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         (range.low(), high),
         (range.low(), range.high()),
     ] {
-        at(-low.ln() / high.ln())?;
+        at(angle_of(low, high))?;
     }
-    let (skew, _) = widest?;
-    field.safe_box(skew, range, true)
+    let (angle, _) = widest?;
+    field.safe_box(angle, range, true)
 }
 
 /// Ellipticity over logarithms of principal stretches.
@@ -190,15 +192,17 @@ impl<'a> Field<'a> {
             .map_or(f64::NEG_INFINITY, |measure| measure.value)
     }
 
-    fn safe_box(&self, skew: f64, range: &Range, checked: bool) -> Option<SafeBox> {
-        if self.value([0.0; 3]) <= 0.0 {
+    /// The box whose skew is the tangent of an angle.
+    fn safe_box(&self, angle: f64, range: &Range, checked: bool) -> Option<SafeBox> {
+        if !self.measure([0.0; 3])?.holds() {
             return None;
         }
         // The largest box of this shape within the range.
-        let high = range.high().ln().min(-range.low().ln() / skew);
+        let (low, high) = angle.sin_cos();
+        let size = (range.high().ln() / high).min(-range.low().ln() / low);
         let shape = Shape {
-            low: skew * high,
-            high,
+            low: size * low,
+            high: size * high,
         };
         let mut best = self
             .shortest(&shape)

@@ -95,7 +95,14 @@ pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<T
     let mut knots: Vec<(f64, f64)> = Vec::with_capacity(values.len());
     for n in 0..values.len() {
         // Where the sign can be rounding the notion counts as before.
-        if n == 0 || measures[n].value.abs() > measures[n].rounding {
+        if n == 0 {
+            // Zero to rounding is not positive.
+            let holds = measures[0].holds();
+            knots.push((
+                parameter(0),
+                if holds { values[0] } else { values[0].min(0.0) },
+            ));
+        } else if measures[n].value.abs() > measures[n].rounding {
             knots.push((parameter(n), values[n]));
         }
         if n == 0 || n + 1 >= values.len() {
@@ -119,7 +126,7 @@ pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<T
         }
     }
     knots.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    let holds_at_start = values[0] > 0.0;
+    let holds_at_start = measures[0].holds();
     let mut events = Vec::new();
     for pair in knots.windows(2) {
         let holds = pair.iter().map(|knot| knot.1 > 0.0).collect::<Vec<_>>();

@@ -44,7 +44,7 @@ pub use loading::{
 };
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
-use crate::continuum::Stiffness;
+use crate::continuum::{ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use forms::QuadraticForm;
@@ -128,7 +128,9 @@ pub struct Measure {
     pub value: f64,
     /// Values above `-neutral` count as held; zero but for notions that are neutral at whole sets of states.
     pub neutral: f64,
-    /// Values nearer to zero than this can be rounding: their sign says nothing.
+    /// Values up to this are zero to rounding, which is not positive; as of [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
+    pub zero: f64,
+    /// Along a loading, values nearer to zero than this can be rounding: their sign says nothing.
     pub rounding: f64,
     /// The perturbation with this value.
     pub witness: Witness,
@@ -140,9 +142,13 @@ impl Measure {
         self.value + self.neutral
     }
 
-    /// Whether the notion holds.
+    /// Whether the notion holds, beyond rounding.
     pub fn holds(&self) -> bool {
-        self.signed() > 0.0
+        if self.neutral > 0.0 {
+            self.signed() > 0.0
+        } else {
+            self.value > self.zero
+        }
     }
 }
 
@@ -368,6 +374,7 @@ impl State {
         Measure {
             value,
             neutral: 0.0,
+            zero: ZERO * self.form.magnitude(),
             rounding: match ratio_of_stretches(&self.response) {
                 ratio if ratio > LARGEST_RATIO => f64::INFINITY,
                 ratio => ROUNDING * self.form.magnitude() * ratio,

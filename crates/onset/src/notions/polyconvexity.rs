@@ -90,10 +90,26 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             "its energy is no polyconvex function, whatever its constants",
             RAOULT,
         ),
-        "modified-mooney-rivlin" if value("lambda") > 0.0 => no(
-            "with lambda > 0 ellipticity is lost at large J, which polyconvexity excludes",
+        // W is |F|^2, |cof F|^2 and h(J). Under F = diag(a, J/(a s), s) with large a and s, waves stop where h'' < 0.
+        "modified-mooney-rivlin" if value("c2") > 0.0 => no(
+            "with c2 > 0 its function of J is concave at large J, where ellipticity is lost at large stretches, which polyconvexity excludes",
             BALL,
         ),
+        "modified-mooney-rivlin" if value("lambda") > 0.0 => {
+            // J^2 h''(J) = c1 J^(2/3) / 3 + 2 lambda (1 - ln J) is smallest at J^(2/3) = 9 lambda / c1.
+            if 9.0 * value("lambda") <= value("c1") * (5.0_f64 / 3.0).exp() {
+                yes(
+                    "I1 and a convex function of J, since c2 = 0 and lambda/c1 <= exp(5/3)/9",
+                    BALL,
+                )
+            } else {
+                no(
+                    "with c2 = 0 and lambda/c1 > exp(5/3)/9 its function of J is not convex, and ellipticity is lost at large stretches, \
+                     which polyconvexity excludes",
+                    BALL,
+                )
+            }
+        }
         "neo-hooke" if value("lambda") > 0.0 => no(
             "with lambda > 0 ellipticity is lost at J = exp(1 + 2 mu/lambda) in uniaxial strain, which polyconvexity excludes",
             BALL,
@@ -147,6 +163,31 @@ mod tests {
             }
         }
         assert!(known >= 12, "{known}");
+    }
+
+    #[test]
+    fn the_law_5_is_polyconvex_where_its_function_of_the_volume_is_convex() {
+        // h = -3/2 c1 J^(2/3) - 3/2 c2 J^(4/3) + lambda ln^2 J, looked at densely.
+        let is_convex = |c1: f64, c2: f64, lambda: f64| {
+            (-4000..4000).all(|n| {
+                let j = (f64::from(n) * 0.005).exp();
+                let second = c1 / 3.0 * j.powf(-4.0 / 3.0) - 2.0 / 3.0 * c2 * j.powf(-2.0 / 3.0)
+                    + 2.0 * lambda * (1.0 - j.ln()) / (j * j);
+                second >= 0.0
+            })
+        };
+        for (c1, c2) in [(1.0, 0.0), (0.1256, 0.0), (1.0, 0.5), (1e-3, 1e-3)] {
+            for lambda in [0.01, 0.1, 0.5, 0.588, 0.5885, 0.59, 1.0, 10.0] {
+                let lambda = lambda * c1;
+                let parameters = [("c1", c1), ("c2", c2), ("lambda", lambda)];
+                let found = polyconvexity("modified-mooney-rivlin", &parameters).knowledge;
+                let expected = match is_convex(c1, c2, lambda) {
+                    true => Knowledge::Polyconvex,
+                    false => Knowledge::NotPolyconvex,
+                };
+                assert_eq!(found, expected, "{parameters:?}");
+            }
+        }
     }
 
     #[test]

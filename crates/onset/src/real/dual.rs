@@ -66,6 +66,12 @@ impl<const N: usize> Real for Dual<N> {
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)
     }
+    fn hull(self, _other: Self) -> Self {
+        Self {
+            value: f64::NAN,
+            gradient: [f64::NAN; N],
+        }
+    }
     fn recip(self) -> Self {
         let r = self.value.recip();
         self.chain(r, -r * r)

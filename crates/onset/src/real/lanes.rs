@@ -71,7 +71,8 @@ impl Real for Lanes {
     fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
         Self(std::array::from_fn(|n| match self.0[n].side(threshold) {
             Some(Side::Below) => below.0[n],
-            _ => above.0[n],
+            Some(Side::Above) => above.0[n],
+            None => f64::NAN,
         }))
     }
 

@@ -65,22 +65,26 @@ pub trait Real:
         Some(self.value())
     }
 
-    /// On which side of a threshold the number is; `None` where an interval holds numbers of both.
+    /// On which side of a threshold the number is; `None` where an interval holds numbers of both, and where there is no number.
     fn side(self, threshold: f64) -> Option<Side> {
-        Some(if self.value() < threshold {
-            Side::Below
+        let value = self.value();
+        if value < threshold {
+            Some(Side::Below)
+        } else if value >= threshold {
+            Some(Side::Above)
         } else {
-            Side::Above
-        })
+            None
+        }
     }
 
-    /// A number that stands for both: the smallest interval that holds two intervals. Of numbers whose [`Real::side`]
-    /// is always known it is never asked.
+    /// A number that stands for both where a side is not decided: the smallest interval that holds two intervals. Of plain
+    /// numbers only one that is not a number has no side, and no formula has a value there.
     fn hull(self, _other: Self) -> Self {
-        self
+        Self::constant(f64::NAN)
     }
 
-    /// One formula below a threshold of this number, another at it and above; both where that is not decided.
+    /// One formula below a threshold of this number, another at it and above; both where that is not decided, and no number where
+    /// this is none.
     ///
     /// ```
     /// use onset::real::{Interval, Real};

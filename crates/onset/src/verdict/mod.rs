@@ -21,7 +21,7 @@ pub use survey::{Survey, SurveyedState};
 use crate::bloch::{
     Mode, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch, dynamical_matrix, gradient_norm,
 };
-use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::method::{Method, MethodError};
@@ -34,17 +34,17 @@ use crate::method::{Method, MethodError};
     serde(rename_all = "kebab-case")
 )]
 pub enum Verdict {
-    /// Elliptic, and no mode of the discretization grows.
+    /// The material's waves do not grow, and no mode of the discretization does.
     Stable,
-    /// Not elliptic, and the discretization says so for long waves too: a faithful answer.
+    /// Ellipticity is lost, and the discretization says so for long waves too: a faithful answer.
     Material,
-    /// Elliptic, but a mode of finite wavelength has no energy at any state.
+    /// The material's waves do not grow, but a mode of finite wavelength has no energy at any state.
     RankDeficient,
-    /// The method's own instability: modes grow although the material is elliptic, or although its
+    /// The method's own instability: modes grow although the material's waves do not, or although its
     /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign
     /// of the mean stress.
     Kernel,
-    /// Not elliptic, but the discretization is stable: it misses the material's instability.
+    /// Ellipticity is lost, but the discretization is stable: it misses the material's instability.
     Missed,
 }
 
@@ -75,9 +75,7 @@ impl Verdict {
 pub struct MaterialAssessment<const D: usize> {
     /// Energy, stress and tangent.
     pub response: Response,
-    /// Whether every acoustic tensor is positive definite.
-    pub is_elliptic: bool,
-    /// The smallest acoustic eigenvalue over all directions; units of stress.
+    /// The smallest acoustic eigenvalue over all directions, which tells whether the state is strongly elliptic; units of stress.
     pub minimum: AcousticMinimum<D>,
 }
 
@@ -91,13 +89,13 @@ impl<const D: usize> MaterialAssessment<D> {
         f: &DeformationGradient,
     ) -> Result<Self, MaterialError> {
         let response = material.response(f)?;
-        let stiffness = Stiffness::<D>::of(&response);
-        let (is_elliptic, minimum) = (stiffness.is_strongly_elliptic(), stiffness.minimum());
-        Ok(Self {
-            response,
-            is_elliptic,
-            minimum,
-        })
+        let minimum = Stiffness::<D>::of(&response).minimum();
+        Ok(Self { response, minimum })
+    }
+
+    /// Whether every acoustic tensor is positive definite.
+    pub fn ellipticity(&self) -> Ellipticity {
+        self.minimum.ellipticity()
     }
 
     /// The mean Cauchy stress within the `D` dimensions; positive in tension.
@@ -131,7 +129,7 @@ pub fn speed_squared<const D: usize>(
     method: &Method<D>,
     material: &dyn Hyperelastic,
 ) -> Result<f64, MaterialError> {
-    let reference = material.response(&DeformationGradient::identity())?;
+    let reference = material.undeformed()?;
     let eigenvalue = Stiffness::<D>::of(&reference).maximum_eigenvalue();
     speed_squared_of(eigenvalue, method.discretization().density)
 }
@@ -183,14 +181,14 @@ pub fn assess<const D: usize>(
 ) -> Result<Assessment<D>, MethodError> {
     let continuum = MaterialAssessment::new(material, f)?;
     let search = zone_search(method, material, f)?;
-    let spectrum = search.summary(&dynamical_matrix(method, material, f)?);
+    let spectrum = finite(search.summary(&dynamical_matrix(method, material, f)?))?;
 
     let softest = &spectrum.softest;
     let gradient_norm = gradient_norm_of(method, f, &search, softest)?;
     let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
     let verdict = decided(
-        continuum.is_elliptic,
+        continuum.ellipticity(),
         spectrum.is_stable(),
         has_zero_mode,
         long_waves_grow,
@@ -221,18 +219,29 @@ fn gradient_norm_of<const D: usize>(
     Ok(discrete / k.norm_squared())
 }
 
+/// A spectrum, unless its numbers over- or underflow.
+fn finite<const D: usize>(spectrum: SpectrumSummary<D>) -> Result<SpectrumSummary<D>, MethodError> {
+    let scaled = [spectrum.softest.scaled, spectrum.long_wave.scaled];
+    if scaled.iter().any(|measure| measure.is_nan()) {
+        Err(MethodError::NotFinite)
+    } else {
+        Ok(spectrum)
+    }
+}
+
 /// The verdict on what is known of material and particles.
 pub(crate) fn decided(
-    is_elliptic: bool,
+    ellipticity: Ellipticity,
     is_stable: bool,
     has_zero_mode: bool,
     long_waves_grow: bool,
 ) -> Verdict {
-    match (is_elliptic, is_stable) {
-        (true, true) if has_zero_mode => Verdict::RankDeficient,
-        (true, true) => Verdict::Stable,
-        (false, true) => Verdict::Missed,
-        (false, false) if long_waves_grow => Verdict::Material,
+    // A material at the margin has no wave that grows: there is none to miss or to follow.
+    match (ellipticity.is_lost(), is_stable) {
+        (false, true) if has_zero_mode => Verdict::RankDeficient,
+        (false, true) => Verdict::Stable,
+        (true, true) => Verdict::Missed,
+        (true, false) if long_waves_grow => Verdict::Material,
         _ => Verdict::Kernel,
     }
 }
@@ -247,19 +256,20 @@ pub fn judge<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<(Verdict, Stability), MethodError> {
-    let is_elliptic = Stiffness::<D>::at(material, f)?.is_strongly_elliptic();
+    let ellipticity = Stiffness::<D>::at(material, f)?.ellipticity();
     let search = zone_search(method, material, f)?;
     let matrix = dynamical_matrix(method, material, f)?;
     let (stability, measure) = search.stability(&matrix);
     let is_stable = stability == Stability::Stable;
-    if is_stable && is_elliptic && measure <= search.tolerance(&matrix) {
+    if is_stable && !ellipticity.is_lost() && measure <= search.tolerance(&matrix) {
         // Zero to rounding: whether a mode has no energy takes the mode itself.
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     // Only where both are unstable do the long waves tell to whom it belongs.
-    let long_waves_grow = !is_elliptic && !is_stable && search.long_waves_grow(&matrix);
+    let long_waves_grow =
+        ellipticity.is_lost() && !is_stable && search.long_waves_grow(&matrix);
     Ok((
-        decided(is_elliptic, is_stable, false, long_waves_grow),
+        decided(ellipticity, is_stable, false, long_waves_grow),
         stability,
     ))
 }

@@ -46,8 +46,8 @@ impl Phase {
 /// number when undefined. It is continuous where the method and its critical wave are.
 pub type Probe = (Phase, f64);
 
-/// Whether a material is strongly elliptic at a state for perturbations in `D` dimensions, with the smallest acoustic
-/// eigenvalue over all directions; units of stress.
+/// Whether waves of a material grow at a state for perturbations in `D` dimensions, with the smallest acoustic
+/// eigenvalue over all directions; units of stress. Where that is zero to rounding none grows, as in a fluid.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -67,16 +67,16 @@ pub fn probe_material<const D: usize>(
     f: &DeformationGradient,
 ) -> Result<Probe, MaterialError> {
     let stiffness = match Stiffness::<D>::at(material, f) {
-        Err(MaterialError::OutsideDomain { .. }) => return Ok((Phase::Undefined, f64::NAN)),
+        Err(error) if error.leaves_undefined() => return Ok((Phase::Undefined, f64::NAN)),
         other => other?,
     };
-    let minimum = stiffness.minimum().eigenvalue.re;
-    let phase = if minimum > 0.0 {
-        Phase::Stable
-    } else {
+    let minimum = stiffness.minimum();
+    let phase = if minimum.ellipticity().is_lost() {
         Phase::Unstable
+    } else {
+        Phase::Stable
     };
-    Ok((phase, minimum))
+    Ok((phase, minimum.significant()))
 }
 
 /// Asks a discretization about many states: what they share is computed once.

@@ -1,7 +1,7 @@
 //! Verdicts on discretizations of any kind.
 
 use super::{
-    Assessment, MaterialAssessment, Phase, Probe, SurveyedState, decided, speed_squared_of,
+    Assessment, MaterialAssessment, Phase, Probe, SurveyedState, decided, finite, speed_squared_of,
 };
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{Mode, SpectrumSummary, Stability, WaveSystem, ZoneSearch};
@@ -78,7 +78,7 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
     /// [`MethodError`] when scheme or material cannot be evaluated there.
     pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
         let system = self.scheme.waves(self.material, f)?;
-        Ok(self.search.summary_of(&system))
+        finite(self.search.summary_of(&system))
     }
 
     /// The largest stable time step of an integrator at a state, damping included. Time.
@@ -107,7 +107,6 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         let continuum = MaterialAssessment::<D>::new(self.material, f)?;
         let spectrum = self.spectrum(f)?;
         Ok(SurveyedState::of_spectrum(
-            continuum.is_elliptic,
             continuum.minimum,
             &spectrum,
             self.has_zero_mode(&spectrum),
@@ -124,7 +123,7 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         let spectrum = self.spectrum(f)?;
         let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         let verdict = decided(
-            material.is_elliptic,
+            material.ellipticity(),
             spectrum.is_stable(),
             self.has_zero_mode(&spectrum),
             long_waves_grow,

@@ -1,6 +1,6 @@
 //! Many states of one method and material: what depends on neither state nor wave vector is computed once.
 
-use super::{Assessment, Verdict, decided, gradient_norm_of, speed_squared};
+use super::{Assessment, Verdict, decided, finite, gradient_norm_of, speed_squared};
 use crate::bloch::{
     GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch,
     dynamical_matrix, dynamical_matrix_with,
@@ -18,9 +18,7 @@ pub struct SurveyedState<const D: usize> {
     pub verdict: Verdict,
     /// How perturbations of the discretization develop.
     pub stability: Stability,
-    /// Whether the material is strongly elliptic.
-    pub is_elliptic: bool,
-    /// The smallest acoustic eigenvalue of the material.
+    /// The smallest acoustic eigenvalue of the material, which tells whether it is strongly elliptic.
     pub acoustic: AcousticMinimum<D>,
     /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included.
     pub scaled_minimum: f64,
@@ -176,13 +174,12 @@ impl<const D: usize> Survey<D> {
             Background::Imposed => dynamical_matrix_with(&self.method, &local, f)?,
             Background::Interpolated => dynamical_matrix(&self.method, &*self.material, f)?,
         };
-        let spectrum = search.summary(&matrix);
+        let spectrum = finite(search.summary(&matrix))?;
         let softest = &spectrum.softest;
         let is_zero = softest.scaled.abs() <= spectrum.tolerance;
         let has_zero_mode =
             is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
         Ok(SurveyedState::of_spectrum(
-            stiffness.is_strongly_elliptic(),
             stiffness.minimum(),
             &spectrum,
             has_zero_mode,
@@ -194,17 +191,21 @@ impl<const D: usize> SurveyedState<D> {
     fn of_extremes(tangent: &PlaneTangent, extremes: &MomentExtremes<D>) -> Self {
         let tolerance = extremes.tolerance;
         let is_stable = extremes.scaled_minimum >= -tolerance;
-        let (is_elliptic, acoustic) = plane_minimum(tangent);
+        let acoustic = plane_minimum(tangent);
         let long_waves_grow = extremes.long_wave_minimum < -tolerance;
         let has_zero_mode = extremes.has_zero_mode;
         Self {
-            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
+            verdict: decided(
+                acoustic.ellipticity(),
+                is_stable,
+                has_zero_mode,
+                long_waves_grow,
+            ),
             stability: if is_stable {
                 Stability::Stable
             } else {
                 Stability::Divergence
             },
-            is_elliptic,
             acoustic,
             scaled_minimum: extremes.scaled_minimum,
             wave_vector: extremes.wave_vector,
@@ -218,7 +219,6 @@ impl<const D: usize> SurveyedState<D> {
     }
 
     pub(super) fn of_spectrum(
-        is_elliptic: bool,
         acoustic: AcousticMinimum<D>,
         spectrum: &SpectrumSummary<D>,
         has_zero_mode: bool,
@@ -226,9 +226,13 @@ impl<const D: usize> SurveyedState<D> {
         let is_stable = spectrum.is_stable();
         let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         Self {
-            verdict: decided(is_elliptic, is_stable, has_zero_mode, long_waves_grow),
+            verdict: decided(
+                acoustic.ellipticity(),
+                is_stable,
+                has_zero_mode,
+                long_waves_grow,
+            ),
             stability: spectrum.stability(),
-            is_elliptic,
             acoustic,
             scaled_minimum: spectrum.softest.scaled,
             wave_vector: spectrum.softest.wave_vector,
@@ -246,11 +250,6 @@ impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
     fn from(assessment: &Assessment<D>) -> Self {
         let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
         let material = &assessment.material;
-        Self::of_spectrum(
-            material.is_elliptic,
-            material.minimum,
-            &assessment.spectrum,
-            has_zero_mode,
-        )
+        Self::of_spectrum(material.minimum, &assessment.spectrum, has_zero_mode)
     }
 }

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod conditions;
+mod domain;
 mod fuzzed;
 mod hostile;
 #[path = "../shared/hunt.rs"]
@@ -11,5 +12,6 @@ mod library;
 #[path = "../shared/random.rs"]
 mod random;
 mod refusals;
+mod standing;
 mod states;
 mod trees;

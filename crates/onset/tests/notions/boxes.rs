@@ -1,6 +1,7 @@
 //! The largest boxes of principal stretches.
 
 use super::{NeoHooke, assert_close, zero};
+use onset::formula::Formula;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::material::{BlatzKo, Law};
@@ -166,4 +167,54 @@ fn the_box_of_gent_ends_where_its_chains_lock() {
         (safe.low_end, safe.high_end),
         (BoxEnd::Critical, BoxEnd::Critical)
     );
+}
+
+#[test]
+fn the_widest_box_may_end_at_the_reference() {
+    let law = Law::named("hencky").expect("a law of the library");
+    let hencky = law.build(&[]).expect("admissible");
+    let range = Range::default();
+    let widest = widest_safe_box(&*hencky, &range).expect("elliptic in the reference");
+    // The ratio falls with the upper end: boxes of all skews are narrower.
+    let mut before = f64::INFINITY;
+    for skew in [1e4, 300.0, 30.0, 10.0, 4.0] {
+        let found = safe_box(&*hencky, skew, &range).expect("elliptic in the reference");
+        let ratio = found.high / found.low;
+        assert!(
+            ratio < before && ratio < widest.high / widest.low,
+            "{ratio} with skew {skew}"
+        );
+        before = ratio;
+    }
+    assert_eq!(widest.high, 1.0);
+    assert!((1.0 / widest.low - 8.43271788).abs() < 1e-7, "{widest:?}");
+    // In uniaxial strain waves stop at the lower end.
+    let elliptic = |l: f64| {
+        let f = DeformationGradient::from_stretches([l, 1.0, 1.0]).expect("a state");
+        let state = State::new(&*hencky, &f).expect("finite");
+        let measure = Notion::StrongEllipticity.measure(&state);
+        measure.expect("defined").holds()
+    };
+    assert!(elliptic(widest.low * (1.0 + 1e-9)) && !elliptic(widest.low * (1.0 - 1e-9)));
+}
+
+#[test]
+fn a_fluid_has_no_box_and_holds_no_notion_of_waves() {
+    let fluid = Formula::parse("50*(J - 1)^2").expect("a formula");
+    let fluid = fluid.with(&[]).expect("a law");
+    assert!(safe_box(&fluid, 1.0, &Range::default()).is_none());
+    for stretches in [[1.0; 3], [1.2, 0.9, 1.0], [0.7, 1.3, 1.1]] {
+        let f = DeformationGradient::from_stretches(stretches).expect("a state");
+        let state = State::new(&fluid, &f).expect("finite");
+        for notion in [
+            Notion::StrongEllipticity,
+            Notion::PlaneEllipticity,
+            Notion::BakerEricksen,
+        ] {
+            let holds = notion
+                .measure(&state)
+                .is_some_and(|measure| measure.holds());
+            assert!(!holds, "{notion:?} at {stretches:?}");
+        }
+    }
 }

@@ -23,20 +23,16 @@ const RESOLUTIONS: [f64; 3] = [1e-8, 1e-4, 1e-2];
 
 type Blocks3 = [[Matrix3<f64>; 3]; 3];
 
-pub(super) fn minimum<const D: usize>(
-    blocks: &Blocks<D>,
-    symmetric_part: &Form<f64>,
-    ceiling: f64,
-) -> Minimum {
+pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, symmetric_part: &Form<f64>) -> Minimum {
     let blocks = in_three_dimensions(blocks);
     let real_part = |n: &Axes<f64>| lowest_real_part(&blocks, n);
     let mut best = found(&blocks);
     // The real parts are not below the eigenvalues of the symmetric part (Bendixson).
-    let mut bound = symmetric_minimum(symmetric_part, f64::INFINITY).1;
+    let mut bound = symmetric_minimum(symmetric_part).1;
     'resolutions: for resolution in RESOLUTIONS {
         for _ in 0..COVERS {
-            let level = ceiling.min(best.0 - resolution);
-            if bound >= level || (ceiling.is_finite() && best.0 < ceiling) {
+            let level = best.0 - resolution;
+            if bound >= level {
                 break 'resolutions;
             }
             match cover(octants(false), BUDGET, |triangle| {
@@ -57,7 +53,6 @@ pub(super) fn minimum<const D: usize>(
     }
     Minimum {
         direction: best.1,
-        value: best.0,
         eigenpair: None,
         bound: bound.min(best.0),
     }

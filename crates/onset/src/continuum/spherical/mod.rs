@@ -35,8 +35,6 @@ const STARTS: usize = 1;
 /// The minimum of a stiffness of magnitude one.
 pub(super) struct Minimum {
     pub(super) direction: Axes<f64>,
-    /// The smallest real part.
-    pub(super) value: f64,
     /// Of the symmetric acoustic tensor; without major symmetry the eigenvalue may be complex.
     pub(super) eigenpair: Option<(f64, Axes<f64>)>,
     /// No direction has a smaller real part.
@@ -46,17 +44,15 @@ pub(super) struct Minimum {
 /// The blocks `T_JL` of a stiffness, each with rows `i` and columns `k`.
 type Blocks<const D: usize> = [[SMatrix<f64, D, D>; D]; D];
 
-/// The minimum over all directions. Work ends as soon as it is known whether all eigenvalues exceed the ceiling: what is
-/// returned is then below it, or the bound above.
-pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, ceiling: f64) -> Minimum {
+/// The minimum over all directions.
+pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>) -> Minimum {
     let form = symmetric_part(blocks);
     if has_no_major_symmetry(blocks) {
-        return asymmetric::minimum(blocks, &form, ceiling);
+        return asymmetric::minimum(blocks, &form);
     }
-    let (wave, bound) = symmetric_minimum(&form, ceiling);
+    let (wave, bound) = symmetric_minimum(&form);
     Minimum {
         direction: wave.direction,
-        value: wave.eigenvalue,
         eigenpair: Some((wave.eigenvalue, wave.polarization)),
         bound,
     }
@@ -68,7 +64,7 @@ pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f6
         return asymmetric::descended_direction(blocks);
     }
     let form = symmetric_part(blocks);
-    found(&form, form.is_orthotropic(), f64::INFINITY).direction
+    found(&form, form.is_orthotropic()).direction
 }
 
 fn symmetric_part<const D: usize>(blocks: &Blocks<D>) -> Form<f64> {
@@ -83,21 +79,11 @@ fn has_no_major_symmetry<const D: usize>(blocks: &Blocks<D>) -> bool {
     asymmetry.any(|entry| entry > 1e-13)
 }
 
-/// Whether all real parts exceed a level, for a stiffness of magnitude one. What differs from it by less than the
-/// resolution of the bound is decided by the search alone.
-pub(super) fn is_above<const D: usize>(blocks: &Blocks<D>, level: f64) -> bool {
-    minimum(blocks, level).value > level
-}
-
 /// The slowest wave of a form of magnitude one, and a lower bound of all eigenvalues.
-pub(crate) fn symmetric_minimum(form: &Form<f64>, ceiling: f64) -> (Wave, f64) {
+pub(crate) fn symmetric_minimum(form: &Form<f64>) -> (Wave, f64) {
     let is_orthotropic = form.is_orthotropic();
-    let mut wave = found(form, is_orthotropic, ceiling);
-    let level = |wave: &Wave| ceiling.min(wave.eigenvalue - RESOLUTION);
-    let is_below = |wave: &Wave| wave.eigenvalue < ceiling && ceiling.is_finite();
-    if is_below(&wave) {
-        return (wave, f64::NEG_INFINITY);
-    }
+    let mut wave = found(form, is_orthotropic);
+    let level = |wave: &Wave| wave.eigenvalue - RESOLUTION;
     let lower = |wave: Wave, direction: &Axes<f64>| {
         let next = descended(form, slowest(form, direction));
         if next.eigenvalue < wave.eigenvalue - 4.0 * f64::EPSILON {
@@ -113,7 +99,7 @@ pub(crate) fn symmetric_minimum(form: &Form<f64>, ceiling: f64) -> (Wave, f64) {
     }
     for _ in 0..COVERS {
         let level = level(&wave);
-        if bound >= level || is_below(&wave) {
+        if bound >= level {
             break;
         }
         match cover(octants(is_orthotropic), BUDGET, |triangle| {
@@ -132,7 +118,7 @@ pub(crate) fn symmetric_minimum(form: &Form<f64>, ceiling: f64) -> (Wave, f64) {
 }
 
 /// The best that is found by going down from the lowest of evenly spread directions.
-fn found(form: &Form<f64>, is_orthotropic: bool, ceiling: f64) -> Wave {
+fn found(form: &Form<f64>, is_orthotropic: bool) -> Wave {
     let mut starts: Vec<Wave> = spread(is_orthotropic).map(|n| slowest(form, &n)).collect();
     // What differs by rounding only stays in order: the axes first.
     starts.sort_by(|a, b| {
@@ -141,9 +127,6 @@ fn found(form: &Form<f64>, is_orthotropic: bool, ceiling: f64) -> Wave {
             .total_cmp(&(b.eigenvalue * 1e14).round())
     });
     let mut best = starts[0];
-    if ceiling.is_finite() && best.eigenvalue < ceiling {
-        return best;
-    }
     for start in starts.into_iter().take(STARTS) {
         let wave = descended(form, start);
         if wave.eigenvalue < best.eigenvalue - 4.0 * f64::EPSILON {
