@@ -17,7 +17,10 @@ pub(crate) const MAXIMUM_ITERATIONS: usize = 200;
 pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) -> [Complex; D] {
     let mut values = [Complex::new(f64::NAN, f64::NAN); D];
     match D {
-        1 => values[0] = matrix[(0, 0)],
+        1 => {
+            values[0] = matrix[(0, 0)];
+            without_rounding(&mut values, 0.0, noise);
+        }
         2 if matrix.iter().all(|entry| entry.im == 0.0) => {
             // The same as below in real numbers: most matrices are real, and this is the innermost loop.
             let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|index| matrix[index].re);
@@ -72,17 +75,40 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
             let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
             let schur = nalgebra::Schur::try_new(dynamic, f64::EPSILON, MAXIMUM_ITERATIONS);
             if let Some(found) = schur.and_then(|schur| schur.eigenvalues()) {
-                for (value, &found) in values.iter_mut().zip(found.iter()) {
-                    *value = found;
-                    if value.im.abs() <= noise {
-                        value.im = 0.0;
-                    }
-                }
+                values
+                    .iter_mut()
+                    .zip(found.iter())
+                    .for_each(|(value, known)| *value = *known);
+                without_rounding(&mut values, matrix.norm(), noise);
             }
         }
     }
     values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
     values
+}
+
+/// Makes eigenvalues real whose imaginary parts rounding explains, `noise` in an entry of a matrix with a norm.
+///
+/// Perturbation theory: an eigenvalue at a distance `d` from the next one moves by some `noise * norm / d`, two that coincide
+/// part by some `sqrt(noise * norm)`. So one that is apart from all others keeps an imaginary part just above the noise.
+pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
+    const SAFETY: f64 = 4.0;
+    let explained = |n: usize| {
+        let others = values.iter().enumerate().filter(|(m, _)| *m != n);
+        let distance = others
+            .map(|(_, other)| (other - values[n]).norm())
+            .fold(f64::INFINITY, f64::min);
+        let sensitivity = 1.0 + norm / distance;
+        SAFETY * (noise * sensitivity).min(noise + (noise * norm).sqrt())
+    };
+    let is_real: Vec<bool> = (0..values.len())
+        .map(|n| values[n].im.abs() <= explained(n))
+        .collect();
+    for (value, is_real) in values.iter_mut().zip(is_real) {
+        if is_real {
+            value.im = 0.0;
+        }
+    }
 }
 
 /// The eigenvalues of a real matrix of three rows: by rotations where it is symmetric to rounding, otherwise those of the

@@ -1,5 +1,7 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
+mod decomposition;
+mod directions;
 mod eigen;
 mod golden;
 mod pack;
@@ -8,14 +10,16 @@ mod trigonometric;
 mod unit;
 mod well;
 
-pub(crate) use eigen::MAXIMUM_ITERATIONS;
+pub(crate) use decomposition::Decomposition;
+pub(crate) use directions::directions;
+pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
 pub(crate) use unit::moderate_unit;
-pub(crate) use well::{is_well, settled, settled_along};
+pub(crate) use well::{is_well, neighbors, settled, settled_along};
 
 /// Complex numbers of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

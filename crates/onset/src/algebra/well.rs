@@ -1,5 +1,6 @@
 //! Wells of a function on a periodic grid, and their bottoms.
 
+use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Whether no neighbor on the periodic grid, of which the first half is known, is lower.
@@ -14,33 +15,32 @@ pub(crate) fn has_neighbor<const D: usize>(
     n: usize,
     has_property: impl Fn(f64) -> bool,
 ) -> bool {
-    let mut coordinates = [0_usize; D];
-    let mut rest = index;
-    for i in (0..D).rev() {
-        coordinates[i] = rest % n;
-        rest /= n;
-    }
-    let flat = |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
-    let neighbors = 3_usize.pow(D as u32);
+    let mut around = neighbors::<D>(index, n, values.len()).map(|other| values[other]);
+    around.any(|other| other.is_finite() && has_property(other))
+}
+
+/// The neighbors of a point on the periodic grid, of which the first ones are known: in place of others, their opposites.
+pub(crate) fn neighbors<const D: usize>(
+    index: usize,
+    n: usize,
+    known: usize,
+) -> impl Iterator<Item = usize> {
+    let coordinates = grid_coordinates::<D>(index, n);
+    let flat = move |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
+    let count = 3_usize.pow(D as u32);
     // The one in the middle is the point itself.
-    let mut others = (0..neighbors).filter(|neighbor| *neighbor != neighbors / 2);
-    others.any(|neighbor| {
-        let mut code = neighbor;
-        let beside: [usize; D] = std::array::from_fn(|i| {
-            let step = code % 3;
-            code /= 3;
-            (coordinates[i] + n + step - 1) % n
-        });
-        let known = flat(&beside);
-        let known = if known < values.len() {
-            known
-        } else {
-            flat(&beside.map(|c| (n - c) % n))
-        };
-        values
-            .get(known)
-            .is_some_and(|other| other.is_finite() && has_property(*other))
-    })
+    let others = (0..count).filter(move |neighbor| *neighbor != count / 2);
+    others
+        .map(move |neighbor| {
+            let steps = grid_coordinates::<D>(neighbor, 3);
+            let beside: [usize; D] =
+                std::array::from_fn(|i| (coordinates[i] + n + steps[i] - 1) % n);
+            match flat(&beside) {
+                place if place < known => place,
+                _ => flat(&beside.map(|c| (n - c) % n)),
+            }
+        })
+        .filter(move |place| *place < known)
 }
 
 /// Rounds in which a well is followed, at most.

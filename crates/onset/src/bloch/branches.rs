@@ -226,10 +226,17 @@ impl<const D: usize> Expansion<Complex, D> {
             .map(|x| x.re)
     }
 
-    /// The growth rate `Im omega` of the growing root of a complex branch. Planar only.
+    /// The growth rate `Im omega` of the fastest growing branch, in one or two dimensions.
     pub(super) fn growth(&self) -> Taylor<f64, D> {
+        if D == 1 {
+            return self.entry(0, 0).growth();
+        }
         let root = self.discriminant().root();
-        self.half_trace().zip(&root, |x, y| x + y).growth()
+        let [low, high] = [-1.0, 1.0].map(|sign| {
+            let branch = self.half_trace().zip(&root, |x, y| x + y * sign);
+            branch.growth()
+        });
+        if low.value > high.value { low } else { high }
     }
 }
 

@@ -1,18 +1,13 @@
 //! Errors of frequencies and of the long-wave limit.
 
-use crate::algebra::Complex;
+use crate::algebra::{Complex, directions};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
 use crate::verdict::SchemeSurvey;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use std::f64::consts::{PI, TAU};
-
-/// Directions that are looked at in the plane.
-const PLANE_DIRECTIONS: usize = 180;
-/// Directions that are looked at in space.
-const SPACE_DIRECTIONS: usize = 400;
+use std::f64::consts::TAU;
 
 /// The worst error of the frequencies at a wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,28 +128,4 @@ fn frequency_error<const D: usize>(
             })
         })
         .fold(0.0, f64::max)
-}
-
-/// Directions spread over half of the circle or of the sphere.
-pub(super) fn directions<const D: usize>() -> Vec<SVector<f64, D>> {
-    let vector = |components: [f64; 3]| SVector::from_fn(|i, _| components[i]);
-    match D {
-        1 => vec![vector([1.0, 0.0, 0.0])],
-        2 => (0..PLANE_DIRECTIONS)
-            .map(|n| PI * n as f64 / PLANE_DIRECTIONS as f64)
-            .map(|angle| vector([angle.cos(), angle.sin(), 0.0]))
-            .collect(),
-        _ => {
-            // Points on a spiral by the golden angle.
-            let golden = PI * (3.0 - 5.0_f64.sqrt());
-            (0..SPACE_DIRECTIONS)
-                .map(|n| {
-                    let height = (n as f64 + 0.5) / SPACE_DIRECTIONS as f64;
-                    let radius = (1.0 - height * height).sqrt();
-                    let (sine, cosine) = (golden * n as f64).sin_cos();
-                    vector([radius * cosine, radius * sine, height])
-                })
-                .collect()
-        }
-    }
 }

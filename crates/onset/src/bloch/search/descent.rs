@@ -37,7 +37,10 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let mut best: Option<Candidate<D>> =
             boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
-        for well in grid.wells(objective).iter().take(WELLS) {
+        // Without a smooth measure of how near complex branches are, growth tells only where it is.
+        let is_growth = objective == Objective::Discriminant && !matrix.is_centrosymmetric();
+        let below = if is_growth { 0.0 } else { f64::INFINITY };
+        for well in grid.wells(objective, below).iter().take(WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
             // Folded back, points of the grid do not tell what is beside them.
             if well.start.0 - well.relief <= to_beat || self.is_near_boundary(&well.start.1) {
@@ -312,8 +315,7 @@ impl<const D: usize> ZoneSearch<D> {
         match objective {
             Objective::Lowest => expansion.branch(-1.0),
             Objective::Highest => expansion.branch(1.0).map(|x| -x),
-            Objective::Discriminant => expansion.discriminant().map(|x| x.re),
-            Objective::Growth => expansion.growth().map(|x| -x),
+            Objective::Discriminant | Objective::Growth => expansion.growth().map(|x| -x),
             Objective::Scaled => self.scaled(&expansion.branch(-1.0), k),
         }
     }

@@ -37,7 +37,7 @@ struct GridSpectrum {
     lowest: Vec<f64>,
     highest: Vec<f64>,
     discriminant: Vec<f64>,
-    /// Minus the growth rate of complex branches; only in three dimensions.
+    /// Minus the growth rate of complex branches; not where it follows from the others, in the plane with a real `D`.
     slowness: Vec<f64>,
 }
 
@@ -203,17 +203,13 @@ impl<const D: usize> ZoneSearch<D> {
         let count = waves.wave_vectors().len();
         let half = (waves.resolution() / 2 + 1) * (count / waves.resolution());
         let mut spectrum = GridSpectrum::zeros(count, half);
-        if D == 3 {
-            spectrum.slowness = vec![0.0; count];
-        }
+        spectrum.slowness = vec![0.0; count];
         for index in 0..half {
             let k = &waves.wave_vectors()[index];
             let d = matrix.at(k);
             let omega_squared = eigenvalues(&d, matrix.noise());
             let value = |objective| self.value(matrix, objective, k, &d, &omega_squared);
-            if D == 3 {
-                spectrum.slowness[index] = value(Objective::Growth);
-            }
+            spectrum.slowness[index] = value(Objective::Growth);
             spectrum.scaled[index] = value(Objective::Scaled);
             spectrum.lowest[index] = value(Objective::Lowest);
             spectrum.highest[index] = value(Objective::Highest);
@@ -241,9 +237,9 @@ impl<const D: usize> Grid<D> {
         highest.map(|value| value.abs()).fold(0.0, f64::max)
     }
 
-    /// The distinct local minima of the grid, deepest first.
-    pub(super) fn wells(&self, objective: Objective) -> Vec<Well<D>> {
-        self.wells_of(self.spectrum.with_neighbors(objective), f64::INFINITY)
+    /// The distinct local minima of the grid below a bound, deepest first.
+    pub(super) fn wells(&self, objective: Objective, below: f64) -> Vec<Well<D>> {
+        self.wells_of(self.spectrum.with_neighbors(objective), below)
     }
 
     /// The local minima below a bound.

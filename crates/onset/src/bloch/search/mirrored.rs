@@ -249,35 +249,6 @@ impl<'a> Mirrored<'a> {
             .collect();
         self.descend(&mut growing, &[]);
         descents.append(&mut growing);
-        if std::env::var("DBG").is_ok() {
-            for w in &self.wells {
-                if w.objective == Objective::Discriminant {
-                    eprintln!("W {:?} {:e} {:e}", w.place, w.value, w.bound);
-                }
-            }
-            for d in &descents {
-                eprintln!(
-                    "D {:?} {} {:?} {:?} {:e}",
-                    d.objective,
-                    match d.state {
-                        State::Running => "run",
-                        State::Settled(Some(_)) => "valley",
-                        State::Settled(None) => "settled",
-                        State::Left => "left",
-                        State::Lost => "lost",
-                    },
-                    d.place,
-                    d.step,
-                    d.value
-                );
-            }
-            eprintln!(
-                "G {:?} {:?} {:?}",
-                self.sums.reach,
-                self.sums.effective_reach(),
-                self.waves.intervals
-            );
-        }
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
             _ => Some(Bottom {

@@ -11,10 +11,12 @@ use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
-use crate::algebra::{Complex, eigenvalues, eigenvector};
+use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates};
+use crate::lattice::{
+    BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, determinant, grid_coordinates,
+};
 use crate::method::Method;
 use grid::{Grid, complex_growth};
 use mirrored::{Bottom, Mirrored, Request};
@@ -59,9 +61,9 @@ pub(in crate::bloch) enum Objective {
     Lowest,
     /// `-Re omega^2` of the highest branch.
     Highest,
-    /// The discriminant `((D11 - D22)/2)^2 + D12 D21`, negative where `omega^2` is complex. Unlike the imaginary
-    /// part of `omega^2` it is smooth. In three dimensions `a^3 - h^2`, of degree six, where `D` is real, and minus the growth
-    /// rate of complex pairs elsewhere.
+    /// Where `D` is real, the discriminant `((D11 - D22)/2)^2 + D12 D21`, in three dimensions `a^3 - h^2`, of degree six: negative
+    /// where `omega^2` is complex, and smooth, unlike the imaginary part. Elsewhere `omega^2` is complex almost everywhere, and it is
+    /// minus the growth rate itself.
     Discriminant,
     /// Minus the growth rate of a mode with complex `omega^2`.
     Growth,
@@ -190,7 +192,11 @@ impl<const D: usize> ZoneSearch<D> {
             .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
         SpectrumSummary {
-            softest,
+            softest: if rest.omega_squared.re < 0.0 {
+                self.over_largest_laplacian(lowest)
+            } else {
+                softest
+            },
             long_wave,
             lowest,
             fastest_growing,
@@ -309,6 +315,58 @@ impl<const D: usize> ZoneSearch<D> {
         ROUNDING * matrix.long_wave_noise() / self.speed_squared
     }
 
+    /// Growth rates of complex `omega^2` are flutter beyond this: a fraction of sound speed over the spacing of so many particles in
+    /// a cell. 1/time.
+    pub(in crate::bloch) fn flutter_threshold(&self, sites: usize) -> f64 {
+        let volume = determinant(self.reference().vectors()).abs() / sites as f64;
+        FLUTTER * self.speed_squared.sqrt() / volume.powf(1.0 / D as f64)
+    }
+
+    /// The largest `|k|_h^2` of all wave vectors. 1/length^2.
+    pub(in crate::bloch) fn largest_laplacian(&self) -> f64 {
+        let vectors = self.reference().vectors().column_iter();
+        vectors.map(|a| 4.0 / a.norm_squared()).sum()
+    }
+
+    /// A mode with `Re omega^2` over `c^2` times the largest `|k|_h^2` as its scaled measure. That of wave vectors has no minimum
+    /// where a mode grows at `k = 0`.
+    pub(in crate::bloch) fn over_largest_laplacian(&self, mode: Mode<D>) -> Mode<D> {
+        let scale = self.speed_squared * self.largest_laplacian();
+        Mode {
+            scaled: mode.omega_squared.re / scale,
+            ..mode
+        }
+    }
+
+    /// Wave vectors along the direction in which the longest waves flutter fastest, if some do, as fractions of a step (itself
+    /// one of a reciprocal vector) of a grid that may miss a pocket that opens at `k = 0`.
+    ///
+    /// The long-wave stiffness of forces without an energy has no major symmetry: its acoustic tensors can have complex eigenvalues.
+    pub(in crate::bloch) fn long_flutter(
+        &self,
+        stiffness: &Stiffness<D>,
+        step: f64,
+    ) -> Vec<SVector<f64, D>> {
+        let map = self.grids.long_wave_map();
+        let growth = |direction: &SVector<f64, D>| {
+            let tensor = stiffness.acoustic_tensor(direction);
+            let noise = ROUNDING * f64::EPSILON * tensor.amax();
+            let values = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), noise);
+            complex_growth(&values)
+        };
+        let fastest = directions::<D>()
+            .into_iter()
+            .map(|direction| map * direction)
+            .map(|direction| (growth(&direction), direction))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, direction)) = fastest.filter(|(growth, _)| *growth > 0.0) else {
+            return Vec::new();
+        };
+        let reciprocal = self.reference().reciprocal().column(0).norm();
+        let along = |steps: f64| direction * (steps * step * reciprocal / direction.norm());
+        [0.15, 0.35, 0.7, 1.2].map(along).to_vec()
+    }
+
     /// The smallest scaled measure at the halves and thirds of reciprocal vectors, among which are X, M and K.
     fn symmetric_minimum(&self, matrix: &DynamicalMatrix<D>) -> f64 {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
@@ -368,12 +426,11 @@ impl<const D: usize> ZoneSearch<D> {
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
             Objective::Discriminant => match D {
-                1 => 0.0,
-                2 => {
+                2 if matrix.is_centrosymmetric() => {
                     let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
                     (half * half + d[(0, 1)] * d[(1, 0)]).re
                 }
-                _ if matrix.is_centrosymmetric() => {
+                3 if matrix.is_centrosymmetric() => {
                     let entries = std::array::from_fn(|e| d[(e / 3, e % 3)].re);
                     SpatialSpectrum::of(&entries).discriminant
                 }
@@ -396,20 +453,28 @@ impl<const D: usize> ZoneSearch<D> {
     /// A mode with complex `omega^2` that grows noticeably, if there is one.
     fn flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> Option<Mode<D>> {
         // A Hermitian matrix has real eigenvalues.
-        if D == 1 || matrix.is_hermitian() {
+        if matrix.is_hermitian() {
             return None;
         }
         let largest = wells.largest();
         let floor = match (D, matrix.is_centrosymmetric()) {
             (3, true) => -matrix.noise() * largest.powi(5),
-            (3, false) => 0.0,
-            _ => -matrix.noise() * largest,
+            (_, true) => -matrix.noise() * largest,
+            (_, false) => 0.0,
         };
-        let (_, k) = wells.bottom(self, matrix, Objective::Discriminant, floor)?;
-        let mode = self.fluttering_mode(matrix, &k)?;
-        let spacing = self.reference().vectors().column(0).norm();
-        let threshold = FLUTTER * self.speed_squared.sqrt() / spacing;
-        (growth_rate(mode.omega_squared) > threshold).then_some(mode)
+        let pocket = wells.bottom(self, matrix, Objective::Discriminant, floor);
+        let opening = match wells {
+            Wells::Grid(grid) => {
+                let step = 1.0 / grid.waves.resolution() as f64;
+                self.long_flutter(&matrix.long_wave_stiffness(), step)
+            }
+            Wells::Mirrored { .. } => Vec::new(),
+        };
+        let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
+        candidates
+            .filter_map(|k| self.fluttering_mode(matrix, &k))
+            .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
+            .filter(|mode| growth_rate(mode.omega_squared) > self.flutter_threshold(1))
     }
 
     /// The wells of the zone, with as many points of a grid per period of the fastest phase where there is no mirror.

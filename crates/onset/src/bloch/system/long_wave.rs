@@ -3,6 +3,7 @@
 use super::{Mass, WaveSystem};
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
 use crate::continuum::Stiffness;
+use crate::lattice::Particle;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// Internal displacements softer than this fraction of the stiffest entry are free.
@@ -32,12 +33,32 @@ struct LongWave {
     mean: DMatrix<Complex>,
 }
 
+impl LongWave {
+    /// The duals `Y` of the translations, `Y^T D0 = 0`, `Y^T R = 1`, as rows, and the inverse of `D0` on the internal displacements,
+    /// those with `Y^T u = 0`.
+    fn relaxation(&self) -> [DMatrix<Complex>; 2] {
+        let [d0, _, _] = &self.orders;
+        let mean = self.mean.transpose();
+        // Forces that add up to zero make Y = L. In general S = D0 + R L^T has Y^T S = L^T.
+        let duals = if (&mean * d0).norm() <= FREE * d0.norm() {
+            mean
+        } else {
+            &mean * inverse(d0 + &self.translations * &mean)
+        };
+        let projector = &self.translations * &duals;
+        // On the internal displacements this is D0, on the translations the identity.
+        let internal = inverse(d0 + &projector) - &projector;
+        [duals, internal]
+    }
+}
+
 impl<const D: usize> WaveSystem<D> {
     /// The stiffness per density `T` with `D(k) -> T_iJkL k_J k_L` on the acoustic branches: what long waves feel once the
     /// particles of a cell have relaxed against each other. Units length^2/time^2.
     ///
-    /// With `R` the translations and `L` the mass-weighted mean, `T = L (D2 - D1 G D1) R`, `G` the inverse of `D0` on the
-    /// internal displacements: perturbation theory of second order.
+    /// With `R` the translations and `Y` their duals, `Y^T D0 = 0`, `T = Y^T (D2 - D1 G D1) R`, `G` the inverse of `D0` on the
+    /// internal displacements: perturbation theory of second order. Where forces do not add up to zero, `Y^T D1 R`, which belongs to
+    /// the wave number itself, need not vanish; such waves grow at any length, and are found at finite ones.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
         let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
         let along = |direction: &SVector<f64, D>| self.acoustic(direction);
@@ -62,17 +83,29 @@ impl<const D: usize> WaveSystem<D> {
 
     /// `T_iJkL n_J n_L`.
     fn acoustic(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
-        let LongWave {
-            orders: [d0, d1, d2],
-            translations,
-            mean,
-        } = self.expanded(direction);
-        let projector = &translations * mean.transpose();
-        // On the internal displacements this is D0, on the translations the identity.
-        let internal = inverse(&d0 + &projector) - &projector;
-        let second = d2 - &d1 * internal * &d1;
-        let limit = mean.transpose() * second * translations;
+        let long_wave = self.expanded(direction);
+        let [duals, internal] = long_wave.relaxation();
+        let [_, d1, d2] = &long_wave.orders;
+        let limit = duals * (d2 - d1 * internal * d1) * &long_wave.translations;
         SMatrix::from_fn(|i, k| limit[(i, k)].re)
+    }
+
+    /// Rounding error to expect in [`WaveSystem::long_wave_stiffness`], of its sums and of the relaxation.
+    pub(super) fn long_wave_noise(&self) -> f64 {
+        let origin = |site: usize| self.crystal.position(&Particle::home(site));
+        let moment = |(from, to, block): (usize, &Particle<D>, &SMatrix<f64, D, D>)| {
+            block.amax() * (self.crystal.position(to) - origin(from)).norm_squared()
+        };
+        let direct = self.stiffness.blocks().map(moment).sum::<f64>() / self.cell_mass();
+        let relaxed = (0..D).map(|j| {
+            let along = SVector::from_fn(|i, _| f64::from(u8::from(i == j)));
+            let long_wave = self.expanded(&along);
+            let [duals, internal] = long_wave.relaxation();
+            let [_, d1, _] = &long_wave.orders;
+            let (from, to) = (d1 * &long_wave.translations, duals * d1);
+            from.norm() * internal.norm() * to.norm()
+        });
+        f64::EPSILON * (direct + relaxed.filter(|x| x.is_finite()).fold(0.0, f64::max))
     }
 
     /// `D(0)` on the rigid translations: zero, unless a translation strains the body. 1/time^2.

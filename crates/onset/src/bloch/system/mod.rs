@@ -5,6 +5,7 @@
 //! before they move the particles (XSPH) make it a sum over neighbors. A wave `exp(i (k.X - omega t))` then obeys
 //! `(omega^2 M + i omega C - K T) v = 0`, without damping the eigenproblem of `D(k) = M^-1 K T`.
 
+mod expansion;
 mod long_wave;
 mod spectrum;
 mod sum;
@@ -98,6 +99,11 @@ impl<const D: usize> WaveSystem<D> {
     /// The number of degrees of freedom of a cell, `D n`.
     pub fn size(&self) -> usize {
         self.stiffness.size()
+    }
+
+    /// The number of particles in a cell.
+    pub(super) fn sites(&self) -> usize {
+        self.crystal.sites().len()
     }
 
     /// Whether, damping apart, the forces derive from an energy, so that all `omega^2` are real.

@@ -1,7 +1,7 @@
 //! Frequencies and modes at a wave vector.
 
 use super::{Mass, WaveSystem};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, without_rounding};
 use nalgebra::{DMatrix, DVector, SVector};
 
 impl<const D: usize> WaveSystem<D> {
@@ -19,6 +19,26 @@ impl<const D: usize> WaveSystem<D> {
         };
         values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
         values
+    }
+
+    /// The eigenvalues of `D(0)`; where a translation costs no force, without the zeros that belong to translations, so that rounding
+    /// of them, which can be much where `D(0)` is not Hermitian, is not taken for more. 1/time^2.
+    pub(super) fn omega_squared_at_rest(&self) -> Vec<Complex> {
+        let zero = SVector::zeros();
+        if self.rigid_translation().amax() > 0.0 {
+            return self.omega_squared(&zero);
+        }
+        // R L^T with L^T R = 1 moves the zeros to s and leaves the other eigenvalues where they are.
+        let matrix = self.dynamical_matrix_at(&zero);
+        let far = 4.0 * matrix.norm() + f64::MIN_POSITIVE;
+        let share = Complex::new(far / self.sites() as f64, 0.0);
+        let moved = DMatrix::from_fn(self.size(), self.size(), |i, j| {
+            let is_translation = i % D == j % D;
+            matrix[(i, j)] + if is_translation { share } else { Complex::default() }
+        });
+        let mut values = general_eigenvalues(moved, self.noise());
+        values.sort_by(|a, b| b.re.total_cmp(&a.re));
+        values.split_off(D.min(values.len()))
     }
 
     /// All modes at a wave vector without damping: `omega^2` with the unit displacements of the particles of a cell, by
@@ -200,24 +220,18 @@ fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
     }
 }
 
-/// Eigenvalues of any complex matrix; imaginary parts below the noise are rounding.
+/// Eigenvalues of any complex matrix; imaginary parts that the noise of the entries explains are left out.
 pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<Complex> {
-    let size = matrix.nrows();
+    let (size, norm) = (matrix.nrows(), matrix.norm());
     let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
     let Some(values) = schur.and_then(|schur| schur.eigenvalues()) else {
         return vec![Complex::new(f64::NAN, f64::NAN); size];
     };
-    let scale = values.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    let real = |z: &Complex| {
-        // Two eigenvalues that rounding parts from a double one come as a pair sqrt(noise) apart.
-        let explained = noise + 4.0 * (noise * scale).sqrt();
-        if z.im.abs() <= explained && noise > 0.0 {
-            Complex::new(z.re, 0.0)
-        } else {
-            *z
-        }
-    };
-    values.iter().map(real).collect()
+    let mut values: Vec<Complex> = values.iter().copied().collect();
+    if noise > 0.0 {
+        without_rounding(&mut values, norm, noise);
+    }
+    values
 }
 
 /// A unit vector of the space that belongs to an eigenvalue: the `nth` right singular vector of `D - lambda`, counted from

@@ -1,5 +1,6 @@
 //! Sums over the lattice with plane-wave phases, for several particles in a cell.
 
+use super::expansion::MatrixExpansion;
 use crate::algebra::Complex;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -127,6 +128,18 @@ impl<const D: usize> BlochSum<D> {
                 1 => phase,
                 _ => phase * phase * 0.5,
             }
+        })
+    }
+
+    /// `S(k)` with its derivatives by the components of the wave vector.
+    pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
+        MatrixExpansion::from_parts(|indices| {
+            self.summed(|term| {
+                let (sine, cosine) = k.dot(&term.vector).sin_cos();
+                let phase = Complex::new(cosine, sine);
+                let along = |phase, a: &usize| phase * Complex::new(0.0, term.vector[*a]);
+                indices.iter().fold(phase, along)
+            })
         })
     }
 

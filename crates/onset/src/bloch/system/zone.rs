@@ -1,33 +1,55 @@
 //! The extremes of the spectrum over the zone, for any number of particles in a cell.
 //!
-//! With one particle in a cell the search of [`ZoneSearch`] is used; otherwise a grid finds the wells, and the deepest ones are
-//! followed to their bottoms.
+//! With one particle in a cell the search of [`ZoneSearch`] is used. Otherwise: each objective is the lowest of several branches,
+//! smooth but where two of them meet, so that its minima are smooth ones, however narrow the crossings leave them. The wells of a
+//! grid are followed to their bottoms with exact derivatives; then the boxes around points of the grid in which some branch, by its
+//! slope, can get lower are divided, again and again, and what lies lower there is followed too.
 
 use super::WaveSystem;
-use crate::algebra::{Complex, is_well, settled};
+use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
+use crate::bloch::branches::Taylor;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
-use crate::lattice::WaveGrid;
-use nalgebra::{DMatrix, DVector, SVector};
+use crate::continuum::Stiffness;
+use crate::lattice::{WaveGrid, grid_coordinates};
+use nalgebra::{DVector, SMatrix, SVector};
+use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Points of the grid per period of the fastest phase.
-const POINTS_PER_PERIOD: usize = 6;
-/// Scaled measures within this multiple of the rounding error count as zero.
+const POINTS_PER_PERIOD: usize = 10;
+/// Scaled measures, and `omega^2` at `k = 0`, within this multiple of the rounding error count as zero.
 const ROUNDING: f64 = 4.0;
-/// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
-const FLUTTER: f64 = 1e-7;
-/// How many wells of the grid are followed to their bottoms.
-const WELLS: usize = 6;
+/// How many wells of the grid are followed to their bottoms at most.
+const WELLS: usize = 24;
+/// How often boxes are divided; at most how many of them each time, and how many of the smallest ones are followed.
+const DIVISIONS: usize = 2;
+const BOXES: usize = 48;
+const LEAVES: usize = 12;
+/// How many of the lowest branches may have a well between the points of the grid.
+const BRANCHES: usize = 3;
+/// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
+const HALF: f64 = 0.6;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
 const LONG: f64 = 1e-3;
 
+/// A wave vector with the value of the objective there.
+type Candidate<const D: usize> = (f64, SVector<f64, D>);
+
 /// What is sought; always a minimum.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Objective {
+    /// `Re omega^2 / (c^2 |k|_h^2)`.
     Scaled,
+    /// `Re omega^2`.
     Lowest,
+    /// `-Re omega^2`.
     Highest,
+    /// Minus the growth rate of complex `omega^2`.
     Growth,
+    /// The square of the difference of two neighboring `omega^2`, over a scale. Its real part is negative where they are a pair of
+    /// conjugate numbers and as smooth there as where they are real, so that small pockets of such pairs are seen from afar.
+    Gap,
 }
 
 impl<const D: usize> ZoneSearch<D> {
@@ -42,11 +64,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         match system.single() {
             Some(matrix) => self.summary(&matrix),
-            None => Sweep {
-                search: self,
-                system,
-            }
-            .summary(),
+            None => Sweep::new(self, system).summary(),
         }
     }
 }
@@ -73,104 +91,154 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
+    waves: Arc<WaveGrid<D>>,
+    /// `omega^2` at half of the grid; `-k` has the same, conjugated.
+    spectra: Vec<Vec<Complex>>,
+    /// `omega^2` at `k = 0`, translations left out where they are free.
+    at_rest: Vec<Complex>,
+    stiffness: Stiffness<D>,
 }
 
-impl<const D: usize> Sweep<'_, D> {
-    fn summary(&self) -> SpectrumSummary<D> {
-        let waves = self.search.grid_of(self.resolution());
-        let long_wave = self.long_wave();
-        let rest = self.rest(long_wave.scaled);
-        let spectra: Vec<Vec<Complex>> = self
-            .half(&waves)
-            .iter()
-            .map(|k| self.system.omega_squared(k))
-            .collect();
-        let bottom = |objective| self.bottom(objective, &waves, &spectra);
-        let tolerance = self.tolerance();
+/// A box of wave vectors.
+struct Region<const D: usize> {
+    center: SVector<f64, D>,
+    /// The objective of the lowest branches in the middle.
+    branches: Vec<f64>,
+    /// The branch that may get lowest in it, and how low by its slope.
+    branch: usize,
+    bound: f64,
+}
 
-        let softest = bottom(Objective::Scaled)
+impl<const D: usize> Region<D> {
+    /// From how much each branch may fall.
+    fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> f64) -> Self {
+        let lowest = branches.iter().take(BRANCHES).enumerate();
+        let bounds = lowest.map(|(n, value)| (n, value - falls(n)));
+        let (branch, bound) = bounds
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f64::INFINITY));
+        Self {
+            center,
+            branches,
+            branch,
+            bound,
+        }
+    }
+}
+
+impl<'a, const D: usize> Sweep<'a, D> {
+    fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>) -> Self {
+        let waves = search.grid_of(resolution(system));
+        let half = half(&waves).iter();
+        Self {
+            search,
+            system,
+            spectra: half.map(|k| system.omega_squared(k)).collect(),
+            waves,
+            at_rest: system.omega_squared_at_rest(),
+            stiffness: system.long_wave_stiffness(),
+        }
+    }
+
+    fn summary(&self) -> SpectrumSummary<D> {
+        let long_wave = self.search.long_wave_mode(&self.stiffness);
+        let tolerance = ROUNDING * self.system.long_wave_noise() / self.search.speed_squared();
+        let rest = self.rest(long_wave.scaled);
+        let grows_at_rest = rest.omega_squared.re < 0.0;
+        let softest = self
+            .bottom(Objective::Scaled, long_wave.scaled)
             .filter(|(value, _)| *value < long_wave.scaled)
             .map_or(long_wave, |(_, k)| self.mode(&k));
-        let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
-        let lowest = grows
-            .then(|| bottom(Objective::Lowest))
+        let lowest = (grows_at_rest || softest.scaled < -tolerance)
+            .then(|| self.bottom(Objective::Lowest, rest.omega_squared.re))
             .flatten()
             .map(|(_, k)| self.mode(&k))
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
             .unwrap_or(rest);
-        let fluttering = (!self.system.is_hermitian())
-            .then(|| bottom(Objective::Growth))
-            .flatten()
-            .filter(|(value, _)| -value > self.threshold())
-            .map(|(_, k)| self.fluttering(&k));
+        let fluttering = self.flutter();
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
-        let highest = bottom(Objective::Highest).map_or(0.0, |(value, _)| -value);
+        let highest = self
+            .bottom(Objective::Highest, f64::INFINITY)
+            .map_or(0.0, |(value, _)| -value);
+        let at_rest = self.at_rest.iter().map(|value| value.re);
         SpectrumSummary {
-            softest,
+            softest: if grows_at_rest {
+                self.search.over_largest_laplacian(lowest)
+            } else {
+                softest
+            },
             long_wave,
             lowest,
             fastest_growing,
-            maximum_omega: highest.max(0.0).sqrt(),
+            maximum_omega: at_rest.fold(highest, f64::max).max(0.0).sqrt(),
             tolerance,
             flutters: fluttering.is_some(),
         }
     }
 
-    /// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small.
-    fn resolution(&self) -> usize {
-        let system = self.system;
-        let drift = system.drift().map_or(0, |drift| drift.reach());
-        let reach = (system.stiffness().reach() + drift).clamp(2, 16);
-        let most = match (D, system.size()) {
-            (3, 0..8) => 24,
-            (3, _) => 12,
-            (_, 0..16) => 48,
-            (_, 16..64) => 24,
-            _ => 12,
-        };
-        (POINTS_PER_PERIOD * reach).min(most).next_multiple_of(6)
-    }
-
-    /// Half of the wave vectors of a grid; `-k` has the same spectrum, conjugated.
-    fn half<'w>(&self, waves: &'w WaveGrid<D>) -> &'w [SVector<f64, D>] {
-        let n = waves.resolution();
-        let all = waves.wave_vectors();
-        &all[..(n / 2 + 1) * (all.len() / n)]
-    }
-
-    fn tolerance(&self) -> f64 {
-        let stiffness = self.system.stiffness();
-        let crystal = self.system.crystal();
-        let origin = |site: usize| crystal.position(&crate::lattice::Particle::home(site));
-        let sum: f64 = stiffness
-            .blocks()
-            .map(|(from, to, block)| {
-                block.amax() * (crystal.position(to) - origin(from)).norm_squared()
-            })
-            .sum();
-        let per_mass = sum / self.system.cell_mass() * crystal.sites().len() as f64;
-        ROUNDING * f64::EPSILON * per_mass / self.search.speed_squared()
-    }
-
-    fn threshold(&self) -> f64 {
-        let spacing = self.search.reference().vectors().column(0).norm();
-        FLUTTER * self.search.speed_squared().sqrt() / spacing
-    }
-
-    fn value(&self, objective: Objective, k: &SVector<f64, D>, spectrum: &[Complex]) -> f64 {
-        match objective {
-            Objective::Lowest => spectrum[0].re,
-            Objective::Highest => spectrum.iter().map(|z| -z.re).fold(0.0, f64::min),
-            Objective::Growth => spectrum
-                .iter()
-                .filter(|z| z.im != 0.0)
-                .map(|z| -growth_rate(*z))
-                .fold(0.0, f64::min),
-            Objective::Scaled if self.is_long(k) => f64::INFINITY,
-            Objective::Scaled => self.scaled(k, spectrum[0].re),
+    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably.
+    fn flutter(&self) -> Option<Mode<D>> {
+        if self.system.is_hermitian() {
+            return None;
         }
+        let mut ends = self.bottoms(Objective::Growth, 0.0);
+        let pockets = self.bottoms(Objective::Gap, 0.0).into_iter();
+        let step = 1.0 / self.waves.resolution() as f64;
+        let opening = self.search.long_flutter(&self.stiffness, step);
+        for k in pockets.map(|(_, k)| k).chain(opening) {
+            let value = self.value(Objective::Growth, &k);
+            if value < 0.0 {
+                let deepest = ends.iter().map(|end| end.0).fold(0.0, f64::min);
+                ends.push(self.followed(Objective::Growth, 0, (value, k), deepest));
+            }
+        }
+        let at_rest = complex_growth(&self.at_rest).fold(0.0, f64::min);
+        ends.push((at_rest, SVector::zeros()));
+        let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(value, _)| -value > self.search.flutter_threshold(self.system.sites()))
+            .map(|(_, k)| self.fluttering(&k))
+    }
+
+    /// The objective of the branches, lowest first.
+    fn branches(
+        &self,
+        objective: Objective,
+        k: &SVector<f64, D>,
+        spectrum: &[Complex],
+    ) -> Vec<f64> {
+        if self.is_long(k) {
+            return vec![f64::INFINITY];
+        }
+        let mut values: Vec<f64> = match objective {
+            Objective::Scaled => spectrum.iter().map(|z| self.scaled(k, z.re)).collect(),
+            Objective::Lowest => spectrum.iter().map(|z| z.re).collect(),
+            Objective::Highest => spectrum.iter().map(|z| -z.re).collect(),
+            Objective::Growth => complex_growth(spectrum).collect(),
+            Objective::Gap => (1..spectrum.len())
+                .map(|n| {
+                    let difference = spectrum[n] - spectrum[n - 1];
+                    // Acoustic branches meet at k = 0.
+                    let laplacian = if n < D {
+                        self.search.reference().laplacian(k)
+                    } else {
+                        self.search.largest_laplacian()
+                    };
+                    let scale = self.search.speed_squared() * laplacian;
+                    (difference * difference).re / (scale * scale)
+                })
+                .collect(),
+        };
+        values.sort_by(f64::total_cmp);
+        if values.is_empty() {
+            values.push(f64::INFINITY);
+        }
+        values
+    }
+
+    fn value(&self, objective: Objective, k: &SVector<f64, D>) -> f64 {
+        self.branches(objective, k, &self.system.omega_squared(k))[0]
     }
 
     /// `omega^2 / (c^2 |k|_h^2)`. Rounding of `omega^2`, which does not become smaller with the wave vector, counts as zero: modes
@@ -191,32 +259,187 @@ impl<const D: usize> Sweep<'_, D> {
     }
 
     /// The deepest bottom.
-    fn bottom(
-        &self,
-        objective: Objective,
-        waves: &WaveGrid<D>,
-        spectra: &[Vec<Complex>],
-    ) -> Option<(f64, SVector<f64, D>)> {
-        let wave_vectors = self.half(waves);
-        let values: Vec<f64> = wave_vectors
+    fn bottom(&self, objective: Objective, floor: f64) -> Option<Candidate<D>> {
+        let bottoms = self.bottoms(objective, floor).into_iter();
+        bottoms.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Bottoms that lie, or seemed to, below a floor and those found before; of gaps all those below the floor.
+    fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
+        let wave_vectors = half(&self.waves);
+        let branches: Vec<Vec<f64>> = wave_vectors
             .iter()
-            .zip(spectra)
-            .map(|(k, spectrum)| self.value(objective, k, spectrum))
+            .zip(&self.spectra)
+            .map(|(k, spectrum)| self.branches(objective, k, spectrum))
             .collect();
-        let mut wells: Vec<(f64, usize)> = (0..values.len())
-            .filter(|index| is_well::<D>(&values, *index, waves.resolution()))
-            .map(|index| (values[index], index))
+        let mut ends: Vec<Candidate<D>> = Vec::new();
+        let to_beat = |ends: &[Candidate<D>]| match objective {
+            Objective::Gap => floor,
+            _ => ends.iter().map(|end| end.0).fold(floor, f64::min),
+        };
+        for (value, relief, index) in self.wells(&branches) {
+            if value - relief < to_beat(&ends) {
+                let start = (value, wave_vectors[index]);
+                ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+            }
+        }
+        for region in self.regions(objective, branches, to_beat(&ends)) {
+            // A bottom that is known already is not sought again.
+            let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) < 1.0;
+            if region.bound < to_beat(&ends) && !(region.branch == 0 && ends.iter().any(is_near)) {
+                let start = (region.branches[region.branch], region.center);
+                ends.push(self.followed(objective, region.branch, start, to_beat(&ends)));
+            }
+        }
+        ends
+    }
+
+    /// The distinct wells of the grid, deepest first: value, how far the highest point around is above it, and where it is.
+    fn wells(&self, branches: &[Vec<f64>]) -> Vec<(f64, f64, usize)> {
+        let n = self.waves.resolution();
+        let values: Vec<f64> = branches.iter().map(|branches| branches[0]).collect();
+        let relief = |index: usize| {
+            let around = neighbors::<D>(index, n, values.len()).map(|other| values[other]);
+            let around = around.filter(|value| value.is_finite());
+            around.fold(values[index], f64::max) - values[index]
+        };
+        let mut wells: Vec<(f64, f64, usize)> = (0..values.len())
+            .filter(|index| is_well::<D>(&values, *index, n))
+            .map(|index| (values[index], relief(index), index))
             .collect();
         wells.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Wells of the same depth are images of each other under the symmetry of the arrangement.
         wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
-        let step = self.search.reference().reciprocal() / waves.resolution() as f64;
-        let at = |k: &SVector<f64, D>| self.value(objective, k, &self.system.omega_squared(k));
+        wells.truncate(WELLS);
         wells
-            .into_iter()
-            .take(WELLS)
-            .map(|(value, index)| settled(&at, (value, wave_vectors[index]), &step))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Small boxes in which a branch may get below a value, by how it changes around them: found by division of those around the
+    /// points of the grid.
+    fn regions(&self, objective: Objective, branches: Vec<Vec<f64>>, below: f64) -> Vec<Region<D>> {
+        let (n, count) = (self.waves.resolution(), branches.len());
+        let fall = |index: usize, branch: usize| {
+            let around = neighbors::<D>(index, n, count).filter_map(|other| {
+                let change = branches[other].get(branch)? - branches[index][branch];
+                change.is_finite().then_some(HALF * change.abs())
+            });
+            around.fold(0.0, f64::max)
+        };
+        let wave_vectors = half(&self.waves);
+        let around = |index: usize| {
+            let own = branches[index].clone();
+            Region::new(wave_vectors[index], own, |branch| fall(index, branch))
+        };
+        let mut regions: Vec<Region<D>> = (1..count).map(around).collect();
+        // What is around k = 0, no point tells.
+        regions.push(Region {
+            center: SVector::zeros(),
+            branches: Vec::new(),
+            branch: 0,
+            bound: f64::NEG_INFINITY,
+        });
+        let mut step = self.search.reference().reciprocal() / n as f64;
+        for _ in 0..DIVISIONS {
+            chosen(&mut regions, below, BOXES);
+            regions = regions
+                .iter()
+                .flat_map(|region| self.divided(objective, region, &step))
+                .collect();
+            step *= 0.5;
+        }
+        chosen(&mut regions, below, LEAVES);
+        regions
+    }
+
+    /// The parts of a box with given sides.
+    fn divided(
+        &self,
+        objective: Objective,
+        region: &Region<D>,
+        sides: &SMatrix<f64, D, D>,
+    ) -> Vec<Region<D>> {
+        let parts: Vec<(SVector<f64, D>, Vec<f64>)> = (0..2_usize.pow(D as u32))
+            .map(|part| {
+                let corner = grid_coordinates::<D>(part, 2).map(|side| 0.5 * side as f64 - 0.25);
+                let k = region.center + sides * SVector::from(corner);
+                let spectrum = self.system.omega_squared(&k);
+                let branches = self.branches(objective, &k, &spectrum);
+                (k, branches)
+            })
+            .collect();
+        // From the middle to those of the parts it is as far as from these to their corners.
+        let fall = |branch: usize| {
+            let values = || parts.iter().filter_map(|part| part.1.get(branch));
+            let middle = match region.branches.get(branch) {
+                Some(value) if value.is_finite() => *value,
+                _ => values().copied().fold(f64::INFINITY, f64::min),
+            };
+            let changes = values().map(|value| (value - middle).abs());
+            changes.filter(|x| x.is_finite()).fold(0.0, f64::max)
+        };
+        let falls: Vec<f64> = (0..BRANCHES).map(fall).collect();
+        let part = |(k, branches)| Region::new(k, branches, |branch| falls[branch]);
+        parts.into_iter().map(part).collect()
+    }
+
+    /// How many steps of the grid two wave vectors are apart, equivalent ones being the same.
+    fn steps_between(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
+        let periods = self.search.reference().vectors().transpose() * (a - b) / TAU;
+        let apart = periods.map(|x| (x - x.round()).abs()).max();
+        apart * self.waves.resolution() as f64
+    }
+
+    /// Follows a branch from a start to its bottom: by Newton's method, where that does not end in a smooth minimum with a
+    /// look around. Left early where it is not going to get below a floor.
+    fn followed(
+        &self,
+        objective: Objective,
+        branch: usize,
+        start: Candidate<D>,
+        floor: f64,
+    ) -> Candidate<D> {
+        let mut end = start;
+        if objective != Objective::Gap {
+            let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
+            let (bottom, is_settled) = self.search.newton(&taylor, start, floor);
+            end = (self.value(objective, &bottom.1), bottom.1);
+            if is_settled && branch == 0 {
+                return end;
+            }
+            if branch > 0 && end.0 > floor {
+                return end;
+            }
+        }
+        let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
+        settled(&|k| self.value(objective, k), end, &step)
+    }
+
+    /// A branch of an objective with its derivatives; `None` for long waves.
+    fn taylor(
+        &self,
+        objective: Objective,
+        branch: usize,
+        k: &SVector<f64, D>,
+    ) -> Option<Taylor<f64, D>> {
+        if self.is_long(k) {
+            return None;
+        }
+        let expansion = self.system.expansion_at(k);
+        let all = Decomposition::new(expansion.value.clone())?;
+        let mut numbers: Vec<usize> = (0..all.values.len()).collect();
+        let of = |n: &usize| match objective {
+            Objective::Highest => -all.values[*n].re,
+            Objective::Growth => -growth_rate(all.values[*n]),
+            _ => all.values[*n].re,
+        };
+        numbers.sort_by(|a, b| of(a).total_cmp(&of(b)));
+        let value = expansion.branch(&all, *numbers.get(branch)?);
+        Some(match objective {
+            Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
+            Objective::Highest => value.map(|z| -z.re),
+            Objective::Growth => value.growth().map(|x| -x),
+            Objective::Lowest | Objective::Gap => value.map(|z| z.re),
+        })
     }
 
     /// The mode with the lowest `Re omega^2` at a wave vector.
@@ -254,24 +477,64 @@ impl<const D: usize> Sweep<'_, D> {
         }
     }
 
+    /// The mode with the lowest `Re omega^2` at `k = 0`: the translation, with the scaled measure of its neighborhood, unless
+    /// another one, or the translation itself, grows.
     fn rest(&self, scaled: f64) -> Mode<D> {
-        let rigid = self.system.rigid_translation();
-        let matrix = DMatrix::from_fn(D, D, |i, j| Complex::new(rigid[(i, j)], 0.0));
-        let mut values = super::spectrum::general_eigenvalues(matrix, self.system.noise());
-        values.sort_by(|a, b| a.re.total_cmp(&b.re));
+        let lowest = self.at_rest.iter().map(|value| value.re);
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        let threshold = self.search.flutter_threshold(self.system.sites()).powi(2);
+        if lowest < -threshold.max(ROUNDING * self.system.noise()) {
+            return self.search.over_largest_laplacian(self.mode(&SVector::zeros()));
+        }
         Mode {
             wave_vector: SVector::zeros(),
             is_long_wave: false,
-            omega_squared: values[0],
+            omega_squared: Complex::new(0.0, 0.0),
             scaled,
             polarization: SVector::from_fn(|i, _| Complex::new(f64::from(u8::from(i == 0)), 0.0)),
         }
     }
+}
 
-    fn long_wave(&self) -> Mode<D> {
-        self.search
-            .long_wave_mode(&self.system.long_wave_stiffness())
-    }
+/// The boxes that may hold something lower, as many as there may be.
+fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize) {
+    regions.retain(|region| region.bound < below);
+    regions.sort_by(|a, b| a.bound.total_cmp(&b.bound));
+    regions.truncate(most);
+}
+
+/// Minus the growth rates of complex `omega^2`, zero for real ones.
+fn complex_growth(spectrum: &[Complex]) -> impl Iterator<Item = f64> {
+    spectrum.iter().map(|z| {
+        if z.im == 0.0 {
+            0.0
+        } else {
+            -growth_rate(*z)
+        }
+    })
+}
+
+/// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small.
+fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
+    let drift = system.drift().map_or(0, |drift| drift.reach());
+    let reach = system.stiffness().reach() + drift;
+    let (least, most) = match (D, system.size()) {
+        (1, _) => (48, 192),
+        (2, 0..16) => (30, 60),
+        (3, 0..8) => (18, 24),
+        (3, 8..16) => (12, 18),
+        (2, 16..64) => (18, 24),
+        _ => (12, 12),
+    };
+    let points = POINTS_PER_PERIOD * reach;
+    points.clamp(least, most).next_multiple_of(6)
+}
+
+/// Half of the wave vectors of a grid; `-k` has the same spectrum, conjugated.
+fn half<const D: usize>(waves: &WaveGrid<D>) -> &[SVector<f64, D>] {
+    let n = waves.resolution();
+    let all = waves.wave_vectors();
+    &all[..(n / 2 + 1) * (all.len() / n)]
 }
 
 /// The displacement, of unit length, of the particle that moves most.

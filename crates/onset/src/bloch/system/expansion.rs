@@ -1,0 +1,130 @@
+//! The dynamical matrix of several particles with its derivatives by the wave vector, and branches with theirs.
+
+use super::{Mass, WaveSystem};
+use crate::algebra::{Complex, Decomposition};
+use crate::bloch::branches::Taylor;
+use nalgebra::{DMatrix, SVector};
+
+/// A matrix with its first and second derivatives by the components of the wave vector.
+#[derive(Clone, Debug)]
+pub(super) struct MatrixExpansion<const D: usize> {
+    pub(super) value: DMatrix<Complex>,
+    pub(super) gradient: [DMatrix<Complex>; D],
+    pub(super) hessian: [[DMatrix<Complex>; D]; D],
+}
+
+impl<const D: usize> MatrixExpansion<D> {
+    /// From what is to be summed: value, first and second derivatives in turn.
+    pub(super) fn from_parts(part: impl Fn(&[usize]) -> DMatrix<Complex>) -> Self {
+        let mut hessian: [[DMatrix<Complex>; D]; D] =
+            std::array::from_fn(|_| std::array::from_fn(|_| DMatrix::zeros(0, 0)));
+        for a in 0..D {
+            for b in 0..=a {
+                hessian[a][b] = part(&[a, b]);
+                hessian[b][a] = hessian[a][b].clone();
+            }
+        }
+        Self {
+            value: part(&[]),
+            gradient: std::array::from_fn(|a| part(&[a])),
+            hessian,
+        }
+    }
+
+    /// The product, by Leibniz' rule.
+    fn times(&self, other: &Self) -> Self {
+        let (x, y) = (self, other);
+        Self::from_parts(|indices| match *indices {
+            [] => &x.value * &y.value,
+            [a] => &x.gradient[a] * &y.value + &x.value * &y.gradient[a],
+            [a, b, ..] => {
+                &x.hessian[a][b] * &y.value
+                    + &x.gradient[a] * &y.gradient[b]
+                    + &x.gradient[b] * &y.gradient[a]
+                    + &x.value * &y.hessian[a][b]
+            }
+        })
+    }
+}
+
+impl<const D: usize> WaveSystem<D> {
+    /// `D(k)` with its derivatives; of the same eigenvalues, and Hermitian, where the system is and masses are lumped.
+    pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
+        let stiffness = self.stiffness.expansion_at(k);
+        let moved = match &self.drift {
+            Some(drift) => stiffness.times(&drift.expansion_at(k)),
+            None => stiffness,
+        };
+        match &self.mass {
+            Mass::Lumped(masses) => {
+                let of_row = |i: usize, j: usize| {
+                    let (own, other) = (masses[i / D], masses[j / D]);
+                    let mass = if self.is_hermitian {
+                        (own * other).sqrt()
+                    } else {
+                        own
+                    };
+                    Complex::new(mass.recip(), 0.0)
+                };
+                let size = self.size();
+                let divisors = DMatrix::from_fn(size, size, of_row);
+                MatrixExpansion::from_parts(|indices| {
+                    moved.part(indices).component_mul(&divisors)
+                })
+            }
+            Mass::Consistent(mass) => {
+                // M D = N, differentiated.
+                let mass = mass.expansion_at(k);
+                let divided = |matrix: DMatrix<Complex>| self.divided_by_mass(k, matrix);
+                let value = divided(moved.value);
+                let gradient: [DMatrix<Complex>; D] = std::array::from_fn(|a| {
+                    divided(&moved.gradient[a] - &mass.gradient[a] * &value)
+                });
+                MatrixExpansion::from_parts(|indices| match *indices {
+                    [] => value.clone(),
+                    [a] => gradient[a].clone(),
+                    [a, b, ..] => divided(
+                        &moved.hessian[a][b]
+                            - &mass.hessian[a][b] * &value
+                            - &mass.gradient[a] * &gradient[b]
+                            - &mass.gradient[b] * &gradient[a],
+                    ),
+                })
+            }
+        }
+    }
+}
+
+impl<const D: usize> MatrixExpansion<D> {
+    fn part(&self, indices: &[usize]) -> &DMatrix<Complex> {
+        match *indices {
+            [] => &self.value,
+            [a] => &self.gradient[a],
+            [a, b, ..] => &self.hessian[a][b],
+        }
+    }
+
+    /// The branch through an eigenvalue, by perturbation theory of second order:
+    ///
+    /// `lambda_,a = w D_,a v`, `lambda_,ab = w D_,ab v + sum_m (w D_,a v_m w_m D_,b v + w D_,b v_m w_m D_,a v) / (lambda - lambda_m)`.
+    ///
+    /// Not finite, or huge, where branches meet.
+    pub(super) fn branch(&self, of: &Decomposition, number: usize) -> Taylor<Complex, D> {
+        let value = of.values[number];
+        let (row, column) = (of.left.row(number), of.right.column(number));
+        let to: [_; D] = std::array::from_fn(|a| row * &self.gradient[a] * &of.right);
+        let from: [_; D] = std::array::from_fn(|a| &of.left * (&self.gradient[a] * column));
+        let curvature = |a: usize, b: usize| {
+            let own = (row * &self.hessian[a][b] * column)[(0, 0)];
+            let others = (0..of.values.len()).filter(|m| *m != number).map(|m| {
+                (to[a][m] * from[b][m] + to[b][m] * from[a][m]) / (value - of.values[m])
+            });
+            own + others.sum::<Complex>()
+        };
+        Taylor {
+            value,
+            gradient: std::array::from_fn(|a| to[a][number]),
+            hessian: std::array::from_fn(|a| std::array::from_fn(|b| curvature(a, b))),
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The spectrum from its definition, and a dense search over the zone.
+
+use nalgebra::{Complex, DMatrix, SMatrix, SVector, Schur};
+use onset::bloch::{BlochSum, DynamicalMatrix, Mass, WaveSystem};
+use onset::lattice::{BravaisLattice, Crystal, Particle};
+
+/// Rounding of `omega^2` over its scale, and what it makes of the difference of two that coincide.
+const ROUNDING: f64 = 1e-12;
+
+/// `omega^2` of a wave vector.
+pub struct Waves<const D: usize> {
+    pub lattice: BravaisLattice<D>,
+    matrix: Box<dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>>,
+    is_hermitian: bool,
+    pub scale: f64,
+}
+
+/// What a dense search has found.
+#[derive(Clone, Debug)]
+pub struct Found<const D: usize> {
+    /// The fastest growth.
+    pub growth: (f64, SVector<f64, D>),
+    /// `Re omega^2`.
+    pub lowest: (f64, SVector<f64, D>),
+    /// `Re omega^2 / |k|_h^2`, waves longer than a hundredth of the zone left out.
+    pub scaled: (f64, SVector<f64, D>),
+    /// `-Re omega^2`.
+    pub highest: (f64, SVector<f64, D>),
+}
+
+/// Growth of `exp(-i omega t)`.
+pub fn growth(omega_squared: Complex<f64>) -> f64 {
+    omega_squared.sqrt().im.abs()
+}
+
+fn summed<const D: usize>(
+    crystal: &Crystal<D>,
+    sum: &BlochSum<D>,
+    k: &SVector<f64, D>,
+) -> DMatrix<Complex<f64>> {
+    let size = D * crystal.sites().len();
+    let mut matrix = DMatrix::zeros(size, size);
+    for (from, to, block) in sum.blocks() {
+        let vector = crystal.position(to) - crystal.position(&Particle::home(from));
+        let phase = Complex::new(0.0, k.dot(&vector)).exp();
+        for i in 0..D {
+            for j in 0..D {
+                matrix[(D * from + i, D * to.site + j)] += phase * block[(i, j)];
+            }
+        }
+    }
+    matrix
+}
+
+impl<const D: usize> Waves<D> {
+    /// From the blocks of a system: the eigenvalues of `M^-1 K T`.
+    pub fn of_system(system: &WaveSystem<D>) -> Self {
+        let (crystal, own) = (system.crystal().clone(), system.clone());
+        let matrix = move |k: &SVector<f64, D>| {
+            let mut matrix = summed(&crystal, own.stiffness(), k);
+            if let Some(drift) = own.drift() {
+                matrix *= summed(&crystal, drift, k);
+            }
+            match own.mass() {
+                Mass::Lumped(masses) => {
+                    for (i, mut row) in matrix.row_iter_mut().enumerate() {
+                        row /= Complex::new(masses[i / D], 0.0);
+                    }
+                    matrix
+                }
+                Mass::Consistent(mass) => {
+                    let solved = summed(&crystal, mass, k).lu().solve(&matrix);
+                    solved.unwrap_or_else(|| matrix.map(|_| Complex::new(f64::NAN, 0.0)))
+                }
+            }
+        };
+        Self::new(*system.crystal().lattice(), system.is_hermitian(), matrix)
+    }
+
+    /// From the force constants of one particle.
+    pub fn of_matrix(lattice: BravaisLattice<D>, matrix: DynamicalMatrix<D>) -> Self {
+        let is_hermitian = matrix.is_hermitian();
+        let at = move |k: &SVector<f64, D>| {
+            let d: SMatrix<Complex<f64>, D, D> = matrix.at(k);
+            DMatrix::from_fn(D, D, |i, j| d[(i, j)])
+        };
+        Self::new(lattice, is_hermitian, at)
+    }
+
+    fn new(
+        lattice: BravaisLattice<D>,
+        is_hermitian: bool,
+        matrix: impl Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>> + 'static,
+    ) -> Self {
+        let irregular = SVector::from_fn(|i, _| [0.37, 0.21, 0.44][i]);
+        let scale = matrix(&(lattice.reciprocal() * irregular)).norm();
+        Self {
+            lattice,
+            matrix: Box::new(matrix),
+            is_hermitian,
+            scale,
+        }
+    }
+
+    /// `omega^2`; of pairs that rounding may have made of a double one the real parts.
+    pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
+        let matrix = (self.matrix)(k);
+        let values = Schur::try_new(matrix, f64::EPSILON, 10_000).and_then(|s| s.eigenvalues());
+        let Some(values) = values else {
+            return Vec::new();
+        };
+        let real = |n: usize| {
+            let others = (0..values.len()).filter(|m| *m != n);
+            let distance = others
+                .map(|m| (values[m] - values[n]).norm())
+                .fold(f64::INFINITY, f64::min);
+            let noise = ROUNDING * self.scale;
+            values[n].im.abs() <= noise + noise * self.scale / distance
+        };
+        (0..values.len())
+            .map(|n| match self.is_hermitian || real(n) {
+                true => Complex::new(values[n].re, 0.0),
+                false => values[n],
+            })
+            .collect()
+    }
+
+    /// The largest growth rate at a wave vector.
+    pub fn growth(&self, k: &SVector<f64, D>) -> f64 {
+        let values = self.omega_squared(k).into_iter();
+        values.map(growth).fold(0.0, f64::max)
+    }
+
+    fn lowest(&self, k: &SVector<f64, D>) -> f64 {
+        let values = self.omega_squared(k).into_iter();
+        values.map(|z| z.re).fold(f64::INFINITY, f64::min)
+    }
+
+    fn scaled(&self, k: &SVector<f64, D>) -> f64 {
+        let laplacian = self.lattice.laplacian(k);
+        let reciprocal = self.lattice.reciprocal().column(0).norm();
+        if laplacian < (1e-2 * reciprocal).powi(2) {
+            return f64::INFINITY;
+        }
+        self.lowest(k) / laplacian
+    }
+
+    fn highest(&self, k: &SVector<f64, D>) -> f64 {
+        let values = self.omega_squared(k).into_iter();
+        -values.map(|z| z.re).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// So many points along each reciprocal vector, and descents from the best ones.
+    pub fn searched(&self, points: usize, starts: usize) -> Found<D> {
+        let count = points.pow(D as u32);
+        let half = (points / 2 + 1) * count / points;
+        let place = |index: usize| {
+            let mut rest = index;
+            let mut fractional = SVector::<f64, D>::zeros();
+            for i in (0..D).rev() {
+                fractional[i] = (rest % points) as f64 / points as f64;
+                rest /= points;
+            }
+            self.lattice.reciprocal() * fractional
+        };
+        let mut grids: [Vec<(f64, SVector<f64, D>)>; 4] = Default::default();
+        for index in 1..half {
+            let k = place(index);
+            let values = self.omega_squared(&k);
+            let lowest = values.iter().map(|z| z.re).fold(f64::INFINITY, f64::min);
+            let highest = values
+                .iter()
+                .map(|z| z.re)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let fastest = values.iter().map(|z| growth(*z)).fold(0.0, f64::max);
+            grids[0].push((-fastest, k));
+            grids[1].push((lowest, k));
+            grids[2].push((lowest / self.lattice.laplacian(&k), k));
+            grids[3].push((-highest, k));
+        }
+        let step = self.lattice.reciprocal() / points as f64;
+        let bottom = |grid: &mut Vec<(f64, SVector<f64, D>)>, at: &dyn Fn(&SVector<f64, D>) -> f64| {
+            grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let ends = grid.iter().take(starts).map(|start| descended(at, *start, &step));
+            let best = ends.min_by(|a, b| a.0.total_cmp(&b.0));
+            best.unwrap_or((f64::NAN, SVector::zeros()))
+        };
+        let [growing, low, scaled, high] = &mut grids;
+        let (rate, k) = bottom(growing, &|k| -self.growth(k));
+        Found {
+            growth: (-rate, k),
+            lowest: bottom(low, &|k| self.lowest(k)),
+            scaled: bottom(scaled, &|k| self.scaled(k)),
+            highest: bottom(high, &|k| self.highest(k)),
+        }
+    }
+}
+
+/// Downhill along axes and diagonals with shrinking steps.
+fn descended<const D: usize>(
+    at: &dyn Fn(&SVector<f64, D>) -> f64,
+    start: (f64, SVector<f64, D>),
+    steps: &SMatrix<f64, D, D>,
+) -> (f64, SVector<f64, D>) {
+    let mut best = start;
+    let mut size = 0.5;
+    for _ in 0..100 {
+        if size < 2e-4 {
+            break;
+        }
+        let from = best;
+        for code in 0..3_usize.pow(D as u32) {
+            let mut rest = code;
+            let offset = SVector::<f64, D>::from_fn(|_, _| {
+                let digit = rest % 3;
+                rest /= 3;
+                digit as f64 - 1.0
+            });
+            let k = from.1 + steps * offset * size;
+            let value = at(&k);
+            if value < best.0 {
+                best = (value, k);
+            }
+        }
+        if best.0 >= from.0 {
+            size *= 0.3;
+        }
+    }
+    best
+}

@@ -1,0 +1,11 @@
+//! Standing checks on random methods and states.
+
+mod dense;
+mod methods;
+mod named;
+mod spectra;
+
+#[path = "../shared/hunt.rs"]
+mod hunt;
+#[path = "../shared/random.rs"]
+mod random;

@@ -1,0 +1,181 @@
+//! States that a search without flutter in one dimension, without inversion, or with several particles in a cell takes for stable,
+//! or whose deepest well is between the points of a coarse grid.
+
+use crate::dense::Waves;
+use nalgebra::{SMatrix, SVector};
+use onset::bloch::{BlochBlocks, Mass, SpectrumSummary, WaveSystem, ZoneSearch};
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
+use onset::material::{Hyperelastic, Law};
+use onset::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
+use onset::scheme::{GridFunctions, MaterialPointChoices, MaterialPoints, Scheme};
+use onset::verdict::SchemeSurvey;
+
+fn law(name: &str) -> Box<dyn Hyperelastic> {
+    let law = Law::named(name).expect("a law of the library");
+    law.build(&[]).expect("its defaults")
+}
+
+fn stretched(stretches: [f64; 3]) -> DeformationGradient {
+    DeformationGradient::from_stretches(stretches).expect("positive")
+}
+
+/// The answer, and the waves from their definition.
+fn answer<const D: usize>(
+    scheme: &dyn Scheme<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> (SpectrumSummary<D>, Waves<D>) {
+    let survey = SchemeSurvey::new(scheme, material).expect("a survey");
+    let system = scheme.waves(material, f).expect("waves");
+    let spectrum = survey.spectrum(f).expect("a spectrum");
+    (spectrum, Waves::of_system(&system))
+}
+
+#[track_caller]
+fn assert_grows_as<const D: usize>(spectrum: &SpectrumSummary<D>, waves: &Waves<D>, least: f64) {
+    assert!(!spectrum.is_stable());
+    let found = waves.searched([256, 64, 16][D - 1], 20);
+    let said = spectrum.growth_rate();
+    assert!(found.growth.0 > least, "{found:?}");
+    assert!(said > found.growth.0 * (1.0 - 1e-4), "{said}, found {found:?}");
+    let own = waves.growth(&spectrum.fastest_growing.wave_vector);
+    assert!((own - said).abs() < 1e-6 * said, "{own}, said {said}");
+}
+
+#[test]
+fn a_chain_of_material_points_beside_the_middle_flutters() {
+    let points = MaterialPoints::<1>::new(MaterialPointChoices {
+        offset: [0.08; 3],
+        functions: GridFunctions::Gimp,
+        ..MaterialPointChoices::default()
+    });
+    let material = law("neo-hooke");
+    let (spectrum, waves) = answer(&points.expect("points"), &*material, &stretched([1.3, 1.0, 1.0]));
+    assert!(spectrum.flutters);
+    assert_grows_as(&spectrum, &waves, 1e-3);
+}
+
+#[test]
+fn material_points_in_the_plane_flutter_without_inversion() {
+    let points = MaterialPoints::<2>::new(MaterialPointChoices {
+        offset: [-0.0926; 3],
+        ..MaterialPointChoices::default()
+    });
+    let material = law("neo-hooke-isochoric");
+    let f = stretched([1.2256, 1.2179, 1.0]);
+    let (spectrum, waves) = answer(&points.expect("points"), &*material, &f);
+    assert_grows_as(&spectrum, &waves, 0.1);
+}
+
+#[test]
+fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
+    let crystal = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let choices = UpdatedSphChoices {
+        radius: 1.9339693506539979,
+        ..UpdatedSphChoices::default()
+    };
+    let sph = UpdatedSph::new(crystal, choices).expect("sph");
+    let f = stretched([0.9264274044048921, 0.940846567666055, 1.0]);
+    let (spectrum, waves) = answer(&sph, &*law("neo-hooke"), &f);
+    assert_grows_as(&spectrum, &waves, 1e-3);
+}
+
+#[test]
+fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_search() {
+    let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let second = SVector::from([0.4322781157294936, 0.5146418018764464]);
+    let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
+    let choices = UpdatedSphChoices {
+        momentum: MomentumForm::Difference,
+        radius: 1.395038333560147,
+        ..UpdatedSphChoices::default()
+    };
+    let sph = UpdatedSph::new(crystal, choices).expect("sph");
+    let f = stretched([0.9757721656652725, 0.9903580109492636, 1.0]);
+    let material = law("blatz-ko");
+    let (spectrum, waves) = answer(&sph, &*material, &f);
+    assert_grows_as(&spectrum, &waves, 1e-3);
+    let survey = SchemeSurvey::new(&sph, &*material).expect("a survey");
+    let found = waves.searched(64, 20).scaled.0 / survey.speed_squared();
+    assert!(spectrum.softest.scaled <= found + 1e-9, "{spectrum:?}, found {found}");
+}
+
+/// Two particles in a cell of the plane on springs with random constants, to each other and to the ground beneath the second one.
+fn sprung(ground: f64) -> WaveSystem<2> {
+    let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity()).expect("a lattice");
+    let sites = vec![SVector::zeros(), SVector::from([0.5, 0.5])];
+    let crystal = Crystal::new(lattice, sites).expect("a crystal");
+    let mut blocks = BlochBlocks::new();
+    let mut spring = |a: Particle<2>, b: Particle<2>, stiffness: f64| {
+        let block = SMatrix::<f64, 2, 2>::identity() * stiffness;
+        for (from, to) in [(a, b), (b, a)] {
+            blocks.add(&from, &from, &block);
+            blocks.add(&from, &to, &-block);
+        }
+    };
+    let home = [0, 1].map(Particle::home);
+    for cell in [[1, 0], [0, 1]] {
+        spring(home[0], home[0].moved(&cell), 1.0);
+    }
+    // The internal displacement is unstable at k = 0.
+    spring(home[0], home[1], ground);
+    WaveSystem::new(crystal.clone(), blocks.sum(&crystal), Mass::Lumped(vec![1.0, 1.0]))
+}
+
+#[test]
+fn where_a_mode_grows_at_rest_the_scaled_minimum_is_its_growth_over_the_largest_wave_number() {
+    let system = sprung(-0.3);
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 2.0);
+    let summary = search.summary_of(&system);
+    assert!(!summary.is_stable());
+    // c^2 = 2, |k|_h^2 = 4 + 4 at the corner of the zone.
+    let expected = summary.lowest.omega_squared.re / (2.0 * 8.0);
+    assert!((summary.softest.scaled - expected).abs() < 1e-14);
+    assert!(summary.lowest.omega_squared.re < -0.6 + 1e-9);
+}
+
+/// The same operator as one with a mass matrix: the way of one particle in a cell is not taken.
+fn with_matrix_of_masses<const D: usize>(system: &WaveSystem<D>) -> WaveSystem<D> {
+    let Mass::Lumped(masses) = system.mass() else {
+        return system.clone();
+    };
+    let mut blocks = BlochBlocks::new();
+    for (site, mass) in masses.iter().enumerate() {
+        let home = Particle::home(site);
+        blocks.add(&home, &home, &(SMatrix::identity() * *mass));
+    }
+    let crystal = system.crystal();
+    let mass = Mass::Consistent(blocks.sum(crystal));
+    WaveSystem::new(crystal.clone(), system.stiffness().clone(), mass)
+}
+
+#[test]
+fn the_search_says_the_same_whether_or_not_it_knows_that_a_cell_has_one_particle() {
+    let material = law("neo-hooke");
+    for (offset, stretches) in [
+        (0.0, [1.2, 0.9, 1.0]),
+        (0.11, [1.2, 0.9, 1.0]),
+        (-0.0926, [1.2256, 1.2179, 1.0]),
+        (0.08, [0.9, 1.05, 1.0]),
+    ] {
+        for functions in [GridFunctions::Linear, GridFunctions::Gimp] {
+            let points = MaterialPoints::<2>::new(MaterialPointChoices {
+                offset: [offset; 3],
+                functions,
+                ..MaterialPointChoices::default()
+            });
+            let f = stretched(stretches);
+            let system = points.expect("points").waves(&*material, &f).expect("waves");
+            assert!(system.single().is_some());
+            let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+            let one = search.summary_of(&system);
+            let any = search.summary_of(&with_matrix_of_masses(&system));
+            assert_eq!(one.stability(), any.stability(), "{offset}: {one:?} {any:?}");
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (1.0 + a.abs());
+            assert!(near(one.softest.scaled, any.softest.scaled), "{one:?} {any:?}");
+            assert!(near(one.growth_rate(), any.growth_rate()), "{one:?} {any:?}");
+            assert!(near(one.maximum_omega, any.maximum_omega), "{one:?} {any:?}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The search over the zone against a dense one.
+
+use crate::dense::Waves;
+use crate::hunt::hunted;
+use crate::methods::{Drawn, material, method, state};
+use crate::random::Random;
+use onset::bloch::{SpectrumSummary, dynamical_matrix};
+use onset::kinematics::DeformationGradient;
+use onset::material::Hyperelastic;
+use onset::verdict::{SchemeSurvey, assess};
+
+/// Growth that counts, as a fraction of sound speed over spacing: below, a dense search does not tell it from rounding.
+const GROWTH: f64 = 1e-5;
+/// Differences that count, relative to the scale of what is compared.
+const DIFFERENCE: f64 = 1e-6;
+
+/// Points of the dense search along a reciprocal vector.
+fn points<const D: usize>() -> usize {
+    let asked = std::env::var("ONSET_DENSE").ok();
+    let asked = asked.and_then(|points| points.parse().ok());
+    asked.unwrap_or([256, 64, 14][D - 1])
+}
+
+#[test]
+fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says() {
+    let (seed, cases) = hunted(12);
+    let mut wrong = Vec::new();
+    let mut counts = [0; 3];
+    for case in 0..cases as u64 {
+        let mut random = Random::new(seed + case);
+        let dimension = random.one_of(&[1, 2, 2, 2, 2, 3]);
+        let complaints = match dimension {
+            1 => checked::<1>(&mut random),
+            2 => checked::<2>(&mut random),
+            _ => checked::<3>(&mut random),
+        };
+        let Some((name, is_stable, complaints)) = complaints else {
+            continue;
+        };
+        counts[if is_stable { 0 } else { 1 }] += 1;
+        for complaint in complaints {
+            let text = format!("seed {}: {complaint}\n    {name}", seed + case);
+            eprintln!("{text}");
+            wrong.push(text);
+        }
+    }
+    counts[2] = cases - counts[0] - counts[1];
+    eprintln!(
+        "{} stable, {} unstable, {} without an answer; {} complaints",
+        counts[0],
+        counts[1],
+        counts[2],
+        wrong.len()
+    );
+    assert!(wrong.is_empty(), "{} complaints", wrong.len());
+}
+
+/// What is wrong with the answer for one random state; `None` where there is none.
+fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<String>)> {
+    let (name, drawn) = method::<D>(random)?;
+    let (law, material) = material(random);
+    let f = state::<D>(random);
+    let name = format!("{law} at {:?}: {name}", f.leading::<D>());
+    let (spectrum, speed, waves) = answered(&drawn, &*material, &f)?;
+    let complaints = compared(&spectrum, speed, &waves);
+    Some((name, spectrum.is_stable(), complaints))
+}
+
+fn answered<const D: usize>(
+    drawn: &Drawn<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Option<(SpectrumSummary<D>, f64, Waves<D>)> {
+    match drawn {
+        Drawn::Kernel(method) => {
+            // Beyond the first zone of the current lattice such waves are not distinct.
+            if !method.is_periodic() {
+                return None;
+            }
+            let spectrum = assess(method, material, f).ok()?.spectrum;
+            let speed = onset::verdict::speed_squared(method, material).ok()?.sqrt();
+            let matrix = dynamical_matrix(method, material, f).ok()?;
+            Some((spectrum, speed, Waves::of_matrix(*method.lattice(), matrix)))
+        }
+        Drawn::Scheme(scheme) => {
+            let survey = SchemeSurvey::new(&**scheme, material).ok()?;
+            let spectrum = survey.spectrum(f).ok()?;
+            let system = scheme.waves(material, f).ok()?;
+            let speed = survey.speed_squared().sqrt();
+            Some((spectrum, speed, Waves::of_system(&system)))
+        }
+    }
+}
+
+fn compared<const D: usize>(
+    spectrum: &SpectrumSummary<D>,
+    speed: f64,
+    waves: &Waves<D>,
+) -> Vec<String> {
+    let found = waves.searched(points::<D>(), 20);
+    let mut wrong = Vec::new();
+    let (rate, k) = found.growth;
+    let said = spectrum.growth_rate();
+    if rate > GROWTH * speed {
+        if spectrum.is_stable() {
+            wrong.push(format!("said to be stable, grows with {rate:e} at {k:?}"));
+        } else if said < rate * (1.0 - 1e-4) - GROWTH * speed {
+            wrong.push(format!("grows with {rate:e} at {k:?}, said {said:e}"));
+        }
+    }
+    // What is said to grow does.
+    let mode = &spectrum.fastest_growing;
+    if !spectrum.is_stable() && mode.wave_vector.norm() > 0.0 {
+        let own = waves.growth(&mode.wave_vector);
+        if own < 0.9 * said {
+            let k = mode.wave_vector;
+            wrong.push(format!("said to grow with {said:e}, grows with {own:e} at {k:?}"));
+        }
+    }
+    if !spectrum.is_stable() && said < 1e-7 * speed && rate < 1e-7 * speed {
+        let softest = spectrum.softest;
+        wrong.push(format!("said to grow with {said:e}, found {rate:e}; softest {softest:?}"));
+    }
+    let (lowest, k) = found.lowest;
+    let told = spectrum.lowest.omega_squared.re;
+    if lowest < -(GROWTH * speed).powi(2) && told > lowest + DIFFERENCE * lowest.abs() {
+        wrong.push(format!("omega^2 = {lowest:e} at {k:?}, said {told:e}"));
+    }
+    let (scaled, k) = found.scaled;
+    let (scaled, told) = (scaled / (speed * speed), spectrum.softest.scaled);
+    // Where modes grow at k = 0 this has no minimum.
+    let at_rest = waves.omega_squared(&nalgebra::SVector::zeros());
+    let at_rest = at_rest.iter().map(|z| z.re).fold(0.0, f64::min);
+    let has_minimum = at_rest > -1e-9 * waves.scale;
+    if has_minimum
+        && told > scaled + DIFFERENCE * (scaled.abs() + 1e-3) {
+        wrong.push(format!("scaled minimum {scaled} at {k:?}, said {told}"));
+    }
+    let (highest, k) = found.highest;
+    let (highest, told) = (-highest, spectrum.maximum_omega.powi(2));
+    if told < highest * (1.0 - DIFFERENCE) - 1e-9 * waves.scale {
+        wrong.push(format!("largest omega^2 {highest} at {k:?}, said {told}"));
+    }
+    wrong
+}
