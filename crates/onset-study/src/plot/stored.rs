@@ -64,6 +64,11 @@ impl StoredMap {
         }
     }
 
+    /// What is in effect at all states, as a caption.
+    pub(super) fn settings(&self) -> String {
+        self.study.effective().caption()
+    }
+
     /// How many tiles are still to be computed.
     pub(super) fn missing(&self) -> Result<usize, PlotError> {
         Ok(self.store.tiling().tiles() - self.store.done()?)

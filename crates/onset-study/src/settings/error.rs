@@ -1,6 +1,6 @@
 //! Errors of settings: where, what, and what to do.
 
-use super::Value;
+use super::{Key, Unmet, Value};
 use thiserror::Error;
 
 /// Where a setting was made.
@@ -71,6 +71,23 @@ impl SettingError {
             message: message.into(),
             hint: None,
         }
+    }
+
+    /// The error for a key that nothing reads.
+    pub(super) fn unread(key: &Key, unmet: &Unmet, origin: Origin) -> Self {
+        let value = match &unmet.value {
+            Value::Word(word) => word.clone(),
+            other => other.to_string(),
+        };
+        let message = format!(
+            "`{}` has no effect: {} is {value}",
+            key.name, unmet.need.key
+        );
+        Self::new(origin, message).hint(format!(
+            "leave `{}` out; it is read with {}",
+            key.name,
+            key.readers()
+        ))
     }
 
     /// The same with a hint.

@@ -86,6 +86,11 @@ impl MaterialSettings {
         }
     }
 
+    /// Where a key, named without its section, was set.
+    pub(super) fn origin(&self, name: &str) -> Option<&Origin> {
+        self.set.get(name).map(|(_, origin)| origin)
+    }
+
     /// What a key, named without its section, was set to.
     pub fn given(&self, name: &str) -> Option<&Value> {
         self.set.get(name).map(|(value, _)| value)

@@ -1,10 +1,10 @@
 //! What a coefficient does, and which value to take.
 
 use super::TuneQuestion;
-use crate::answers::ProblemError;
+use crate::answers::{ProblemError, notes};
 use crate::compare::{Measured, outcome};
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use crate::settings::{CompareSettings, Settings};
+use crate::settings::{CompareSettings, Effective, Settings};
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -67,6 +67,10 @@ pub struct TuneAnswer {
     pub is_curable: bool,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect beside the coefficient.
+    pub settings: Effective,
 }
 
 impl TuneAnswer {
@@ -134,6 +138,8 @@ impl TuneAnswer {
             recommended,
             is_curable: all.iter().any(Tried::cures),
             tried: all,
+            notes: notes(settings, &*material),
+            settings: settings.effective().without(question.key()),
         })
     }
 
@@ -193,6 +199,7 @@ impl TuneAnswer {
                 Panel::new("Critical time step", axis(), steps)
                     .with(line(&|m| m.courant).color(palette::GREEN)),
             ))
+            .caption(self.settings.caption())
     }
 
     /// All values as CSV.
@@ -243,8 +250,9 @@ impl fmt::Display for TuneAnswer {
         match self.recommended {
             Some(value) => writeln!(
                 formatter,
-                "{} = {value:.4}: the smallest value found that removes the spurious modes and does not hide the material's instability\n",
-                self.key
+                "{} = {}: the smallest value found that removes the spurious modes and does not hide the material's instability\n",
+                self.key,
+                crate::number::told(value)
             )?,
             None if self.is_curable => writeln!(
                 formatter,
@@ -296,6 +304,10 @@ impl fmt::Display for TuneAnswer {
             100.0 * WRONG,
             100.0 * WRONG,
             100.0 * LATER
-        )
+        )?;
+        for note in &self.notes {
+            writeln!(formatter, "\n\nnote: {note}")?;
+        }
+        write!(formatter, "\n\n{}", self.settings)
     }
 }
