@@ -14,6 +14,9 @@ use onset::verdict::{Assessment, Verdict};
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
 
+/// A gradient norm, or a squared relative frequency, that is zero to rounding.
+const NO_ENERGY: f64 = 1e-10;
+
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
     searched: (Verdict, Stability),
@@ -53,6 +56,9 @@ pub(super) fn of<const D: usize>(
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
                 let share = assessment.gradient_norm.max(0.0).sqrt();
                 match method.kernel() {
+                    _ if assessment.gradient_norm <= NO_ENERGY => format!(
+                        " Beware: the softest mode, {wave}, is a zero-energy mode, which nothing but the stress of this state holds."
+                    ),
                     Some(_) => format!(
                         " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
                         told(100.0 * share)

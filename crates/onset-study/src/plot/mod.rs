@@ -44,6 +44,14 @@ pub enum PlotError {
         /// What is wrong.
         source: SettingError,
     },
+    /// Something else than a map.
+    #[error(
+        "{} is not a store of results\n  hint: give the folder of a map, as `onset map STUDY.toml --out map.zarr` writes it", path.display()
+    )]
+    NotAMap {
+        /// What is there.
+        path: PathBuf,
+    },
     /// A boundary.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),

@@ -1,6 +1,6 @@
 //! Errors of settings: where, what, and what to do.
 
-use super::{Key, Unmet, Value};
+use super::{Key, Unmet, Value, aliases};
 use thiserror::Error;
 
 /// Where a setting was made.
@@ -97,7 +97,11 @@ impl SettingError {
     }
 
     /// Names the word nearest to the one typed, where words are expected.
-    pub(crate) fn nearest_word(mut self, value: &Value, words: &[&str]) -> Self {
+    pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&str]) -> Self {
+        if let (Some(meant), Some(hint)) = (aliases::word(key, value), &mut self.hint) {
+            hint.push_str(&format!("; did you mean {meant}?"));
+            return self;
+        }
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
             && let Some(nearest) = nearest(word, words.iter().copied())
             && words.len() > 1

@@ -3,6 +3,7 @@
 //! Every key is defined once, in the tables [`KEYS`], [`STATE_KEYS`] and [`MAP_KEYS`]; parsing, suggestions, the schema and
 //! documentation follow from them.
 
+mod aliases;
 mod axis;
 mod comparison;
 mod effective;
@@ -183,7 +184,7 @@ impl Settings {
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{name}` cannot be {value}"))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(value, key.words())
+                .nearest_word(key.name, value, key.words())
         };
         let number = value.number();
         let discretization = &mut self.discretization;
@@ -455,6 +456,9 @@ pub(crate) fn unknown_key<'a>(
     origin: Origin,
 ) -> SettingError {
     let error = SettingError::new(origin, format!("unknown key `{name}`"));
+    if let Some(told) = aliases::key(name) {
+        return error.hint(told);
+    }
     // A key without its section names the section's key.
     let completed = known
         .clone()

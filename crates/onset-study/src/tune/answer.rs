@@ -108,8 +108,14 @@ impl TuneAnswer {
             })
             .collect();
         if all.iter().all(|one| one.measured.is_err()) {
-            // The same for all: the settings are at fault, and the first value tells how.
-            measured(question.values()[0])?;
+            // The settings are at fault, or the range: the first value tells how.
+            let [low, high] = question.range;
+            measured(low).map_err(|source| ProblemError::Range {
+                key: question.key(),
+                low,
+                high,
+                source: Box::new(source),
+            })?;
         }
         let first = all.iter().position(|one| one.cures() && !one.hides());
         let mut recommended = first.map(|n| all[n].value);

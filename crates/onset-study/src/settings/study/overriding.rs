@@ -69,7 +69,7 @@ impl Study {
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{}` cannot be {value}", key.name))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(value, key.words())
+                .nearest_word(key.name, value, key.words())
         };
         if !key.kind.accepts(value) {
             return Err(wrong(origin));
