@@ -183,7 +183,7 @@ pub enum Command {
     },
     /// Is a study file valid, what does it ask for, and what about it deserves attention?
     Check {
-        /// Study files.
+        /// Study files, - for standard input.
         #[arg(value_name = "FILE", required = true)]
         files: Vec<PathBuf>,
         /// Set a key of the study otherwise, for example map.tile=128 (may be given several times).
@@ -195,7 +195,7 @@ pub enum Command {
     },
     /// Where in the plane of a study do material and particles lose stability, and how far are the two apart?
     Boundary {
-        /// A study file with two axes.
+        /// A study file with two axes, - for standard input.
         file: PathBuf,
         /// Set a key of the study otherwise, for example discretization.support=1.6 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -260,7 +260,7 @@ pub enum Command {
 /// A law, and the stretches of interest.
 #[derive(Debug, Args)]
 pub struct LawArguments {
-    /// A study file whose law is meant [default: the law of --set alone].
+    /// A study file whose law is meant, - for standard input [default: the law of --set alone].
     pub file: Option<PathBuf>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -305,7 +305,8 @@ pub struct CardArguments {
 /// A comparison.
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// The comparison: a material and `[[methods]]`.
+    /// The comparison: a material and `[[methods]]`; or a study, whose method is compared with those that the program knows;
+    /// - for standard input.
     pub file: PathBuf,
     /// Folder for compare.html, compare.csv, compare.svg and compare.png.
     #[arg(long, value_name = "DIR", default_value = ".")]
@@ -422,7 +423,7 @@ pub struct RecommendArguments {
 /// A map.
 #[derive(Debug, Args)]
 pub struct MapArguments {
-    /// The study.
+    /// The study, - for standard input.
     pub file: PathBuf,
     /// Folder of the store [default: the name of the study file, with .zarr, in the current folder].
     #[arg(long, value_name = "DIR")]
@@ -575,6 +576,8 @@ fn tiles(text: &str) -> Result<Range<usize>, String> {
 /// Material and discretization.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
+    /// A study file whose material and discretization are meant, - for standard input [default: those of --set alone].
+    pub file: Option<PathBuf>,
     /// Set a key, for example discretization.support=1.6 (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,

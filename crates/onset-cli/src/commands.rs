@@ -15,13 +15,13 @@ use crate::map;
 use crate::patience;
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
-    Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
+    Diagram, DiagramError, PathAnswer, Problem, ProblemError, StateAnswer, Strain, Waves,
 };
 use onset_study::boundary::Tracing;
 use onset_study::catalog;
 use onset_study::json;
 use onset_study::reproduce;
-use onset_study::settings::{Settings, Study};
+use onset_study::settings::{MaterialSettings, Settings, Study};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -91,10 +91,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             match wave_vector {
-                Some(wave_vector) => print(
-                    &DispersionAnswer::new(&problem, &strain, &wave_vector)?,
-                    json,
-                ),
+                Some(wave_vector) => print(&Waves::new(&problem, &strain, &wave_vector)?, json),
                 None => diagram(&problem, &strain, &out, json),
             }
         }
@@ -161,14 +158,34 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
     }
 }
 
+/// Name and text of a file; of standard input where the file is `-`.
+pub fn source(file: &Path) -> Result<(String, String), Failure> {
+    let (name, text) = match file == Path::new("-") {
+        true => (
+            "standard input".to_owned(),
+            std::io::read_to_string(std::io::stdin()),
+        ),
+        false => (file.display().to_string(), std::fs::read_to_string(file)),
+    };
+    let text = text.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+    Ok((name, text))
+}
+
 /// Reads a study, changed by assignments.
 pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
-    let name = file.display().to_string();
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+    let (name, text) = source(file)?;
     Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
         .map_err(Failure::input)
+}
+
+/// The law of a study file or of the defaults, changed by assignments.
+fn law(file: Option<&Path>, assignments: &[String]) -> Result<MaterialSettings, Failure> {
+    let (name, text) = match file {
+        Some(file) => source(file)?,
+        None => Default::default(),
+    };
+    MaterialSettings::of_file(&name, &text, assignments).map_err(Failure::input)
 }
 
 /// The assignments with those that `--energy` is short for; an error where `--set` says otherwise.
@@ -199,8 +216,23 @@ impl ProblemArguments {
     }
 
     fn settings(&self) -> Result<Settings, Failure> {
+        self.settings_with(&[])
+    }
+
+    /// The law alone.
+    fn law(&self) -> Result<MaterialSettings, Failure> {
         let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
-        Settings::from_assignments(&assignments).map_err(Failure::input)
+        law(self.file.as_deref(), &assignments)
+    }
+
+    /// The settings, where some keys are about to be varied.
+    fn settings_with(&self, open: &[&str]) -> Result<Settings, Failure> {
+        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
+        let (name, text) = match &self.file {
+            Some(file) => source(file)?,
+            None => Default::default(),
+        };
+        Settings::of_file(&name, &text, &assignments, open).map_err(Failure::input)
     }
 }
 
@@ -238,10 +270,11 @@ fn diagram(
     }
     let files = files.map(|file| file.display().to_string());
     print_text(&format!(
-        "wrote {}, {} and {}",
+        "wrote {}, {} and {}\n\n{}",
         files[0],
         files[1],
-        table.display()
+        table.display(),
+        diagram.told()
     ))
 }
 

@@ -18,6 +18,7 @@ pub mod map;
 pub mod methods;
 pub mod modes;
 pub mod notions;
+pub mod number;
 pub mod plot;
 pub mod reproduce;
 pub mod settings;

@@ -2,6 +2,7 @@
 
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
 use nalgebra::SVector;
+use onset::approximation::Approximation;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::lattice::{BravaisLattice, Crystal};
 use onset::material::Hyperelastic;
@@ -291,6 +292,16 @@ fn elements<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, M
 
 fn conforming<const D: usize>(settings: &Settings) -> Result<Box<dyn Scheme<D>>, MethodError> {
     let choices = &settings.discretization;
+    if matches!(
+        choices.approximation,
+        Approximation::RandlesLibersky | Approximation::KrongauzBelytschko
+    ) {
+        return Err(MethodError::Incompatible {
+            choice: "an approximation that corrects gradients alone",
+            other: "conforming integration, which takes its gradients from functions",
+            hint: "choose \"shepard\", whose functions these approximations have, or \"mls\"",
+        });
+    }
     let own = ConformingChoices {
         density: choices.density,
         kernel: choices.kernel,

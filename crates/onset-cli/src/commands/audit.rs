@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 /// Audits the material that is set.
 pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
-    let settings = arguments.problem.settings()?;
+    let material = arguments.problem.law()?;
     let mut deformations = Vec::new();
     for stretches in &arguments.stretch {
         deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);
@@ -19,7 +19,7 @@ pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     if deformations.is_empty() {
         deformations = states(arguments.strain).map_err(Failure::input)?;
     }
-    let audit = Audit::of_material(&settings.material, arguments.convention, &deformations)
+    let audit = Audit::of_material(&material, arguments.convention, &deformations)
         .map_err(Failure::input)?;
     let printed = print(&audit, arguments.problem.json)?;
     Ok(match arguments.strict && !audit.consistent {

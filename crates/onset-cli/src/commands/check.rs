@@ -1,6 +1,6 @@
 //! `onset check` and `onset schema`: what a study file asks for, and what it may hold.
 
-use super::{Failure, print_json, print_text};
+use super::{Failure, print_json, print_text, source};
 use onset_study::answers::StudySummary;
 use onset_study::settings::{Origin, SettingError, Study, schema as schema_of_studies};
 use serde::Serialize;
@@ -88,9 +88,8 @@ pub fn check(files: &[PathBuf], assignments: &[String], json: bool) -> Result<Ex
 }
 
 fn summary(file: &Path, assignments: &[String]) -> Result<StudySummary, Box<Mistake>> {
-    let name = file.display().to_string();
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Mistake::new(&name, format!("cannot read {name}: {error}")))?;
+    let named = file.display().to_string();
+    let (name, text) = source(file).map_err(|failure| Mistake::new(&named, failure.message))?;
     let study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
         .map_err(|error| Mistake::of_setting(&name, error))?;

@@ -1,6 +1,6 @@
 //! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
 
-use super::{Failure, print_json, print_text, progress, with_energy};
+use super::{Failure, print_json, print_text, progress, source, with_energy};
 use crate::arguments::{CompareArguments, RecommendArguments};
 use onset_study::compare::{PANELS, Recommendation, Table};
 use onset_study::settings::Comparison;
@@ -51,9 +51,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
 }
 
 fn read(file: &Path, assignments: &[String]) -> Result<Comparison, Failure> {
-    let name = file.display().to_string();
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+    let (name, text) = source(file)?;
     Comparison::parse(&name, &text, assignments).map_err(Failure::input)
 }
 

@@ -1,10 +1,10 @@
 //! `onset notions` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, print, print_json, print_text, study, with_energy};
+use super::{Failure, law, print, print_json, print_text, with_energy};
 use crate::arguments::{CardArguments, LawArguments, NotionsArguments};
 use onset_study::figure::Figure;
 use onset_study::notions::{CardError, Question};
-use onset_study::settings::{MaterialSettings, Settings};
+use onset_study::settings::MaterialSettings;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -52,26 +52,7 @@ fn question(
 /// The law of a study, or of the assignments alone.
 fn material(arguments: &LawArguments) -> Result<MaterialSettings, Failure> {
     let assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
-    let Some(file) = &arguments.file else {
-        let settings = Settings::from_assignments(&assignments);
-        return Ok(settings.map_err(Failure::input)?.material);
-    };
-    let study = study(file, &assignments)?;
-    let varied = study
-        .axes
-        .iter()
-        .find(|axis| axis.name().starts_with("material."));
-    match varied {
-        None => Ok(study.settings.material),
-        Some(axis) => Err(Failure::input(format!(
-            "{} varies {}, so it asks about many laws; this command asks about one\n  hint: give the law itself, for example \
-             --set material.model={} --set {}=1",
-            file.display(),
-            axis.name(),
-            study.settings.material.model.name(),
-            axis.name()
-        ))),
-    }
+    law(arguments.file.as_deref(), &assignments)
 }
 
 fn write(figure: &Figure, folder: &Path) -> Result<String, Failure> {

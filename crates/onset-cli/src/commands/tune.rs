@@ -7,9 +7,9 @@ use std::process::ExitCode;
 
 /// Tunes a coefficient.
 pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
-    let settings = arguments.problem.settings()?;
     let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
         .map_err(Failure::input)?;
+    let settings = arguments.problem.settings_with(&[question.key()])?;
     let bar = progress(question.values().len(), arguments.quiet);
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));

@@ -42,7 +42,9 @@ fn a_valid_study_is_summarized() {
         file.path(),
         "a title",
         "modified-mooney-rivlin: c1 = 0.1256",
-        "lagrangian, hexagonal",
+        "kernel (default)",
+        "arrangement hexagonal",
+        "frame lagrangian",
         "stretch-1 from 0.8 to 1.2, 20 states",
         "discretization.support from 1.4 to 1.8, 10 states",
         "200 states in 1 tile(s) of 64 x 64",
@@ -81,7 +83,7 @@ fn the_document_says_the_same_as_the_text() {
 }
 
 #[test]
-fn states_without_support_and_keys_without_effect_are_warned_about() {
+fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
     // A support of fixed size loses its neighbors in strong tension.
     let study = STUDY.replace("[0.8, 1.2]", "[1.0, 4.0]");
     let file = File::new(format!("discretization.frame = \"eulerian\"\n{study}"));
@@ -92,10 +94,10 @@ fn states_without_support_and_keys_without_effect_are_warned_about() {
     );
     assert!(told.contains("within the support radius"), "{told}");
     let file = File::new(format!("discretization.lattice = \"regular\"\n{STUDY}"));
-    let told = onset(&["check", file.path()]).stdout;
-    let fact =
-        ":1:26: `discretization.lattice` has no effect: discretization.frame is not eulerian";
-    assert!(told.contains(fact), "{told}");
+    let answer = onset(&["check", file.path()]);
+    let fact = ":1:26: `discretization.lattice` has no effect: discretization.frame is lagrangian";
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains(fact), "{}", answer.stderr);
 }
 
 #[test]

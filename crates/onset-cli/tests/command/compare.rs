@@ -170,7 +170,7 @@ fn a_wrong_assignment_to_a_comparison_names_the_key_that_was_meant() {
 
 #[test]
 fn keys_that_a_family_does_read_are_taken() {
-    let text = "[discretization]\nquadrature = 'nodal'\n\
+    let text = "[discretization]\nquadrature = 'nodal'\n[[methods]]\nname = 'c'\n\
                 [[methods]]\nname = 'a'\nmethod = 'updated-sph'\nsupport-size = 'scaled'\n\
                 [[methods]]\nname = 'b'\nmethod = 'finite-elements'\nintegration = 'one-point'\nhourglass-stiffness = 0.1\n";
     let (answer, folder) = compared(text, &["--quiet"]);

@@ -42,8 +42,17 @@ fn a_state_has_its_documented_keys() {
         number(discretization, "/critical_time_step"),
     );
     crate::assert_close(omega * step, 2.0, 1e-14);
-    assert_eq!(discretization["settings"]["frame"], "eulerian");
-    assert_eq!(discretization["settings"]["support-size"], "fixed");
+    let settings = &state["settings"];
+    for (name, value, default) in [
+        ("frame", "eulerian", false),
+        ("support-size", "fixed", true),
+    ] {
+        let choice = &settings[format!("discretization.{name}")];
+        assert_eq!(
+            (&choice["value"], &choice["default"]),
+            (&value.into(), &default.into())
+        );
+    }
 }
 
 #[test]

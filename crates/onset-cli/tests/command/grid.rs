@@ -31,14 +31,20 @@ const CHOICES: [(&str, &[&str]); 8] = [
 
 const STATES: [&str; 2] = ["1.2,0.9", "0.7,1.1"];
 
-/// The assignments of the combination with a number; the last choice varies fastest.
+/// The assignments of the combination with a number; the last choice varies fastest. Choices of Eulerian kernels are left out with
+/// Lagrangian ones, which refuse them.
 fn combination(mut number: usize) -> Vec<String> {
+    let eulerian = ["lattice", "support-size", "linearization"];
+    let all: usize = CHOICES.iter().map(|(_, words)| words.len()).product();
+    let is_lagrangian = number < all / 2;
     let mut assignments = Vec::new();
     for (key, words) in CHOICES.iter().rev() {
-        assignments.push(format!(
-            "discretization.{key}={}",
-            words[number % words.len()]
-        ));
+        if !(is_lagrangian && eulerian.contains(key)) {
+            assignments.push(format!(
+                "discretization.{key}={}",
+                words[number % words.len()]
+            ));
+        }
         number /= words.len();
     }
     assignments
@@ -91,9 +97,9 @@ fn every_combination_of_choices_has_an_answer_at_every_state() {
                 if number >= total {
                     return complaints;
                 }
-                // With Lagrangian kernels the first and the last of those 30 stand for all.
+                // With Lagrangian kernels the first of those 30 stands for all.
                 let is_lagrangian = number < total / 2;
-                if is_lagrangian && !matches!(number % for_eulerian, 0 | 29) {
+                if is_lagrangian && number % for_eulerian != 0 {
                     continue;
                 }
                 let assignments = combination(number);
@@ -114,20 +120,15 @@ fn every_combination_of_choices_has_an_answer_at_every_state() {
 }
 
 #[test]
-fn choices_of_eulerian_kernels_do_not_change_lagrangian_answers() {
-    let mut answers = Vec::new();
-    for number in 0..30 {
-        let assignments = combination(number);
-        let mut arguments = vec!["state", "--json", "--stretch", STATES[0]];
-        for assignment in &assignments {
-            arguments.extend(["--set", assignment]);
+fn choices_of_eulerian_kernels_are_refused_with_lagrangian_ones() {
+    for (key, words) in &CHOICES[5..] {
+        for word in *words {
+            let assignment = format!("discretization.{key}={word}");
+            let answer = onset(&["state", "--stretch", STATES[0], "--set", &assignment]);
+            assert_eq!(answer.code, Some(2), "{assignment}");
+            assert!(answer.stderr.contains("has no effect"), "{}", answer.stderr);
         }
-        let mut document: Value =
-            serde_json::from_str(&onset(&arguments).stdout).expect("a document");
-        document["discretization"]["settings"] = Value::Null;
-        answers.push(document);
     }
-    assert!(answers.iter().all(|answer| *answer == answers[0]));
 }
 
 #[test]

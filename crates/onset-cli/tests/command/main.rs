@@ -21,6 +21,7 @@ mod notions;
 mod numbers;
 mod plot;
 mod refusals;
+mod settings;
 mod space;
 mod tune;
 #[cfg(unix)]

@@ -17,7 +17,7 @@ fn what_is_no_store_is_refused() {
     let answer = onset(&["plot", &folder.display().to_string()]);
     assert_eq!(answer.code, Some(2));
     assert!(
-        answer.stderr.contains("is not a store"),
+        answer.stderr.contains("is not a store") && answer.stderr.contains("the folder of a map"),
         "{}",
         answer.stderr
     );

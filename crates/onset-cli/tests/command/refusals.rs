@@ -432,3 +432,39 @@ fn quadratures_that_are_none_are_refused() {
         assert_assignment_refused(&assignments, &[fact]);
     }
 }
+
+#[test]
+fn names_that_people_type_are_told_by_their_names_here() {
+    for (assignment, facts) in [
+        (
+            "discretization.method=sph",
+            ["`updated-sph`", "`total-lagrangian-sph`"],
+        ),
+        (
+            "discretization.method=MPM",
+            ["did you mean", "`material-points`"],
+        ),
+        (
+            "discretization.method=fem",
+            ["did you mean", "`finite-elements`"],
+        ),
+        ("discretization.method=rkpm", ["`kernel`", "mls"]),
+        (
+            "discretization.arrangement=fcc",
+            ["did you mean", "`face-centered-cubic`"],
+        ),
+        (
+            "discretization.smoothing-length=1.2",
+            ["unknown key", "discretization.support"],
+        ),
+        ("material.young=1", ["unknown key", "mu = E/(2 (1 + nu))"]),
+    ] {
+        assert_assignment_refused(&[assignment], &facts);
+    }
+}
+
+#[test]
+fn a_range_without_any_method_asks_for_another() {
+    let facts = ["from 0 to 1", "--range LOW,HIGH"];
+    assert_line_refused("tune discretization.support --quiet", &facts);
+}

@@ -69,11 +69,11 @@ fn coefficients_that_are_none_are_refused() {
         ("tune penalty", "did you mean `discretization.penalty`"),
         (
             "tune discretization.penalty",
-            "`discretization.penalty` has no effect: discretization.method is not total-lagrangian-sph",
+            "`discretization.penalty` has no effect: discretization.method is kernel",
         ),
         (
             "tune discretization.hourglass-stiffness set method=finite-elements",
-            "discretization.integration is not one-point",
+            "discretization.integration is full",
         ),
         (
             "tune discretization.penalty --range 1,0",

@@ -1,7 +1,7 @@
 //! What is proved about a state, in words and numbers.
 
-use super::sentence;
 use super::state::list;
+use crate::number::{told, vector};
 use nalgebra::SVector;
 use onset::certificate::{Certainty, Certificate, SpaceCertificate, Witness};
 use serde::Serialize;
@@ -114,24 +114,28 @@ impl ProofAnswer {
     fn line(&self, wave: &str, rate: &str) -> String {
         let certainty = self.certainty;
         if let Some(bound) = self.bound {
-            format!("{certainty}: the measure is at least {bound:.6e} for every {wave}")
+            let bound = told(bound);
+            format!("{certainty}: the measure is at least {bound} for every {wave}")
         } else if let Some(witness) = &self.witness {
-            let [low, high] = witness.measure;
+            let [low, high] = witness.measure.map(told);
             format!(
-                "{certainty}: the {wave} {} grows at a rate of at least {:.6e} {rate}, its measure is in [{low:.6e}, {high:.6e}]",
-                sentence::vector(&witness.wave_vector),
-                witness.growth_rate
+                "{certainty}: the {wave} {} grows at a rate of at least {} {rate}, its measure is in [{low}, {high}]",
+                vector(&witness.wave_vector),
+                told(witness.growth_rate)
             )
         } else if let Some(wave_vector) = &self.zero_energy_wave_vector {
             format!(
                 "{certainty}: no wave grows, the {wave} {} has no energy",
-                sentence::vector(wave_vector)
+                vector(wave_vector)
             )
         } else {
             let reason = self.reason.unwrap_or("no reason");
             match self.smallest_seen {
                 Some(seen) => {
-                    format!("{certainty} ({reason}); the smallest measure seen is {seen:.6e}")
+                    format!(
+                        "{certainty} ({reason}); the smallest measure seen is {}",
+                        told(seen)
+                    )
                 }
                 None => format!("{certainty} ({reason})"),
             }

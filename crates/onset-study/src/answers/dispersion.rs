@@ -1,11 +1,13 @@
 //! The answer to: how do waves travel through the particles, and through the continuum?
 
 use super::in_dimension_of;
+use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
-use super::sentence;
 use super::state::ComplexNumber;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::methods::Discretized;
+use crate::number::{told_of, vector};
+use crate::settings::Effective;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::algebra::{Complex, eigenvalues};
 use onset::bloch::{DynamicalMatrix, WaveSystem, dynamical_matrix, growth_rate};
@@ -29,9 +31,25 @@ pub struct DispersionAnswer {
     pub dynamical_matrix: Vec<Vec<ComplexNumber>>,
 }
 
+/// The waves of one wave vector, with what they are waves of.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Waves {
+    /// The waves.
+    #[serde(flatten)]
+    pub waves: DispersionAnswer,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
+}
+
 /// Frequencies along a path through the zone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagram {
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
     /// The corners of the path: name, reference wave vector, and place along the path.
     pub corners: Vec<Corner>,
     /// The samples.
@@ -65,7 +83,7 @@ pub enum DiagramError {
 /// Samples on each leg of a path.
 const SAMPLES: usize = 120;
 
-impl DispersionAnswer {
+impl Waves {
     /// The waves of one reference wave vector, given as text.
     ///
     /// # Errors
@@ -75,7 +93,12 @@ impl DispersionAnswer {
         strain: &Strain,
         wave_vector: &str,
     ) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, at_wave_vector(problem, &strain.0, wave_vector))
+        let waves = in_dimension_of!(problem, at_wave_vector(problem, &strain.0, wave_vector))?;
+        Ok(Self {
+            waves,
+            notes: notes(&problem.settings, &*problem.material),
+            settings: problem.settings.effective(),
+        })
     }
 }
 
@@ -86,6 +109,12 @@ impl Diagram {
     /// [`ProblemError`] when the state cannot be evaluated.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
         in_dimension_of!(problem, along_path(problem, &strain.0))
+    }
+
+    /// What the diagram is of, with what a reader must know.
+    pub fn told(&self) -> String {
+        let notes = self.notes.iter().map(|note| format!("note: {note}\n\n"));
+        format!("{}{}", notes.collect::<String>(), self.settings)
     }
 
     /// The samples as a table: length along the path, wave vector, `omega^2` of particles and continuum.
@@ -190,7 +219,9 @@ impl Diagram {
         for line in lines {
             panel = panel.with(line);
         }
-        Figure::new(title).with(panel)
+        Figure::new(title)
+            .with(panel)
+            .caption(self.settings.caption())
     }
 }
 
@@ -313,6 +344,8 @@ fn along_path<const D: usize>(
         .map(|(name, fractional)| (name, method.lattice().reciprocal() * fractional))
         .collect();
     let mut diagram = Diagram {
+        notes: notes(&problem.settings, &*problem.material),
+        settings: problem.settings.effective(),
         corners: Vec::new(),
         samples: Vec::new(),
         lengths: Vec::new(),
@@ -339,26 +372,45 @@ fn along_path<const D: usize>(
     Ok(diagram)
 }
 
+impl std::fmt::Display for Waves {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(formatter, "{}", self.waves)?;
+        for note in &self.notes {
+            writeln!(formatter, "note: {note}\n")?;
+        }
+        write!(formatter, "{}", self.settings)
+    }
+}
+
 impl std::fmt::Display for DispersionAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             formatter,
             "reference wave vector  {}",
-            sentence::vector(&self.wave_vector)
+            vector(&self.wave_vector)
         )?;
+        // What is rounding beside the largest is zero.
+        let sizes = self
+            .omega_squared
+            .iter()
+            .map(|value| value.re.hypot(value.im));
+        let largest = sizes.fold(0.0, f64::max);
         for (n, value) in self.omega_squared.iter().enumerate() {
-            let imaginary = if value.im == 0.0 {
-                String::new()
-            } else {
-                format!(" {:+.12} i", value.im)
+            let imaginary = match told_of(value.im, largest).as_str() {
+                "0" => String::new(),
+                text => match text.strip_prefix('-') {
+                    Some(size) => format!(" - {size} i"),
+                    None => format!(" + {text} i"),
+                },
             };
             let continuum = self.continuum_omega_squared.get(n);
-            let beside = continuum.map_or(String::new(), |own| format!("   (continuum {own:.12})"));
+            let beside = continuum.map_or(String::new(), |own| {
+                format!("   (continuum {})", told_of(*own, largest))
+            });
             writeln!(
                 formatter,
-                "omega^2                {:.12}{imaginary}{beside}",
-                // Adding zero turns a negative zero into a plain one.
-                value.re + 0.0
+                "omega^2                {}{imaginary}{beside}",
+                told_of(value.re, largest)
             )?;
         }
         Ok(())

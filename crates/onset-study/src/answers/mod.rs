@@ -3,6 +3,8 @@
 mod certificate;
 mod dispersion;
 mod mode;
+mod next;
+mod notes;
 mod path;
 mod problem;
 mod sentence;
@@ -10,7 +12,8 @@ mod state;
 mod summary;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
-pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
+pub use dispersion::{Diagram, DiagramError, DispersionAnswer, Waves};
+pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};

@@ -2,10 +2,12 @@
 
 use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
+use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
-use super::sentence;
 use super::state::{ComplexNumber, list, rows};
 use crate::methods::Discretized;
+use crate::number::{told, vector};
+use crate::settings::Effective;
 use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
@@ -20,6 +22,10 @@ pub struct PathAnswer {
     /// Whether the smallest acoustic eigenvalue of the material is zero to rounding at an end.
     #[serde(skip)]
     pub is_marginal: bool,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
@@ -173,6 +179,8 @@ fn answer<const D: usize>(
     Ok(PathAnswer {
         dimension: D,
         is_marginal: is_marginal(from) || is_marginal(to),
+        notes: notes(&problem.settings, &*problem.material),
+        settings: problem.settings.effective(),
         from: *from.components(),
         to: *to.components(),
         material_onset,
@@ -258,7 +266,7 @@ impl std::fmt::Display for PathAnswer {
                 formatter,
                 "The material loses ellipticity at {} for waves along N = {}.",
                 at(&onset.place),
-                sentence::vector(&onset.direction)
+                vector(&onset.direction)
             )?,
             None if self.is_marginal => writeln!(
                 formatter,
@@ -280,7 +288,7 @@ impl std::fmt::Display for PathAnswer {
                 formatter,
                 "The particles become unstable at {} for long waves along {}.",
                 at(&onset.place),
-                sentence::vector(&onset.direction)
+                vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
                 formatter,
@@ -291,7 +299,7 @@ impl std::fmt::Display for PathAnswer {
                     "become unstable"
                 },
                 at(&onset.place),
-                sentence::vector(&onset.wave_vector)
+                vector(&onset.wave_vector)
             )?,
             None => writeln!(
                 formatter,
@@ -305,15 +313,18 @@ impl std::fmt::Display for PathAnswer {
             for crossing in crossings {
                 writeln!(
                     formatter,
-                    "  {name:<9} {:<9} -> {:<9} at {} (s = {:.12})",
+                    "  {name:<9} {:<9} -> {:<9} at {} (s = {})",
                     phase(crossing.from),
                     phase(crossing.to),
-                    stretches(&crossing.stretch),
-                    crossing.parameter
+                    vector(&crossing.stretch),
+                    told(crossing.parameter)
                 )?;
             }
         }
-        Ok(())
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
     }
 }
 
@@ -326,14 +337,6 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-fn stretches(stretch: &[f64]) -> String {
-    let one = |value: &f64| format!("{value:.12}");
-    format!(
-        "({})",
-        stretch.iter().map(one).collect::<Vec<_>>().join(", ")
-    )
-}
-
 fn at(place: &Place) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"
@@ -342,11 +345,11 @@ fn at(place: &Place) -> String {
     };
     // Those of the plane, and in space all.
     let stresses: Vec<String> = (0..place.stretch.len().max(2))
-        .map(|i| format!("s{0}{0} = {1:.6}", i + 1, place.cauchy[i][i]))
+        .map(|i| format!("s{0}{0} = {1}", i + 1, told(place.cauchy[i][i])))
         .collect();
     format!(
         "stretch {}{start} ({})",
-        stretches(&place.stretch),
+        vector(&place.stretch),
         stresses.join(", ")
     )
 }

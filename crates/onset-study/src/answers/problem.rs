@@ -45,6 +45,21 @@ pub enum ProblemError {
         /// How many are admitted.
         admitted: f64,
     },
+    /// A range of a coefficient in which nothing can be evaluated.
+    #[error(
+        "no value of {key} from {low} to {high} can be evaluated; at {low}: {}\n  hint: name the values to look at with --range LOW,HIGH",
+        first_line(source)
+    )]
+    Range {
+        /// The coefficient.
+        key: &'static str,
+        /// The smallest value.
+        low: f64,
+        /// The largest value.
+        high: f64,
+        /// What is wrong at the smallest value.
+        source: Box<ProblemError>,
+    },
     /// A wave vector of which double precision cannot tell the phase.
     #[error(
         "the wave vector is too large: |k| times the spacing is {value:.1e}; at most 1e6 is admitted"
@@ -78,6 +93,12 @@ pub enum ProblemError {
         #[from]
         source: PathError,
     },
+}
+
+/// A message without its hint, which is about one value alone.
+fn first_line(error: &ProblemError) -> String {
+    let told = error.to_string();
+    told.lines().next().unwrap_or_default().to_owned()
 }
 
 fn hint(error: &MethodError) -> &'static str {

@@ -2,16 +2,20 @@
 
 use super::mode::{critical_mode, finite_wave_vector};
 use crate::methods::Discretized;
-use crate::settings::{Family, word_of};
+use crate::number::{told, vector};
+use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Stability;
 use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Discretization, Frame};
+use onset::method::Frame;
 use onset::verdict::{Assessment, Verdict};
 
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
+
+/// A gradient norm, or a squared relative frequency, that is zero to rounding.
+const NO_ENERGY: f64 = 1e-10;
 
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
@@ -33,6 +37,7 @@ pub(super) fn of_correction(
 /// The sentence of an assessment; `in_space` tells of waves of the material in all directions.
 pub(super) fn of<const D: usize>(
     method: &Discretized<D>,
+    family: Family,
     assessment: &Assessment<D>,
     in_space: Ellipticity,
     f: &DeformationGradient,
@@ -50,10 +55,20 @@ pub(super) fn of<const D: usize>(
     match assessment.verdict {
         Verdict::Stable => {
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
-                format!(
-                    " The softest mode, {wave}, is weak: its gradients are {:.2} % of what they should be.",
-                    100.0 * assessment.gradient_norm.max(0.0).sqrt()
-                )
+                let share = assessment.gradient_norm.max(0.0).sqrt();
+                match method.kernel() {
+                    _ if assessment.gradient_norm <= NO_ENERGY => format!(
+                        " Beware: the softest mode, {wave}, is a zero-energy mode, which nothing but the stress of this state holds."
+                    ),
+                    Some(_) => format!(
+                        " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
+                        told(100.0 * share)
+                    ),
+                    None => format!(
+                        " The softest mode, {wave}, is weak: unloaded it has {} % of the frequency of the material's slowest wave.",
+                        told(100.0 * share)
+                    ),
+                }
             } else {
                 String::new()
             };
@@ -86,25 +101,41 @@ pub(super) fn of<const D: usize>(
                 format!("a wave of {wave} has")
             };
             format!(
-                "Not usable as it is although the material is stable: the quadrature is rank-deficient, {which} no energy, \
-                 {when}."
+                "Not usable as it is although the material is stable: the {} rank-deficient, {which} no energy, {when}.",
+                match family {
+                    Family::Kernel | Family::FiniteElements => "quadrature is",
+                    _ => "discretization is",
+                }
             )
         }
         Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(
-            "Unstable although the material is stable: flutter of the kernel ({tension} mean stress), {wave}, {growth}."
+            "Unstable although the material is stable: flutter of the {} ({tension} mean stress), {wave}, {growth}.",
+            culprit(family)
         ),
         Verdict::Kernel if assessment.material.ellipticity().is_lost() => format!(
             "Unstable, but not as the material is: the material has lost ellipticity, while the particles are stable \
              for long waves and unstable by the method's own {tension} instability, {wave}, {growth}."
         ),
         Verdict::Kernel => format!(
-            "Unstable although the material is stable: {tension} instability of the kernel, {wave}, {growth}."
+            "Unstable although the material is stable: {tension} instability of the {}, {wave}, {growth}.",
+            culprit(family)
         ),
         Verdict::Missed => format!(
             "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
              do not show it.",
             vector(assessment.material.minimum.direction.as_slice())
         ),
+    }
+}
+
+/// What an instability of the method's own belongs to.
+fn culprit(family: Family) -> &'static str {
+    match family {
+        Family::Kernel | Family::TotalLagrangianSph | Family::UpdatedSph => "kernel",
+        Family::FiniteElements => "elements",
+        Family::Peridynamics => "bonds between particles",
+        Family::MaterialPoints => "material points on their grid",
+        Family::Conforming => "discretization",
     }
 }
 
@@ -125,7 +156,7 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
         let direction = k / norm;
         format!(
             "wavelength {} along {}",
-            number(std::f64::consts::TAU / norm),
+            told(std::f64::consts::TAU / norm),
             vector(direction.as_slice())
         )
     }
@@ -133,64 +164,8 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
 
 fn growth(rate: f64) -> String {
     if rate > 0.0 {
-        format!("grows e-fold in {} time units", number(1.0 / rate))
+        format!("grows e-fold in {} time units", told(1.0 / rate))
     } else {
         "grows the faster the shorter the wave".to_owned()
     }
-}
-
-/// A number with four decimals, or with an exponent where these would not show it.
-pub(super) fn number(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        format!("{value:.4}")
-    } else {
-        format!("{value:.4e}")
-    }
-}
-
-/// A method of another family than the kernel methods.
-pub(super) fn family(family: Family, discretization: &Discretization) -> String {
-    let arrangement = match family {
-        Family::FiniteElements => String::new(),
-        _ => format!(", {} arrangement", discretization.arrangement.name()),
-    };
-    let spacing = number(discretization.spacing);
-    format!("{}{arrangement}, spacing {spacing}", word_of(&family))
-}
-
-/// A vector with four decimals.
-pub(super) fn vector(components: &[f64]) -> String {
-    let largest = components
-        .iter()
-        .fold(0.0_f64, |largest, component| largest.max(component.abs()));
-    let one = |component: &f64| {
-        number(if component.abs() < 5e-5 * largest {
-            0.0
-        } else {
-            *component
-        })
-    };
-    format!(
-        "({})",
-        components.iter().map(one).collect::<Vec<_>>().join(", ")
-    )
-}
-
-/// A discretization in a line.
-pub(super) fn settings(d: &Discretization) -> String {
-    let mut words = vec![
-        word_of(&d.arrangement),
-        word_of(&d.quadrature),
-        word_of(&d.approximation),
-        word_of(&d.kernel),
-        format!("D_mx {}", d.support),
-        word_of(&d.frame),
-    ];
-    if d.frame == Frame::Eulerian {
-        words.push(format!("{} lattice", word_of(&d.lattice)));
-        words.push(format!("{} support", word_of(&d.support_size)));
-        words.push(format!("{} linearization", word_of(&d.linearization)));
-    }
-    words.push(format!("{} background", word_of(&d.background)));
-    words.join(", ")
 }

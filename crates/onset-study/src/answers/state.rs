@@ -3,17 +3,20 @@
 use super::certificate::CertificateAnswer;
 use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
+use super::next::next;
+use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use crate::methods::Discretized;
-use crate::settings::{Family, MethodSettings, Settings, Value};
+use crate::number::{told, told_of, vector};
+use crate::settings::{Effective, Settings, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::certificate::{certify, certify_in_space};
 use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
-use onset::method::{Discretization, MethodError};
+use onset::method::MethodError;
 use onset::time_step::Integrator;
 use onset::verdict::{Assessment, SurveyedState, Verdict};
 use serde::Serialize;
@@ -44,6 +47,12 @@ pub struct StateAnswer {
     pub verdict: Verdict,
     /// The verdict in plain English.
     pub sentence: String,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Commands that go on from here.
+    pub next: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
     /// `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
     /// The continuum, as computed in floating point.
@@ -129,13 +138,6 @@ impl SpaceAnswer {
 /// The discretization at a state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscretizationAnswer {
-    /// Arrangement, and the choices of kernel methods.
-    pub settings: Discretization,
-    /// The family of methods.
-    pub family: Family,
-    /// The choices of another family than the kernel methods.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub method: Option<MethodSettings>,
     /// Whether no mode grows.
     pub stable: bool,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
@@ -206,8 +208,9 @@ fn answer<const D: usize>(
     let assessment = method.assess(&*problem.material, f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
+    let family = problem.settings.method.method;
     let in_space = SpaceAnswer::new(&assessment.material.response);
-    let mut sentence = sentence::of(&method, &assessment, in_space.ellipticity, f);
+    let mut sentence = sentence::of(&method, family, &assessment, in_space.ellipticity, f);
     if let Some(tolerance) = tolerance {
         let kernel = problem.method::<D>()?;
         let proved = certify(&kernel, &*problem.material, f, tolerance)?;
@@ -229,11 +232,14 @@ fn answer<const D: usize>(
     Ok(StateAnswer {
         verdict,
         sentence,
+        notes: notes(&problem.settings, &*problem.material),
+        next: next(&problem.settings, verdict),
+        settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *f.components(),
         material: material_answer(&problem.settings, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(&problem.settings, &method, &assessment, f, steps),
+        discretization: discretization_answer(&method, &assessment, f, steps),
     })
 }
 
@@ -269,7 +275,6 @@ fn material_answer<const D: usize>(
 }
 
 fn discretization_answer<const D: usize>(
-    settings: &Settings,
     method: &Discretized<D>,
     assessment: &Assessment<D>,
     f: &DeformationGradient,
@@ -279,9 +284,6 @@ fn discretization_answer<const D: usize>(
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     DiscretizationAnswer {
-        settings: settings.discretization.clone(),
-        family: settings.method.method,
-        method: (settings.method.method != Family::Kernel).then(|| settings.method.clone()),
         stable: spectrum.is_stable(),
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,
@@ -322,142 +324,142 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
 
 impl std::fmt::Display for StateAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let material = &self.material;
-        let d = &self.discretization;
-        let stress = |i: usize, j: usize| material.cauchy[i][j];
+        let (material, d) = (&self.material, &self.discretization);
         writeln!(formatter, "{}\n", self.sentence)?;
-        writeln!(formatter, "verdict                 {}", self.verdict.name())?;
-        writeln!(
-            formatter,
-            "material                {} ({})",
-            material.model,
-            parameters(material)
-        )?;
-        write!(
-            formatter,
-            "  Cauchy stress         s11 {:.6}, s22 {:.6}, s12 {:.6}, s33 {:.6}",
-            stress(0, 0),
-            stress(1, 1),
-            stress(0, 1),
-            stress(2, 2)
-        )?;
-        if stress(0, 2) != 0.0 || stress(1, 2) != 0.0 {
-            write!(
-                formatter,
-                ", s13 {:.6}, s23 {:.6}",
-                stress(0, 2),
-                stress(1, 2)
-            )?;
+        for note in &self.notes {
+            writeln!(formatter, "note: {note}\n")?;
         }
-        writeln!(formatter)?;
-        writeln!(
-            formatter,
-            "  strongly elliptic     {}",
-            match (material.ellipticity, self.material_in_space.ellipticity) {
+        let in_space = &self.material_in_space;
+        let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
+        let of = |name: &str| format!("  {name}");
+        line("verdict", self.verdict.name().to_owned())?;
+        let (chosen, defaults) = self.settings.material();
+        line("material", chosen)?;
+        if !defaults.is_empty() {
+            line(&of("by default"), defaults)?;
+        }
+        line(&of("Cauchy stress"), material.stresses())?;
+        line(
+            &of("strongly elliptic"),
+            match (material.ellipticity, in_space.ellipticity) {
                 (Ellipticity::Elliptic, Ellipticity::Elliptic) => "yes".to_owned(),
-                (Ellipticity::Elliptic, Ellipticity::Lost) =>
-                    "for waves in the plane, not for waves out of it".to_owned(),
+                (Ellipticity::Elliptic, Ellipticity::Lost) => {
+                    "for waves in the plane, not for waves out of it".to_owned()
+                }
                 (Ellipticity::Elliptic, Ellipticity::Undecided) => format!(
                     "for waves in the plane; undecided for waves out of it, zero to rounding ({:.1e})",
-                    self.material_in_space.rounding
+                    in_space.rounding
                 ),
                 (Ellipticity::Undecided, _) => format!(
                     "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
                     material.rounding
                 ),
                 (Ellipticity::Lost, _) => "no".to_owned(),
-            }
+            },
         )?;
-        writeln!(
-            formatter,
-            "  smallest eigenvalue   {:.9} along N = {}",
-            material.minimum_acoustic_eigenvalue,
-            sentence::vector(&material.direction)
+        let stiffness = material.stiffness();
+        let eigenvalue = |value: f64| told_of(value, stiffness);
+        line(
+            &of("smallest eigenvalue"),
+            format!(
+                "{} along N = {}",
+                eigenvalue(material.minimum_acoustic_eigenvalue),
+                vector(&material.direction)
+            ),
         )?;
-        let in_space = &self.material_in_space;
-        writeln!(
-            formatter,
-            "  in space              {:.9} along N = {}, polarized along {}; nowhere below {:.9}",
-            in_space.minimum_acoustic_eigenvalue,
-            sentence::vector(&in_space.direction),
-            sentence::vector(&in_space.polarization),
-            in_space.bound
+        line(
+            &of("in space"),
+            format!(
+                "{} along N = {}, polarized along {}; nowhere below {}",
+                eigenvalue(in_space.minimum_acoustic_eigenvalue),
+                vector(&in_space.direction),
+                vector(&in_space.polarization),
+                eigenvalue(in_space.bound)
+            ),
         )?;
-        writeln!(
-            formatter,
-            "discretization          {}",
-            match d.family {
-                Family::Kernel => sentence::settings(&d.settings),
-                family => sentence::family(family, &d.settings),
-            }
+        let (chosen, defaults) = self.settings.discretization();
+        line("discretization", chosen)?;
+        line(&of("by default"), defaults)?;
+        // Of squared frequencies what is rounding beside the largest is zero.
+        let fastest = d.maximum_omega * d.maximum_omega;
+        let real = told_of(d.minimum_omega_squared.re, fastest);
+        let omega_squared = match told_of(d.minimum_omega_squared.im, fastest).as_str() {
+            "0" => real,
+            imaginary => match imaginary.strip_prefix('-') {
+                Some(size) => format!("{real} - {size} i"),
+                None => format!("{real} + {imaginary} i"),
+            },
+        };
+        line(&of("smallest omega^2"), omega_squared)?;
+        line(&of("scaled minimum"), told_of(d.minimum_scaled, 1.0))?;
+        line(
+            &of(if d.stable {
+                "softest wave vector"
+            } else {
+                "critical wave vector"
+            }),
+            format!(
+                "{} (reference), {} (deformed)",
+                vector(&d.wave_vector),
+                vector(&d.spatial_wave_vector)
+            ),
         )?;
-        writeln!(
-            formatter,
-            "  smallest omega^2      {}",
-            complex(d.minimum_omega_squared)
+        line(&of("polarization"), vector(&d.polarization))?;
+        line(&of("growth rate"), told(d.growth_rate))?;
+        let without = match d.damped_time_steps.is_empty() {
+            true => "",
+            false => "without damping ",
+        };
+        let step = d.critical_time_step.map_or_else(String::new, |step| {
+            format!(
+                "; central differences {without}need a time step below {}",
+                told(step)
+            )
+        });
+        line(
+            &of("largest frequency"),
+            format!("{}{step}", told(d.maximum_omega)),
         )?;
-        writeln!(
-            formatter,
-            "  scaled minimum        {:.6e}",
-            d.minimum_scaled
-        )?;
-        writeln!(
-            formatter,
-            "  {} wave vector  {} (reference), {} (deformed)",
-            if d.stable { "softest " } else { "critical" },
-            sentence::vector(&d.wave_vector),
-            sentence::vector(&d.spatial_wave_vector)
-        )?;
-        writeln!(
-            formatter,
-            "  polarization          {}",
-            sentence::vector(&d.polarization)
-        )?;
-        writeln!(formatter, "  growth rate           {:.6}", d.growth_rate)?;
-        write!(formatter, "  largest frequency     {:.6}", d.maximum_omega)?;
-        if let Some(step) = d.critical_time_step {
-            write!(
-                formatter,
-                "; central differences {}need a time step below {step:.6}",
-                if d.damped_time_steps.is_empty() {
-                    ""
-                } else {
-                    "without damping "
-                }
-            )?;
-        }
         for (integrator, step) in &d.damped_time_steps {
-            write!(
-                formatter,
-                "\n  with damping          {integrator} needs a time step below {step:.6}{}",
-                if d.stable {
-                    ""
-                } else {
-                    " for the waves that do not grow"
-                }
+            let whose = if d.stable {
+                ""
+            } else {
+                " for the waves that do not grow"
+            };
+            line(
+                &of("with damping"),
+                format!("{integrator} needs a time step below {}{whose}", told(*step)),
             )?;
         }
-        match &self.certificate {
-            Some(certificate) => write!(formatter, "\n{certificate}"),
-            None => Ok(()),
+        if let Some(certificate) = &self.certificate {
+            writeln!(formatter, "{certificate}")?;
         }
+        for (number, command) in self.next.iter().enumerate() {
+            let name = if number == 0 { "next" } else { "" };
+            writeln!(formatter, "{name:<24}{command}")?;
+        }
+        Ok(())
     }
 }
 
-fn parameters(material: &MaterialAnswer) -> String {
-    let one = |(name, value): (&&str, &Value)| format!("{name} = {value}");
-    material
-        .parameters
-        .iter()
-        .map(one)
-        .collect::<Vec<_>>()
-        .join(", ")
-}
+impl MaterialAnswer {
+    /// The largest component of the tangent: what stresses and eigenvalues are made of.
+    fn stiffness(&self) -> f64 {
+        let components = self.tangent.iter().flatten().flatten().flatten();
+        components.fold(0.0, |most: f64, own| most.max(own.abs()))
+    }
 
-fn complex(value: ComplexNumber) -> String {
-    if value.im == 0.0 {
-        format!("{:.9}", value.re)
-    } else {
-        format!("{:.9} {:+.9} i", value.re, value.im)
+    /// The Cauchy stress; the shears out of the plane where there are some.
+    fn stresses(&self) -> String {
+        let stiffness = self.stiffness();
+        let plane = [(0, 0), (1, 1), (0, 1), (2, 2)];
+        let out = [(0, 2), (1, 2)].into_iter();
+        let out = out.filter(|(i, j)| told_of(self.cauchy[*i][*j], stiffness) != "0");
+        let one = |(i, j): (usize, usize)| {
+            let value = told_of(self.cauchy[i][j], stiffness);
+            format!("s{}{} {value}", i + 1, j + 1)
+        };
+        let all: Vec<String> = plane.into_iter().chain(out).map(one).collect();
+        all.join(", ")
     }
 }

@@ -1,12 +1,13 @@
 //! What a study asks for, told before it is computed.
 
 use super::in_dimension_of;
+use super::notes::notes;
 use super::problem::{Problem, ProblemError};
 use crate::methods::Discretized;
-use crate::settings::{Axis, MapSettings, Quantity, Study, Value, word_of};
+use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Value};
 use onset::approximation::Order;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Discretization, MethodError};
+use onset::method::MethodError;
 use onset::verdict::{SchemeSurvey, judge};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -25,8 +26,8 @@ pub struct StudySummary {
     pub model: &'static str,
     /// What it is made of, where no axis varies it.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// The discretization, where no axis varies it.
-    pub discretization: Discretization,
+    /// Every choice in effect that no axis varies.
+    pub settings: Effective,
     /// The deformation that no axis varies.
     pub held_fixed: BTreeMap<&'static str, f64>,
     /// What is varied.
@@ -44,6 +45,8 @@ pub struct StudySummary {
     /// Processor time of the verdict on one state, the median over corners and center; seconds. `null` when none of them has
     /// a verdict.
     pub seconds_per_state: Option<f64>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
     /// What deserves attention.
     pub warnings: Vec<String>,
 }
@@ -87,7 +90,7 @@ impl StudySummary {
             parameters: parameters
                 .filter(|(name, _)| !varied(&format!("material.{name}")))
                 .collect(),
-            discretization: study.settings.discretization.clone(),
+            settings: study.effective(),
             held_fixed: fixed.collect(),
             axes: study.axes.iter().map(AxisSummary::of).collect(),
             map: study.map,
@@ -100,6 +103,10 @@ impl StudySummary {
             sampled: samples.looked_at,
             undefined: samples.undefined,
             seconds_per_state: seconds_per_state(study)?,
+            notes: study.settings.material.build().map_or_else(
+                |_| Vec::new(),
+                |material| notes(&study.settings, &*material),
+            ),
             warnings: warnings(study, &samples),
         })
     }
@@ -219,17 +226,7 @@ fn listed<T: std::fmt::Display>(values: &BTreeMap<&'static str, T>) -> String {
 }
 
 fn warnings(study: &Study, samples: &Samples) -> Vec<String> {
-    let mut warnings: Vec<String> = study
-        .keys_without_effect()
-        .into_iter()
-        .map(|(key, origin)| {
-            let (needed, word) = key.only_with.unwrap_or_default();
-            format!(
-                "{origin}`{}` has no effect: {needed} is not {word}",
-                key.name
-            )
-        })
-        .collect();
+    let mut warnings = Vec::new();
     for name in ["discretization.spacing", "discretization.density"] {
         if study.axes.iter().any(|axis| axis.name() == name) {
             warnings.push(format!(
@@ -261,11 +258,15 @@ impl std::fmt::Display for StudySummary {
         if !self.title.is_empty() {
             line("title", self.title.clone())?;
         }
-        line(
-            "material",
-            format!("{}: {}", self.model, listed(&self.parameters)),
-        )?;
-        line("discretization", self.discretization_words())?;
+        for (name, (chosen, defaults)) in [
+            ("material", self.settings.material()),
+            ("discretization", self.settings.discretization()),
+        ] {
+            line(name, chosen)?;
+            if !defaults.is_empty() {
+                line("  by default", defaults)?;
+            }
+        }
         line("held fixed", listed(&self.held_fixed))?;
         for (number, summary) in self.axes.iter().enumerate() {
             line(if number == 0 { "axes" } else { "" }, axis(summary))?;
@@ -279,6 +280,9 @@ impl std::fmt::Display for StudySummary {
             );
             line("estimated work", work)?;
         }
+        self.notes
+            .iter()
+            .try_for_each(|note| line("note", note.clone()))?;
         self.warnings
             .iter()
             .try_for_each(|warning| line("warning", warning.clone()))
@@ -286,38 +290,6 @@ impl std::fmt::Display for StudySummary {
 }
 
 impl StudySummary {
-    /// The choices in words; those of Eulerian kernels only where they matter, and nothing that an axis varies.
-    fn discretization_words(&self) -> String {
-        let is_varied = |name: &str| {
-            let name = format!("discretization.{name}");
-            self.axes.iter().any(|axis| axis.quantity == name)
-        };
-        let d = &self.discretization;
-        let mut words = vec![
-            word_of(&d.frame),
-            word_of(&d.arrangement),
-            word_of(&d.quadrature),
-            word_of(&d.approximation),
-            word_of(&d.kernel),
-        ];
-        if d.frame == onset::method::Frame::Eulerian {
-            words.push(format!("lattice {}", word_of(&d.lattice)));
-            words.push(format!("support-size {}", word_of(&d.support_size)));
-            words.push(format!("linearization {}", word_of(&d.linearization)));
-        }
-        words.push(format!("background {}", word_of(&d.background)));
-        for (name, value) in [
-            ("support", d.support),
-            ("spacing", d.spacing),
-            ("density", d.density),
-        ] {
-            if !is_varied(name) {
-                words.push(format!("{name} {}", Value::Number(value)));
-            }
-        }
-        words.join(", ")
-    }
-
     fn map_words(&self) -> String {
         let edge = vec![self.map.tile.to_string(); self.axes.len()].join(" x ");
         let way = match self.map.adaptive {

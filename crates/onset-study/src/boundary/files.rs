@@ -48,6 +48,7 @@ pub fn geojson(boundaries: &Boundaries) -> Value {
         "unresolved": summary.unresolved,
         "fidelity": summary.fidelity,
         "study": study.document(),
+        "settings": study.effective(),
         "onset_version": env!("CARGO_PKG_VERSION"),
         "features": features,
     })

@@ -106,7 +106,7 @@ impl Boundaries {
             low: [first.range.0, second.range.0],
             high: [first.range.1, second.range.1],
         };
-        let traced = match study.settings.discretization.arrangement.dimension() {
+        let traced = match study.settings.dimension() {
             1 => Self::traced::<1>(study, window, tracing, watch),
             2 => Self::traced::<2>(study, window, tracing, watch),
             _ => Self::traced::<3>(study, window, tracing, watch),

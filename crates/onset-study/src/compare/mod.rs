@@ -14,7 +14,7 @@ pub(crate) use row::outcome;
 pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 
-use crate::answers::ProblemError;
+use crate::answers::{ProblemError, notes_on_law, notes_on_method};
 use crate::settings::{Candidate, Comparison};
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -71,6 +71,8 @@ impl Table {
                 Measured::of_settings(&candidate.settings, &*material, &comparison.options);
             let row = Row {
                 name: candidate.name.clone(),
+                settings: candidate.settings.effective(),
+                notes: notes_on_method(&candidate.settings),
                 measured: measured.map_err(|error| error.to_string()),
             };
             told(&candidate.name);
@@ -78,6 +80,7 @@ impl Table {
         };
         Ok(Self {
             title: comparison.title.clone(),
+            notes: notes_on_law(&*material),
             material: comparison.common.material.model.name().to_owned(),
             dimension: comparison.dimension(),
             options: comparison.options.clone(),

@@ -61,7 +61,11 @@ impl Table {
                 escaped(&meaning)
             ));
         }
-        page.push_str("</dl>\n<figure>");
+        page.push_str("</dl>\n");
+        for note in self.all_notes() {
+            page.push_str(&format!("<p>Note: {}.</p>\n", escaped(&note)));
+        }
+        page.push_str("<figure>");
         page.push_str(&embedded(&self.figure().to_svg()));
         page.push_str("</figure>\n<h2>Recommended</h2>\n<ol>\n");
         let ranking = recommended(self);
@@ -81,6 +85,17 @@ impl Table {
                     escaped(why)
                 ));
             }
+        }
+        page.push_str("</ul>\n<h2>Settings</h2>\n<ul>\n");
+        if let Some(first) = self.rows.first() {
+            page.push_str(&format!(
+                "<li>material: {}</li>\n",
+                escaped(&first.settings.law())
+            ));
+        }
+        for row in &self.rows {
+            let (name, settings) = (escaped(&row.name), escaped(&row.settings.method()));
+            page.push_str(&format!("<li>{name}: {settings}</li>\n"));
         }
         page.push_str("</ul>\n<h2>Rules</h2>\n");
         for rule in RULES {

@@ -2,7 +2,7 @@
 
 use crate::answers::ProblemError;
 use crate::methods::scheme;
-use crate::settings::{CompareSettings, Settings};
+use crate::settings::{CompareSettings, Effective, Settings};
 use onset::material::Hyperelastic;
 use onset::measures::{
     DispersionError, Extent, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
@@ -23,6 +23,10 @@ pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 pub struct Row {
     /// How it is called.
     pub name: String,
+    /// Every choice in effect.
+    pub settings: Effective,
+    /// What a reader must know of the method.
+    pub notes: Vec<String>,
     /// What is measured, or why nothing is.
     #[serde(flatten, serialize_with = "outcome")]
     pub measured: Result<Measured, String>,

@@ -11,6 +11,8 @@ use serde::Serialize;
 pub struct Table {
     /// What the comparison shows.
     pub title: String,
+    /// What a reader must know of the law.
+    pub notes: Vec<String>,
     /// The law.
     pub material: String,
     /// Space dimensions.
@@ -187,6 +189,15 @@ impl Table {
         text
     }
 
+    /// What a reader must know of the law, and of methods by their names.
+    pub(super) fn all_notes(&self) -> Vec<String> {
+        let of_rows = self.rows.iter().flat_map(|row| {
+            let named = |note: &String| format!("{}: {note}", row.name);
+            row.notes.iter().map(named)
+        });
+        self.notes.iter().cloned().chain(of_rows).collect()
+    }
+
     /// The columns and their meaning, a line each.
     pub(super) fn legend(&self) -> Vec<(String, String)> {
         let columns = self.columns().into_iter();
@@ -240,6 +251,20 @@ impl std::fmt::Display for Table {
         writeln!(formatter)?;
         for (head, meaning) in self.legend() {
             writeln!(formatter, "  {head:<10}  {meaning}")?;
+        }
+        for note in self.all_notes() {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        if let Some(first) = self.rows.first() {
+            writeln!(
+                formatter,
+                "\n{:<width$}  {}",
+                "material",
+                first.settings.law()
+            )?;
+        }
+        for row in &self.rows {
+            writeln!(formatter, "{:<width$}  {}", row.name, row.settings.method())?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The answer to: where along this path does the material localize?
 
 use super::{LocalizationError, PlasticSettings};
+use crate::number::{told as number, told_of, vector};
 use crate::settings::Value;
 use nalgebra::Vector3;
 use onset::plasticity::{BandKind, Bands, End, Notion, PathPoint, follow};
@@ -180,6 +181,24 @@ impl LocalizationAnswer {
         text
     }
 
+    /// The shear modulus: what moduli are compared with.
+    fn stiffness(&self) -> f64 {
+        let modulus = self.settings.get("plasticity.shear-modulus");
+        modulus.and_then(serde_json::Value::as_f64).unwrap_or(1.0)
+    }
+
+    /// What forms: in a sheet a neck, whose thickness changes as the kind of the band says.
+    fn band_name(&self, point: &PointAnswer) -> &'static str {
+        match self
+            .settings
+            .get("plasticity.bands")
+            .and_then(serde_json::Value::as_str)
+        {
+            Some("sheet") => "localized neck",
+            _ => point.band.kind.name(),
+        }
+    }
+
     /// The answer in words.
     fn tell(&self, slip: f64) -> String {
         let mut sentence = match &self.localization {
@@ -202,7 +221,7 @@ impl LocalizationAnswer {
                     "The material localizes {when} (strain along axis 1 {}), {hardening}: a {} forms with its normal at {:.2} \
                      degrees to the {} principal stress.",
                     number(onset.strain[0]),
-                    onset.band.kind.name(),
+                    self.band_name(onset),
                     onset.band.angle_to_minor,
                     if onset.stress.iter().all(|stress| *stress >= 0.0) {
                         "smallest"
@@ -215,7 +234,10 @@ impl LocalizationAnswer {
                 "The material does not localize up to the plastic shear strain {}: its plastic modulus stays above the critical \
                  one, by {} at the least.",
                 number(self.path.last().map_or(slip, |point| point.slip)),
-                number(self.closest.plastic_modulus - self.closest.critical_modulus)
+                told_of(
+                    self.closest.plastic_modulus - self.closest.critical_modulus,
+                    self.stiffness()
+                )
             ),
         };
         if let Some(strong) = &self.strong_ellipticity_lost
@@ -293,33 +315,16 @@ fn line(numbers: &[f64]) -> String {
     format!("{}\n", text.join(","))
 }
 
-/// A number with six significant digits.
-fn number(value: f64) -> String {
-    let value = if value.abs() < 1e-300 { 0.0 } else { value };
-    let magnitude = if value == 0.0 {
-        0
-    } else {
-        value.abs().log10().floor() as i32
-    };
-    if (-4..6).contains(&magnitude) {
-        let decimals = usize::try_from(5 - magnitude).unwrap_or(0);
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.5e}")
-    }
-}
-
 impl std::fmt::Display for LocalizationAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(formatter, "{}\n", self.sentence)?;
-        let vector = |v: &[f64; 3]| {
-            let size = v.iter().fold(0.0_f64, |size, c| size.max(c.abs()));
-            let one = |c: &f64| number(if c.abs() < 1e-12 * size { 0.0 } else { *c });
-            format!("({})", v.each_ref().map(one).join(", "))
-        };
         let mut point = |name: &str, point: &PointAnswer| {
             writeln!(formatter, "{name}")?;
-            writeln!(formatter, "  plastic shear strain    {:.12}", point.slip)?;
+            writeln!(
+                formatter,
+                "  plastic shear strain    {}",
+                number(point.slip)
+            )?;
             writeln!(
                 formatter,
                 "  strain                  {}",
@@ -350,7 +355,7 @@ impl std::fmt::Display for LocalizationAnswer {
             writeln!(
                 formatter,
                 "  band                    {}, normal {}, polarization {}",
-                point.band.kind.name(),
+                self.band_name(point),
                 vector(&point.band.normal),
                 vector(&point.band.polarization)
             )?;

@@ -243,7 +243,7 @@ impl PlasticSettings {
             return Err(
                 SettingError::new(origin, format!("`{name}` cannot be {value}"))
                     .hint(format!("expected {expects} ({meaning})"))
-                    .nearest_word(&value, parameter.words()),
+                    .nearest_word(name, &value, parameter.words()),
             );
         }
         self.values[place] = value;

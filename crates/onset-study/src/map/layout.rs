@@ -22,7 +22,7 @@ pub(super) fn layout(study: &Study) -> Layout {
             .map(|dimension| edge.min(dimension.coordinates.len()))
             .collect(),
         dimensions,
-        components: study.settings.discretization.arrangement.dimension(),
+        components: study.settings.dimension(),
         fields: fields(&study.map),
     }
 }
@@ -51,6 +51,7 @@ fn attributes(study: &Study) -> Map<String, Value> {
         ),
         ("onset_version", json!(env!("CARGO_PKG_VERSION"))),
         ("study", json!(study.document())),
+        ("settings", json!(study.effective())),
         ("tolerance", json!(study.map.tolerance)),
     ];
     pairs

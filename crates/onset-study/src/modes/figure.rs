@@ -30,7 +30,8 @@ impl ModesAnswer {
             1 => caption.push_str(" One more mode is listed, but not drawn."),
             rest => caption.push_str(&format!(" {rest} more modes are listed, but not drawn.")),
         }
-        figure.caption(caption)
+        caption.push_str(&format!(" {}", self.settings.caption()));
+        figure.caption(caption.trim_start())
     }
 
     /// A place or a displacement in the picture.

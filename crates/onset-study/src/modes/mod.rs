@@ -6,9 +6,9 @@ mod figure;
 
 pub use export::ExportError;
 
-use crate::answers::ProblemError;
+use crate::answers::{ProblemError, notes};
 use crate::methods::scheme;
-use crate::settings::Settings;
+use crate::settings::{Effective, Settings};
 use nalgebra::SVector;
 use onset::algebra::Complex;
 use onset::lattice::Crystal;
@@ -61,6 +61,10 @@ pub struct ModesAnswer {
     pub modes: Vec<ShownMode>,
     /// The limit of weakness.
     pub weak: f64,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
 }
 
 /// A mode on a patch of particles.
@@ -130,6 +134,8 @@ impl ModesAnswer {
                 .map(|mode| ShownMode::new(mode, crystal, &patch, question.amplitude))
                 .collect(),
             weak: question.weak,
+            notes: notes(settings, &*material),
+            settings: settings.effective(),
         })
     }
 }
@@ -227,6 +233,16 @@ impl ShownMode {
 
 impl fmt::Display for ModesAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_modes(formatter)?;
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
+    }
+}
+
+impl ModesAnswer {
+    fn write_modes(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unsure =
             "\nnot all of the zone could be searched for zero-energy modes: there may be others";
         if self.modes.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::figure::{held, stretches};
 use super::sentence::{heading, witness};
-use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question};
+use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question, told};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
 use onset::notions::{BoxEnd, Notion, SafeBox, Witness, safe_box, widest_safe_box};
@@ -263,7 +263,12 @@ impl CardAnswer {
 
 impl Display for CardAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
-        writeln!(formatter, "{}", heading(&self.material))?;
+        writeln!(
+            formatter,
+            "{}{}",
+            heading(&self.material),
+            told(&self.material.notes)
+        )?;
         let [low, high] = self.range;
         writeln!(
             formatter,

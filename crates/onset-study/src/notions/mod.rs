@@ -8,6 +8,7 @@ mod sentence;
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::notions::{Mode, Range};
 
+use crate::answers::notes_on_law;
 use crate::settings::{MaterialSettings, Value};
 use onset::material::{Hyperelastic, MaterialError};
 use onset::notions::{
@@ -26,13 +27,21 @@ pub enum NotionsError {
     #[error("{0}")]
     Material(#[from] MaterialError),
     /// A loading of it.
-    #[error("{title}: {source}")]
+    #[error("{title}: {source}{}", told(notes))]
     Loading {
         /// Which one.
         title: &'static str,
         /// What is wrong.
         source: LoadingError,
+        /// What is known of the law that may be why.
+        notes: Vec<String>,
     },
+}
+
+/// Notes as they follow a text.
+fn told(notes: &[String]) -> String {
+    let lines = notes.iter().map(|note| format!("\n  note: {note}"));
+    lines.collect()
 }
 
 /// A law as asked for.
@@ -44,6 +53,8 @@ pub struct LawAnswer {
     pub parameters: BTreeMap<String, serde_json::Value>,
     /// Whether it is isotropic, found out by turning the reference.
     pub isotropic: bool,
+    /// What a reader must know of it.
+    pub notes: Vec<String>,
 }
 
 /// What is known about polyconvexity.
@@ -189,6 +200,7 @@ impl Question {
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
                 isotropic: is_isotropic(&*material),
+                notes: notes_on_law(&*material),
             },
             material,
             range,
@@ -251,6 +263,7 @@ impl Question {
             .map_err(|source| NotionsError::Loading {
                 title: loading.title(),
                 source,
+                notes: self.law.notes.clone(),
             })?;
         let has_energy = has_energy(&*self.material);
         let reach = (self.range.low(), self.range.high());

@@ -1,6 +1,6 @@
 //! Notions in words: a table for people, and where notions disagree.
 
-use super::{LoadingAnswer, NotionAnswer, NotionsAnswer, SideAnswer};
+use super::{LoadingAnswer, NotionAnswer, NotionsAnswer, SideAnswer, told};
 use onset::notions::{Change, Knowledge, Notion, Witness};
 use std::fmt::{Display, Formatter, Result};
 
@@ -9,7 +9,12 @@ const SAME: f64 = 1e-6;
 
 impl Display for NotionsAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
-        writeln!(formatter, "{}", heading(&self.material))?;
+        writeln!(
+            formatter,
+            "{}{}",
+            heading(&self.material),
+            told(&self.material.notes)
+        )?;
         let [low, high] = self.range;
         writeln!(formatter, "Stretches from {low} to {high}.")?;
         writeln!(formatter, "{}", polyconvexity(&self.polyconvexity))?;

@@ -44,6 +44,14 @@ pub enum PlotError {
         /// What is wrong.
         source: SettingError,
     },
+    /// Something else than a map.
+    #[error(
+        "{} is not a store of results\n  hint: give the folder of a map, as `onset map STUDY.toml --out map.zarr` writes it", path.display()
+    )]
+    NotAMap {
+        /// What is there.
+        path: PathBuf,
+    },
     /// A boundary.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),
@@ -89,10 +97,19 @@ pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
         .iter()
         .map(|path| StoredMap::open(path))
         .collect::<Result<_, _>>()?;
+    // Of several maps each says what it is of.
+    let captions = maps
+        .iter()
+        .map(|map| format!("{}: {}", map.title(), map.settings()));
+    let captions = captions.collect::<Vec<_>>().join(" ");
     match &maps[..] {
         [map] => single(map, plot, watch),
         [] => Ok(Figure::default()),
-        _ if plot.field == VERDICT => overlay::overlay(&maps, plot.traced, watch),
+        _ if plot.field == VERDICT => {
+            let figure = overlay::overlay(&maps, plot.traced, watch)?;
+            let caption = format!("{} {captions}", figure.caption);
+            Ok(figure.caption(caption.trim_start()))
+        }
         _ => {
             let mut figure = Figure::new("").columns(maps.len().min(3));
             for map in &maps {
@@ -105,7 +122,7 @@ pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
                     figure = figure.with(panel(map, &slice, plot, &title, watch)?);
                 }
             }
-            Ok(figure)
+            Ok(figure.caption(captions))
         }
     }
 }
@@ -117,13 +134,13 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
         let title = slice.title.clone().unwrap_or_default();
         figure = figure.with(panel(map, slice, plot, &title, watch)?);
     }
+    let mut caption = map.settings();
     let missing = map.missing()?;
     if missing > 0 {
-        figure = figure.caption(format!(
-            "White: {missing} tile(s) of the map are still to be computed."
-        ));
+        caption =
+            format!("White: {missing} tile(s) of the map are still to be computed. {caption}");
     }
-    Ok(figure)
+    Ok(figure.caption(caption))
 }
 
 /// Axes in the plane of a study.

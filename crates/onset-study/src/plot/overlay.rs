@@ -54,6 +54,10 @@ pub(super) fn overlay(
     for (n, map) in maps.iter().enumerate() {
         let slice = &map.slices(1)[0];
         let mut name = map.title();
+        // Of equal titles the folders tell which is which.
+        if maps.iter().filter(|other| other.title() == name).count() > 1 {
+            name = format!("{name} ({})", map.path.display());
+        }
         let points = if traced {
             let boundaries = Boundaries::of(&map.study, Tracing::default(), watch)?;
             if n == 0 {

@@ -4,7 +4,7 @@ use super::PlotError;
 use crate::domain::Class;
 use crate::map;
 use crate::settings::{Quantity, Study};
-use crate::store::{Column, Kind, ResultStore, ZarrStore};
+use crate::store::{Column, Kind, ResultStore, StoreError, ZarrStore};
 use onset::verdict::Verdict;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,13 @@ pub(super) type Picture<T> = ((usize, usize), Vec<T>);
 
 impl StoredMap {
     pub(super) fn open(path: &Path) -> Result<Self, PlotError> {
-        let store = ZarrStore::open(path)?;
+        let store = ZarrStore::open(path).map_err(|error| match error {
+            // What to do about it is another thing than where a map shall be written.
+            StoreError::NotAStore { path } | StoreError::Foreign { path } => {
+                PlotError::NotAMap { path }
+            }
+            other => other.into(),
+        })?;
         let text = store
             .attributes()
             .get("study")
@@ -62,6 +68,11 @@ impl StoredMap {
         } else {
             self.study.title.clone()
         }
+    }
+
+    /// What is in effect at all states, as a caption.
+    pub(super) fn settings(&self) -> String {
+        self.study.effective().caption()
     }
 
     /// How many tiles are still to be computed.
@@ -91,9 +102,10 @@ impl StoredMap {
             let name = label
                 .rsplit_once(" (")
                 .map_or(label.as_str(), |(name, _)| name);
+            // A dimension such as stress is no unit.
             let unit = match third.unit() {
-                "1" => String::new(),
-                unit => format!(" {unit}"),
+                unit @ ("rad" | "deg") => format!(" {unit}"),
+                _ => String::new(),
             };
             Slice {
                 study,

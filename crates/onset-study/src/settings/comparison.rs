@@ -1,11 +1,13 @@
 //! A comparison: several methods for one material, from TOML.
 
 use super::key::key;
+use super::study::read;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, unknown_key};
+use crate::compare::PANELS;
 use onset::time_step::Integrator;
 use serde::Serialize;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 /// The keys of a comparison for what is asked of every method.
 pub const COMPARISON_KEYS: &[Key] = &[
@@ -102,6 +104,21 @@ pub struct Comparison {
     pub text: String,
 }
 
+/// Keys, without their section, that say of a body what every method of it has in common: the particles, and their weights.
+const SHARED: &[&str] = &[
+    "arrangement",
+    "aspect",
+    "vectors",
+    "basis",
+    "cells",
+    "perturbation",
+    "seed",
+    "spacing",
+    "density",
+    "kernel",
+    "support",
+];
+
 /// Methods as one would write them, to copy.
 const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    frame = \"eulerian\"\n    quadrature = \"nodal\"\n\n    \
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
@@ -126,7 +143,7 @@ impl Comparison {
             candidates: Vec::new(),
             text: text.to_owned(),
         };
-        let mut methods = None;
+        let (mut methods, mut is_study) = (None, false);
         for (key, value) in in_order(table.get_ref()) {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("title", DeValue::String(title)) => comparison.title = title.to_string(),
@@ -139,6 +156,8 @@ impl Comparison {
                     })?;
                 }
                 ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
+                // A study may be compared too: what it says about maps is checked, and no more.
+                ("state" | "axes" | "map", _) => is_study = true,
                 (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
                     let message = format!("`{section}` cannot be {}", described(other));
                     let expected = match section {
@@ -162,7 +181,17 @@ impl Comparison {
             comparison.assign(assignment.as_ref())?;
         }
         comparison.common.material.check()?;
-        let Some((origin, items)) = methods.filter(|(_, items)| !items.is_empty()) else {
+        if is_study {
+            let study = read(name, text)?;
+            let common = &comparison.common;
+            study.check_nothing_is_left_open(|key| common.origin(key.name).is_some())?;
+        }
+        let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
+        if is_study && methods.is_none() {
+            comparison.with_known_methods()?;
+            return Ok(comparison);
+        }
+        let Some((origin, items)) = methods else {
             let message = "the comparison has no methods; expected one or more";
             return Err(SettingError::new(file.at(0), message).hint(EXAMPLE));
         };
@@ -184,7 +213,48 @@ impl Comparison {
             comparison.candidates.push(candidate);
         }
         comparison.check_dimensions()?;
+        comparison.check_common_is_read()?;
         Ok(comparison)
+    }
+
+    /// The method of a study beside those that the program knows, with the study's material and particles.
+    fn with_known_methods(&mut self) -> Result<(), SettingError> {
+        self.common.check(&[])?;
+        let dimension = self.common.dimension();
+        let (name, text) = PANELS[dimension - 1];
+        let panel = Self::parse::<&str>(name, text, &[])?;
+        self.candidates.push(Candidate {
+            name: "the study's own method".to_owned(),
+            settings: self.common.clone(),
+            origin: Origin::Combination,
+        });
+        for mut candidate in panel.candidates {
+            candidate.settings.material = self.common.material.clone();
+            for (key, origin) in self.common.set_keys() {
+                let is_free = candidate.settings.origin(key.name) == panel.common.origin(key.name);
+                let value = self.common.value(key.name).filter(|_| is_free);
+                if let (true, Some(value)) = (SHARED.contains(&key.parts().1), value) {
+                    candidate.settings.set(key.name, &value, origin.clone())?;
+                }
+            }
+            self.candidates.push(candidate);
+        }
+        self.check_dimensions()
+    }
+
+    /// That some method reads what all have in common.
+    fn check_common_is_read(&self) -> Result<(), SettingError> {
+        for (key, origin) in self.common.set_keys() {
+            let unmet = |candidate: &Candidate| candidate.settings.unmet(key);
+            let mut candidates = self.candidates.iter();
+            if let (Some(unmet), true) = (
+                self.candidates.first().and_then(unmet),
+                candidates.all(|candidate| unmet(candidate).is_some()),
+            ) {
+                return Err(SettingError::unread(key, &unmet, origin.clone()));
+            }
+        }
+        Ok(())
     }
 
     /// Applies one assignment `key=value`.
@@ -267,8 +337,9 @@ impl Comparison {
             }
         }
         for (key, origin) in own_keys {
-            settings.check_effect(key, origin)?;
+            settings.check_read(key, origin, &[])?;
         }
+        settings.check_grid()?;
         let name = name.ok_or_else(|| {
             SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
         })?;

@@ -1,6 +1,6 @@
 //! Errors of settings: where, what, and what to do.
 
-use super::Value;
+use super::{Key, Unmet, Value, aliases};
 use thiserror::Error;
 
 /// Where a setting was made.
@@ -73,6 +73,23 @@ impl SettingError {
         }
     }
 
+    /// The error for a key that nothing reads.
+    pub(super) fn unread(key: &Key, unmet: &Unmet, origin: Origin) -> Self {
+        let value = match &unmet.value {
+            Value::Word(word) => word.clone(),
+            other => other.to_string(),
+        };
+        let message = format!(
+            "`{}` has no effect: {} is {value}",
+            key.name, unmet.need.key
+        );
+        Self::new(origin, message).hint(format!(
+            "leave `{}` out; it is read with {}",
+            key.name,
+            key.readers()
+        ))
+    }
+
     /// The same with a hint.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
@@ -80,7 +97,11 @@ impl SettingError {
     }
 
     /// Names the word nearest to the one typed, where words are expected.
-    pub(crate) fn nearest_word(mut self, value: &Value, words: &[&str]) -> Self {
+    pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&str]) -> Self {
+        if let (Some(meant), Some(hint)) = (aliases::word(key, value), &mut self.hint) {
+            hint.push_str(&format!("; did you mean {meant}?"));
+            return self;
+        }
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
             && let Some(nearest) = nearest(word, words.iter().copied())
             && words.len() > 1

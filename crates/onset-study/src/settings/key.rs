@@ -1,6 +1,9 @@
 //! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
 
-use super::method::{METHOD_KEYS, MethodSettings};
+use super::method::{
+    APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, WEIGHTED,
+};
+use super::needs::{Cases, is, is_not};
 use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
 use onset::material::Parameter;
 use onset::method::Discretization;
@@ -95,8 +98,8 @@ pub struct Key {
     pub kind: Kind,
     /// What it means.
     pub meaning: &'static str,
-    /// The key and the word (or `true`) without which it has no effect; several words with ` | ` between them.
-    pub only_with: Option<(&'static str, &'static str)>,
+    /// Under which other choices it is read.
+    pub read_with: Cases,
 }
 
 pub(super) const fn key(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
@@ -104,11 +107,26 @@ pub(super) const fn key(name: &'static str, kind: Kind, meaning: &'static str) -
         name,
         kind,
         meaning,
-        only_with: None,
+        read_with: &[],
     }
 }
 
-const EULERIAN: (&str, &str) = ("discretization.frame", "eulerian");
+const EULERIAN: Cases = &[&[is("discretization.frame", &["eulerian"])]];
+/// Kernel methods of current coordinates with one particle in a cell.
+const EULERIAN_ALONE: Cases = &[&[
+    is("discretization.frame", &["eulerian"]),
+    is_not(
+        "discretization.arrangement",
+        &["honeycomb", "hexagonal-close-packed", "diamond"],
+    ),
+    is("discretization.basis", &["[]"]),
+    is("discretization.cells", &["1"]),
+]];
+const DISORDERED: Cases = &[&[is_not("discretization.perturbation", &["0"])]];
+const SUPPORT_SIZE: Cases = &[
+    &[is("discretization.frame", &["eulerian"])],
+    &[is("discretization.method", &["updated-sph"])],
+];
 
 /// Every key of material and discretization, in the order of the documentation. Those of materials follow from the
 /// library of laws.
@@ -195,39 +213,44 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "triclinic",
         ]),
         "arrangement of the particles",
-    ),
+    )
+    .only_with(LATTICE),
     key(
         "discretization.aspect",
         Kind::Positive("1"),
         "rectangular arrangement: the second side over the first",
     )
-    .only_with(("discretization.arrangement", "rectangular")),
+    .only_with(&[&[is("discretization.arrangement", &["rectangular"])]]),
     key(
         "discretization.vectors",
         Kind::Numbers,
         "oblique and triclinic arrangement: components of the primitive vectors in spacings, one vector after the other",
     )
-    .only_with(("discretization.arrangement", "oblique | triclinic")),
+    .only_with(&[&[is("discretization.arrangement", &["oblique", "triclinic"])]]),
     key(
         "discretization.basis",
         Kind::Numbers,
         "more particles in the cell, the first being at the origin: their lattice coordinates, one particle after the other",
-    ),
+    )
+    .only_with(CRYSTAL),
     key(
         "discretization.cells",
         Kind::Whole(1, 16),
         "cells along each primitive vector that are taken together, so that their particles can differ",
-    ),
+    )
+    .only_with(CRYSTAL),
     key(
         "discretization.perturbation",
         Kind::Number("1"),
         "largest random offset of a particle along each axis, in spacings",
-    ),
+    )
+    .only_with(CRYSTAL),
     key(
         "discretization.seed",
         Kind::Whole(0, 1_000_000_000),
         "seed of the random offsets",
-    ),
+    )
+    .only_with(DISORDERED),
     key(
         "discretization.spacing",
         Kind::Positive("length"),
@@ -242,12 +265,14 @@ const DISCRETIZATION_KEYS: &[Key] = &[
         "discretization.kernel",
         Kind::WordsOr(KERNELS, "a formula of q = r / R0"),
         "weight function",
-    ),
+    )
+    .only_with(WEIGHTED),
     key(
         "discretization.support",
         Kind::Positive("1"),
         "support radius in units of discretization.spacing, D_mx",
-    ),
+    )
+    .only_with(WEIGHTED),
     key(
         "discretization.approximation",
         Kind::Words(&[
@@ -260,7 +285,8 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "krongauz-belytschko",
         ]),
         "correction of the weights",
-    ),
+    )
+    .only_with(APPROXIMATED),
     key(
         "discretization.quadrature",
         Kind::Words(&[
@@ -272,48 +298,51 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "points",
         ]),
         "quadrature points",
-    ),
+    )
+    .only_with(KERNEL_METHOD),
     key(
         "discretization.stress-point-weight",
         Kind::Positive("1"),
         "fraction of the cell's volume at the stress points, below 1; Voronoi volumes unless it is set",
     )
-    .only_with(("discretization.quadrature", "stress-points")),
+    .only_with(&[&[is("discretization.quadrature", &["stress-points"])]]),
     key(
         "discretization.gauss-points",
         Kind::Whole(1, 4),
         "Gauss points per direction",
     )
-    .only_with(("discretization.quadrature", "gauss")),
+    .only_with(&[&[is("discretization.quadrature", &["gauss"])]]),
     key(
         "discretization.points",
         Kind::Numbers,
         "for each point its lattice coordinates and its fraction of the cell's volume, one after the other; \
          the fractions add up to 1",
     )
-    .only_with(("discretization.quadrature", "points")),
+    .only_with(&[&[is("discretization.quadrature", &["points"])]]),
     key(
         "discretization.frame",
         Kind::Words(&["lagrangian", "eulerian"]),
         "coordinates of the kernel",
-    ),
+    )
+    .only_with(KERNEL_METHOD),
     key(
         "discretization.background",
         Kind::Words(&["imposed", "interpolated"]),
         "deformation that the quadrature points carry",
-    ),
+    )
+    .only_with(KERNEL_METHOD),
     key(
         "discretization.lattice",
         Kind::Words(&["convected", "regular"]),
         "Eulerian kernels: positions of the particles",
     )
-    .only_with(EULERIAN),
+    .only_with(EULERIAN_ALONE),
     key(
         "discretization.support-size",
         Kind::Words(&["fixed", "scaled", "convected"]),
-        "Eulerian kernels: size of the support",
+        "Eulerian kernels and updated SPH: size of the support",
     )
-    .only_with(EULERIAN),
+    .only_with(SUPPORT_SIZE),
     key(
         "discretization.linearization",
         Kind::Words(&[
@@ -369,7 +398,7 @@ pub const MAP_KEYS: &[Key] = &[
         Kind::PowerOfTwo(2, 1024),
         "coarsest stride of the refinement, in states; at most the edge of a tile",
     )
-    .only_with(("map.adaptive", "true")),
+    .only_with(&[&[is("map.adaptive", &["true"])]]),
     key(
         "map.certify",
         Kind::Switch,
@@ -380,7 +409,7 @@ pub const MAP_KEYS: &[Key] = &[
         Kind::Positive("1"),
         "how far from the boundary a certified state may stay undecided",
     )
-    .only_with(("map.certify", "true")),
+    .only_with(&[&[is("map.certify", &["true"])]]),
     key(
         "map.tile",
         Kind::Whole(8, 1024),
@@ -450,8 +479,8 @@ impl Key {
         self.parts().0 == "material" && self.unit().is_some()
     }
 
-    pub(super) const fn only_with(mut self, needed: (&'static str, &'static str)) -> Self {
-        self.only_with = Some(needed);
+    pub(super) const fn only_with(mut self, cases: Cases) -> Self {
+        self.read_with = cases;
         self
     }
 

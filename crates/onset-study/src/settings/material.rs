@@ -1,7 +1,7 @@
 //! The material as set: a model, and what it needs by name.
 
 use super::error::{Origin, SettingError, nearest};
-use super::{Key, Kind, Model, Value};
+use super::{Key, Kind, Model, Value, aliases};
 use onset::material::{Hyperelastic, MaterialError};
 use std::collections::BTreeMap;
 
@@ -60,6 +60,9 @@ impl MaterialSettings {
             return SettingError::new(origin, message).hint(self.model.hint());
         }
         let error = SettingError::new(origin, format!("unknown key `material.{name}`"));
+        if let Some(told) = aliases::key(name) {
+            return error.hint(told);
+        }
         let names = std::iter::once("model").chain(self.model.names());
         let full: Vec<String> = names.map(|name| format!("material.{name}")).collect();
         match nearest(&format!("material.{name}"), full.iter().map(String::as_str)) {
@@ -84,6 +87,11 @@ impl MaterialSettings {
             )
             .hint(format!("set material.{name}"))),
         }
+    }
+
+    /// Where a key, named without its section, was set.
+    pub(super) fn origin(&self, name: &str) -> Option<&Origin> {
+        self.set.get(name).map(|(_, origin)| origin)
     }
 
     /// What a key, named without its section, was set to.

@@ -2,6 +2,7 @@
 
 use super::Value;
 use super::key::{Key, Kind, key};
+use super::needs::{Cases, is, is_not};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
@@ -41,34 +42,6 @@ impl Family {
         "peridynamics",
         "material-points",
     ];
-
-    /// Whether the family reads a key that several families share.
-    pub(super) fn reads(self, key: &str) -> bool {
-        let Some(name) = key.strip_prefix("discretization.") else {
-            return true;
-        };
-        match name {
-            "aspect" | "vectors" | "basis" | "cells" | "perturbation" | "seed" => {
-                !matches!(self, Self::FiniteElements | Self::MaterialPoints)
-            }
-            "arrangement" => self != Self::FiniteElements,
-            "kernel" | "support" => !matches!(
-                self,
-                Self::FiniteElements | Self::MaterialPoints | Self::Peridynamics
-            ),
-            "approximation" => matches!(self, Self::Kernel | Self::Conforming),
-            "support-size" => matches!(self, Self::Kernel | Self::UpdatedSph),
-            "quadrature"
-            | "stress-point-weight"
-            | "gauss-points"
-            | "points"
-            | "frame"
-            | "background"
-            | "lattice"
-            | "linearization" => self == Self::Kernel,
-            _ => true,
-        }
-    }
 }
 
 /// The law of the bonds of a peridynamic body.
@@ -244,21 +217,44 @@ impl MethodSettings {
     }
 }
 
-const SPH: (&str, &str) = (
-    "discretization.method",
-    "total-lagrangian-sph | updated-sph",
-);
-const TOTAL_SPH: (&str, &str) = ("discretization.method", "total-lagrangian-sph");
-const UPDATED_SPH: (&str, &str) = ("discretization.method", "updated-sph");
-const ELEMENTS: (&str, &str) = ("discretization.method", "finite-elements");
-const ONE_POINT: (&str, &str) = ("discretization.integration", "one-point");
-const CONFORMING: (&str, &str) = ("discretization.method", "conforming");
-const PERIDYNAMICS: (&str, &str) = ("discretization.method", "peridynamics");
-const BONDS: (&str, &str) = ("discretization.bonds", "bond-based");
-const CORRESPONDENCE: (&str, &str) = ("discretization.bonds", "correspondence");
-const CONTROL: (&str, &str) = ("discretization.control", "penalty | hourglass");
-const POINTS: (&str, &str) = ("discretization.method", "material-points");
-const CURRENT: (&str, &str) = ("discretization.unknowns", "updated | particles");
+const METHOD: &str = "discretization.method";
+pub(super) const KERNEL_METHOD: Cases = &[&[is(METHOD, &["kernel"])]];
+/// Particles on a lattice, or in its cells.
+pub(super) const CRYSTAL: Cases = &[&[is_not(METHOD, &["finite-elements", "material-points"])]];
+/// Particles on a lattice, or points in the cells of a grid.
+pub(super) const LATTICE: Cases = &[&[is_not(METHOD, &["finite-elements"])]];
+/// Methods with weights of a finite support.
+pub(super) const WEIGHTED: Cases = &[&[is(
+    METHOD,
+    &[
+        "kernel",
+        "total-lagrangian-sph",
+        "updated-sph",
+        "conforming",
+    ],
+)]];
+pub(super) const APPROXIMATED: Cases = &[&[is(METHOD, &["kernel", "conforming"])]];
+const SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph", "updated-sph"])]];
+const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
+const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
+const UPDATED_SPH: Cases = &[&[is(METHOD, &["updated-sph"])]];
+const ARTIFICIALLY_STRESSED: Cases = &[&[is_not("discretization.artificial-stress", &["0"])]];
+const ELEMENTS: Cases = &[&[is(METHOD, &["finite-elements"])]];
+/// Elements in which the gradient varies.
+const MULTILINEAR: Cases = &[&[is("discretization.mesh", &["quadrilaterals", "bricks"])]];
+const ONE_POINT: Cases = &[&[is("discretization.integration", &["one-point"])]];
+const CONFORMING: Cases = &[&[is(METHOD, &["conforming"])]];
+const PERIDYNAMICS: Cases = &[&[is(METHOD, &["peridynamics"])]];
+const BONDS: Cases = &[&[is("discretization.bonds", &["bond-based"])]];
+const CORRESPONDENCE: Cases = &[&[is("discretization.bonds", &["correspondence"])]];
+const CONTROL: Cases = &[&[is("discretization.control", &["penalty", "hourglass"])]];
+const POINTS: Cases = &[&[is(METHOD, &["material-points"])]];
+const SEVERAL_POINTS: Cases = &[&[is_not("discretization.points-per-side", &["1"])]];
+const NODES: Cases = &[&[is(
+    "discretization.unknowns",
+    &["total-lagrangian", "updated"],
+)]];
+const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
 
 /// The keys of families of methods, in the order of the documentation.
 pub(super) const METHOD_KEYS: &[Key] = &[
@@ -272,7 +268,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Switch,
         "SPH: gradients corrected to be exact for linear fields (PySPH: false)",
     )
-    .only_with(SPH),
+    .only_with(MULTILINEAR),
     key(
         "discretization.momentum",
         Kind::Words(&["symmetric", "mean", "difference"]),
@@ -302,7 +298,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["always", "averaged", "smd"]),
         "SPH: whether artificial viscosity acts always, as the mean of compression only, or as in LAMMPS' SMD",
     )
-    .only_with(SPH),
+    .only_with(VISCOUS),
     key(
         "discretization.artificial-stress",
         Kind::Number("1"),
@@ -314,7 +310,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Number("1"),
         "updated SPH: exponent of artificial stress",
     )
-    .only_with(UPDATED_SPH),
+    .only_with(ARTIFICIALLY_STRESSED),
     key(
         "discretization.velocity-smoothing",
         Kind::Number("1"),
@@ -439,7 +435,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["uniform", "gauss"]),
         "material points: where they are in their cell",
     )
-    .only_with(POINTS),
+    .only_with(SEVERAL_POINTS),
     key(
         "discretization.offset",
         Kind::Number("1"),
@@ -463,7 +459,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["lumped", "consistent"]),
         "material points: masses of the nodes",
     )
-    .only_with(POINTS),
+    .only_with(NODES),
     key(
         "discretization.grid",
         Kind::Words(&["convected", "regular"]),

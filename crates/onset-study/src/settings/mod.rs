@@ -3,14 +3,19 @@
 //! Every key is defined once, in the tables [`KEYS`], [`STATE_KEYS`] and [`MAP_KEYS`]; parsing, suggestions, the schema and
 //! documentation follow from them.
 
+mod aliases;
 mod axis;
 mod comparison;
+mod effective;
 mod error;
 mod key;
 mod map;
 mod material;
 mod method;
 mod model;
+mod needs;
+#[cfg(test)]
+mod readers;
 mod schema;
 mod state;
 mod study;
@@ -18,12 +23,14 @@ mod toml;
 
 pub use axis::{Axis, Quantity};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
+pub use effective::{Choice, Effective};
 pub use error::{Origin, SettingError};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::MaterialSettings;
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns};
 pub use model::{Model, OwnModel};
+pub use needs::{Cases, Need, Unmet};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
@@ -39,6 +46,7 @@ use onset::scheme::element::ElementMesh;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
+use std::collections::BTreeMap;
 
 /// Material and discretization, as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,21 +57,68 @@ pub struct Settings {
     pub discretization: Discretization,
     /// The family of methods, with the choices of other families.
     pub method: MethodSettings,
+    /// Where keys of the discretization were set.
+    origins: BTreeMap<&'static str, Origin>,
 }
 
 impl Settings {
     /// The defaults, changed by assignments such as `discretization.support=1.6`, in order.
     ///
     /// # Errors
-    /// [`SettingError`] for an unknown key, a value of the wrong kind, or a parameter that the model does not
-    /// have.
+    /// [`SettingError`] for an unknown key, a value of the wrong kind, and as for [`Settings::check`].
     pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
         let mut settings = Self::default();
         for assignment in assignments {
             settings.assign(assignment.as_ref())?;
         }
-        settings.material.check()?;
+        settings.check(&[])?;
         Ok(settings)
+    }
+
+    /// That everything that was set is read; `open` are keys that are about to be varied.
+    ///
+    /// # Errors
+    /// [`SettingError`] for a parameter that the model does not have, and a key that the method does not read.
+    pub fn check(&self, open: &[&str]) -> Result<(), SettingError> {
+        self.material.check()?;
+        for (name, origin) in self.set_keys() {
+            self.check_read(name, origin.clone(), open)?;
+        }
+        self.check_grid()
+    }
+
+    /// The keys of the discretization that were set, with where, in the order of the table.
+    pub(crate) fn set_keys(&self) -> impl Iterator<Item = (&'static Key, &Origin)> {
+        KEYS.iter()
+            .filter_map(|key| Some((key, self.origins.get(key.name)?)))
+    }
+
+    /// Where a key was set; `None` where it was not.
+    pub(crate) fn origin(&self, name: &str) -> Option<&Origin> {
+        match name.strip_prefix("material.") {
+            Some(own) if own != "model" => self.material.origin(own),
+            _ => self.origins.get(name),
+        }
+    }
+
+    /// Material points have a grid, whose arrangement follows from the number of dimensions.
+    fn check_grid(&self) -> Result<(), SettingError> {
+        let set = self.discretization.arrangement;
+        let grid = self.zone();
+        match self.origins.get("discretization.arrangement") {
+            Some(origin) if self.method.method == Family::MaterialPoints && set != grid => {
+                let message = format!(
+                    "material points have a {} grid in {} dimension(s), not a {} arrangement",
+                    grid.name(),
+                    self.dimension(),
+                    set.name()
+                );
+                Err(SettingError::new(origin.clone(), message).hint(
+                    "set discretization.arrangement to chain, square or simple-cubic, or leave it out for a square grid",
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The number of space dimensions of the discretization.
@@ -74,9 +129,12 @@ impl Settings {
         }
     }
 
-    /// The arrangement whose zone the waves have: that of the nodes with finite elements.
+    /// The arrangement whose zone the waves have: that of the nodes with finite elements and material points.
     pub fn zone(&self) -> Arrangement {
         match (self.method.method, self.dimension()) {
+            (Family::MaterialPoints, 1) => Arrangement::Chain,
+            (Family::MaterialPoints, 2) => Arrangement::Square,
+            (Family::MaterialPoints, _) => Arrangement::SimpleCubic,
             (Family::FiniteElements, 1) => Arrangement::Chain,
             (Family::FiniteElements, 2)
                 if self.method.mesh == ElementMesh::TrianglesEquilateral =>
@@ -114,12 +172,19 @@ impl Settings {
         let of_problem = |key: &&Key| matches!(key.parts().0, "material" | "discretization");
         let key = Key::for_setting(name, value.number().is_some());
         let Some(key) = key.filter(of_problem) else {
+            if let Some(key) = study_keys().find(|key| key.name == name) {
+                let message = format!(
+                    "`{name}` has no effect here: this question is not about a map of states"
+                );
+                return Err(SettingError::new(origin, message)
+                    .hint(format!("leave `{name}` out ({})", key.meaning)));
+            }
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{name}` cannot be {value}"))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(value, key.words())
+                .nearest_word(key.name, value, key.words())
         };
         let number = value.number();
         let discretization = &mut self.discretization;
@@ -206,53 +271,45 @@ impl Settings {
             ),
             _ => self.material.set(key, value, origin.clone()),
         };
-        if done { Ok(()) } else { Err(wrong(origin)) }
+        if !done {
+            return Err(wrong(origin));
+        }
+        if key.parts().0 == "discretization" || name == "material.model" {
+            self.origins.insert(key.name, origin);
+        }
+        Ok(())
     }
 }
 
 impl Settings {
-    /// Refuses a key that the method does not read.
+    /// Why a key of the discretization is not read; `None` where it is.
+    pub fn unmet(&self, key: &Key) -> Option<Unmet> {
+        key.unmet(&|name| self.value(name))
+    }
+
+    /// Refuses a key that the method with its other choices does not read; `open` are keys that are about to be varied.
     ///
     /// # Errors
     /// [`SettingError`] with what the key needs.
-    pub fn check_effect(&self, key: &Key, origin: Origin) -> Result<(), SettingError> {
-        let family = self.method.method;
-        if !family.reads(key.name) {
-            let word = self.value("discretization.method");
-            let word = word.map_or_else(String::new, |word| word.to_string());
-            let message = format!(
-                "`{}` has no effect: discretization.method is {word}",
-                key.name
-            );
-            return Err(SettingError::new(origin, message).hint(format!(
-                "leave `{}` out, or choose another method",
-                key.name
-            )));
+    pub fn check_read(&self, key: &Key, origin: Origin, open: &[&str]) -> Result<(), SettingError> {
+        let value = |name: &str| self.value(name).filter(|_| !open.contains(&name));
+        match key.unmet(&value) {
+            None => Ok(()),
+            Some(unmet) => Err(SettingError::unread(key, &unmet, origin)),
         }
-        // The size of the support of updated particles needs no frame.
-        let needed = key
-            .only_with
-            .filter(|_| family != Family::UpdatedSph || key.name != "discretization.support-size");
-        let Some((needed, words)) = needed else {
-            return Ok(());
-        };
-        if let Some(needed) = Key::named(needed) {
-            self.check_effect(needed, origin.clone())?;
+    }
+
+    /// What a key of the discretization is unless it is set.
+    fn default_of(&self, key: &Key) -> Option<Value> {
+        match key.name {
+            // A grid has no other arrangement.
+            "discretization.arrangement" if self.method.method == Family::MaterialPoints => {
+                let plane = self.dimension() == 2;
+                plane.then(|| Value::Word(self.zone().name().to_owned()))
+            }
+            "discretization.stress-point-weight" => None,
+            name => Self::default().value(name),
         }
-        let value = self.value(needed).map(|value| value.to_string());
-        let is = |word: &str| {
-            value
-                .as_deref()
-                .is_some_and(|value| value.trim_matches('"') == word)
-        };
-        if words.split(" | ").any(is) {
-            return Ok(());
-        }
-        let message = format!("`{}` has no effect: {needed} is not {words}", key.name);
-        Err(SettingError::new(origin, message).hint(format!(
-            "leave `{}` out, or set {needed} to {words}",
-            key.name
-        )))
     }
 
     /// The value of a key; `None` when there is no such key, or for a constant of another material.
@@ -263,6 +320,9 @@ impl Settings {
                 let mut entries = self.material.entries().into_iter();
                 let (_, value) = entries.find(|(entry, _)| *entry == name)?;
                 Some(value)
+            }
+            ("discretization", "arrangement") if self.method.method == Family::MaterialPoints => {
+                Some(Value::Word(self.zone().name().to_owned()))
             }
             ("discretization", name) => {
                 let own = serde_json::to_value(&self.discretization).ok()?;
@@ -396,6 +456,9 @@ pub(crate) fn unknown_key<'a>(
     origin: Origin,
 ) -> SettingError {
     let error = SettingError::new(origin, format!("unknown key `{name}`"));
+    if let Some(told) = aliases::key(name) {
+        return error.hint(told);
+    }
     // A key without its section names the section's key.
     let completed = known
         .clone()

@@ -1,7 +1,7 @@
 //! The JSON Schema of a study, from the tables of keys.
 
 use super::study::STATES;
-use super::{Key, Kind, Model, Quantity, study_keys};
+use super::{COMPARISON_KEYS, KEYS, Key, Kind, Model, Need, Quantity, study_keys};
 use onset::material::{Admitted, Parameter};
 use serde_json::{Map, Value, json};
 
@@ -15,6 +15,8 @@ pub fn schema() -> Value {
         }
         sections.insert(section.to_owned(), table(section));
     }
+    sections.insert("compare".to_owned(), comparison());
+    sections.insert("methods".to_owned(), methods());
     let title = json!({ "type": "string", "description": "what the study shows" });
     let mut properties = Map::from_iter([("title".to_owned(), title)]);
     properties.extend(sections);
@@ -40,12 +42,52 @@ fn table(section: &str) -> Value {
         "properties": properties,
         "additionalProperties": false
     });
+    let conditions: Vec<Value> = study_keys()
+        .filter(|key| key.parts().0 == section)
+        .filter_map(readers)
+        .collect();
+    if !conditions.is_empty() {
+        table["allOf"] = conditions.into();
+    }
     if section == "material" {
         // A model of one's own names its parameters itself.
         table["additionalProperties"] = json!({ "type": "number" });
         table["allOf"] = Model::all().map(keys_of).collect();
     }
     table
+}
+
+/// That a key stands only where it is read. What an axis may vary is not known here, and not demanded.
+fn readers(key: &Key) -> Option<Value> {
+    let cases: Vec<Value> = key
+        .all_needs()
+        .iter()
+        .map(|case| {
+            let needs: Vec<Value> = case.iter().filter_map(demand).collect();
+            json!({ "allOf": needs })
+        })
+        .collect();
+    // A case without demands is always met.
+    let is_open = cases.iter().any(|case| case["allOf"] == json!([]));
+    let condition = json!({ "required": [key.parts().1] });
+    (!cases.is_empty() && !is_open).then(|| json!({ "if": condition, "then": { "anyOf": cases } }))
+}
+
+/// What a need demands of the section.
+fn demand(need: &Need) -> Option<Value> {
+    let key = Key::named(need.key).filter(|key| !key.is_varied())?;
+    let value = |written: &&str| serde_json::from_str(written).unwrap_or_else(|_| json!(written));
+    let values: Vec<Value> = need.values.iter().map(value).collect();
+    let is_met_by_default = values.contains(&key.default_json()) == need.one_of;
+    let (name, listed) = (key.parts().1, json!({ "enum": values }));
+    let mut demand = match need.one_of {
+        true => json!({ "properties": { name: listed } }),
+        false => json!({ "properties": { name: { "not": listed } } }),
+    };
+    if !is_met_by_default {
+        demand["required"] = json!([name]);
+    }
+    Some(demand)
 }
 
 /// That a material has its own keys only, and which numbers its law admits.
@@ -124,6 +166,35 @@ fn property(key: &Key) -> Value {
         property["default"] = default;
     }
     property
+}
+
+/// What is asked of methods that are compared.
+fn comparison() -> Value {
+    let properties: Map<String, Value> = COMPARISON_KEYS
+        .iter()
+        .map(|key| (key.parts().1.to_owned(), property(key)))
+        .collect();
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// Methods that are compared: keys of the discretization under a name.
+fn methods() -> Value {
+    let own = KEYS.iter().filter(|key| key.parts().0 == "discretization");
+    let mut properties: Map<String, Value> = own
+        .map(|key| (key.parts().1.to_owned(), property(key)))
+        .collect();
+    let name = json!({ "type": "string", "description": "how the method is called in tables and figures" });
+    properties.insert("name".to_owned(), name);
+    json!({
+        "type": "array",
+        "description": "methods to compare: what each has beside [discretization]",
+        "items": {
+            "type": "object",
+            "properties": properties,
+            "required": ["name"],
+            "additionalProperties": false
+        }
+    })
 }
 
 fn axes() -> Value {

@@ -3,11 +3,12 @@
 mod check;
 mod file;
 mod overriding;
+mod problem;
 
-pub(super) use file::STATES;
+pub(super) use file::{STATES, read};
 
 use super::{
-    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Unmet, Value,
 };
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use std::collections::BTreeMap;
@@ -45,7 +46,7 @@ pub struct Study {
 struct Origins {
     /// The beginning of the file.
     file: Origin,
-    /// Of every key that was set.
+    /// Of every key of `[state]` and `[map]` that was set; the others know where they were set.
     keys: BTreeMap<&'static str, Origin>,
     /// Of the axes, in their order.
     axes: Vec<AxisOrigin>,
@@ -65,6 +66,7 @@ impl Study {
     /// [`SettingError`] with line and column of what cannot be accepted, what is expected, and a hint.
     pub fn parse(name: &str, text: &str) -> Result<Self, SettingError> {
         let study = file::read(name, text)?;
+        study.require_axes()?;
         study.check()?;
         Ok(study)
     }
@@ -148,30 +150,32 @@ impl Study {
         self
     }
 
-    /// The keys that were set without effect, with what they need and where they were set.
-    pub fn keys_without_effect(&self) -> Vec<(&'static Key, &Origin)> {
-        let set = |key: &'static Key| Some((key, self.origins.keys.get(key.name)?));
-        super::study_keys()
-            .filter(|key| !self.has_effect(key))
-            .filter_map(set)
-            .collect()
+    /// Why a key is not read; `None` where it is at some state.
+    fn unmet(&self, key: &Key) -> Option<Unmet> {
+        key.unmet(&|name| self.value(name).filter(|_| !self.is_varied(name)))
     }
 
-    /// Whether what a key needs is given.
-    fn has_effect(&self, key: &Key) -> bool {
-        if let ("material", name) = key.parts() {
-            return name == "model" || self.settings.material.model.takes(name);
+    /// Whether a key is in effect at some state.
+    fn is_read(&self, key: &Key) -> bool {
+        match key.parts() {
+            ("material", "model") => true,
+            ("material", name) => self.settings.material.model.takes(name),
+            _ => self.unmet(key).is_none(),
         }
-        key.only_with.is_none_or(|(needed, word)| {
-            let has_own = Key::named(needed).is_none_or(|needed| self.has_effect(needed));
-            has_own
-                && self.value(needed).is_some_and(|value| {
-                    let is = |word: &str| {
-                        value == Value::Word(word.to_owned()) || value.to_string() == word
-                    };
-                    word.split(" | ").any(is)
-                })
-        })
+    }
+
+    /// Whether an axis varies what a key sets.
+    fn is_varied(&self, name: &str) -> bool {
+        let mut axes = self.axes.iter();
+        axes.any(|axis| axis.quantity.key_name() == name)
+    }
+
+    /// Where a key was set; `None` where it was not.
+    fn origin(&self, name: &str) -> Option<&Origin> {
+        self.origins
+            .keys
+            .get(name)
+            .or_else(|| self.settings.origin(name))
     }
 
     /// The value of a key, where no axis varies it; `None` for a constant of another material.

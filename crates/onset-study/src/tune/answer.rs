@@ -1,10 +1,10 @@
 //! What a coefficient does, and which value to take.
 
 use super::TuneQuestion;
-use crate::answers::ProblemError;
+use crate::answers::{ProblemError, notes};
 use crate::compare::{Measured, outcome};
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use crate::settings::{CompareSettings, Settings};
+use crate::settings::{CompareSettings, Effective, Settings};
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -67,6 +67,10 @@ pub struct TuneAnswer {
     pub is_curable: bool,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect beside the coefficient.
+    pub settings: Effective,
 }
 
 impl TuneAnswer {
@@ -104,8 +108,14 @@ impl TuneAnswer {
             })
             .collect();
         if all.iter().all(|one| one.measured.is_err()) {
-            // The same for all: the settings are at fault, and the first value tells how.
-            measured(question.values()[0])?;
+            // The settings are at fault, or the range: the first value tells how.
+            let [low, high] = question.range;
+            measured(low).map_err(|source| ProblemError::Range {
+                key: question.key(),
+                low,
+                high,
+                source: Box::new(source),
+            })?;
         }
         let first = all.iter().position(|one| one.cures() && !one.hides());
         let mut recommended = first.map(|n| all[n].value);
@@ -134,6 +144,8 @@ impl TuneAnswer {
             recommended,
             is_curable: all.iter().any(Tried::cures),
             tried: all,
+            notes: notes(settings, &*material),
+            settings: settings.effective().without(question.key()),
         })
     }
 
@@ -193,6 +205,7 @@ impl TuneAnswer {
                 Panel::new("Critical time step", axis(), steps)
                     .with(line(&|m| m.courant).color(palette::GREEN)),
             ))
+            .caption(self.settings.caption())
     }
 
     /// All values as CSV.
@@ -243,8 +256,9 @@ impl fmt::Display for TuneAnswer {
         match self.recommended {
             Some(value) => writeln!(
                 formatter,
-                "{} = {value:.4}: the smallest value found that removes the spurious modes and does not hide the material's instability\n",
-                self.key
+                "{} = {}: the smallest value found that removes the spurious modes and does not hide the material's instability\n",
+                self.key,
+                crate::number::told(value)
             )?,
             None if self.is_curable => writeln!(
                 formatter,
@@ -296,6 +310,10 @@ impl fmt::Display for TuneAnswer {
             100.0 * WRONG,
             100.0 * WRONG,
             100.0 * LATER
-        )
+        )?;
+        for note in &self.notes {
+            writeln!(formatter, "\n\nnote: {note}")?;
+        }
+        write!(formatter, "\n\n{}", self.settings)
     }
 }

@@ -74,7 +74,7 @@ impl TuneQuestion {
     /// # Errors
     /// [`SettingError`] with what the coefficient needs.
     pub fn check(&self, settings: &Settings) -> Result<(), SettingError> {
-        settings.check_effect(self.key, Origin::CommandLine(self.key.name.to_owned()))
+        settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
     }
 
     /// The name of the coefficient.

@@ -1,6 +1,8 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
-use super::super::{Origin, Quantity, SettingError, Settings, StateSettings};
+use super::super::{
+    Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
+};
 use super::Study;
 use crate::methods::Discretized;
 use onset::kinematics::KinematicsError;
@@ -11,7 +13,14 @@ use onset::method::MethodError;
 impl Study {
     /// Checks the study as a whole.
     pub(super) fn check(&self) -> Result<(), SettingError> {
-        self.settings.material.check()?;
+        let varied: Vec<String> = self
+            .axes
+            .iter()
+            .map(|axis| axis.quantity.key_name())
+            .collect();
+        let varied: Vec<&str> = varied.iter().map(String::as_str).collect();
+        self.settings.check(&varied)?;
+        self.check_keys_are_read()?;
         for number in 0..self.axes.len() {
             self.check_axis_is_alone(number)?;
             self.check_axis_has_effect(number)?;
@@ -21,6 +30,18 @@ impl Study {
         self.corners()
             .iter()
             .try_for_each(|corner| self.check_corner(corner))
+    }
+
+    /// That every key of `[state]` and `[map]` that was set is read.
+    pub(super) fn check_keys_are_read(&self) -> Result<(), SettingError> {
+        let set = STATE_KEYS.iter().chain(MAP_KEYS);
+        let set = set.filter_map(|key| Some((key, self.origins.keys.get(key.name)?)));
+        set.into_iter()
+            .find_map(|(key, origin)| {
+                let unmet = self.unmet(key)?;
+                Some(SettingError::unread(key, &unmet, origin.clone()))
+            })
+            .map_or(Ok(()), Err)
     }
 
     /// That nothing else sets what an axis varies.
@@ -41,7 +62,7 @@ impl Study {
                 first.place()
             ));
         }
-        match self.origins.keys.get(quantity.key_name().as_str()) {
+        match self.origin(quantity.key_name().as_str()) {
             Some(set) => refused(format!(
                 "{} is set twice, as an axis and at {}",
                 quantity.name(),
@@ -59,7 +80,7 @@ impl Study {
             Err(SettingError::new(origin, message).hint(hint))
         };
         match quantity {
-            Quantity::Setting(key) if key.is_parameter() && !self.has_effect(key) => {
+            Quantity::Setting(key) if key.is_parameter() && !self.is_read(key) => {
                 let model = self.settings.material.model;
                 refused(
                     format!(
@@ -71,13 +92,16 @@ impl Study {
                     model.hint(),
                 )
             }
-            Quantity::Setting(key) if !self.has_effect(key) => {
-                let (needed, word) = key.only_with.unwrap_or_default();
-                refused(
-                    format!("the axis {} changes nothing: {needed} is not {word}", key.name),
-                    format!("set {needed} = \"{word}\", or vary something else"),
-                )
-            }
+            Quantity::Setting(key) => match self.unmet(key) {
+                Some(unmet) => {
+                    let told = SettingError::unread(key, &unmet, Origin::Combination);
+                    refused(
+                        format!("the axis {} changes nothing: {}", key.name, told.message),
+                        format!("it is read with {}; or vary something else", key.readers()),
+                    )
+                }
+                None => Ok(()),
+            },
             Quantity::Rotation if self.is_isotropic() => refused(
                 "the axis rotation changes nothing: both stretches in the plane are equal everywhere, without shear"
                     .to_owned(),
@@ -98,19 +122,19 @@ impl Study {
 
     /// That a study of a chain asks for what exists in one dimension.
     fn check_dimension(&self) -> Result<(), SettingError> {
-        let arrangement = self.settings.discretization.arrangement;
-        if arrangement.dimension() > 1 {
+        if self.settings.dimension() > 1 {
             return Ok(());
         }
+        let (name, other) = match self.settings.method.method {
+            Family::FiniteElements => ("mesh of bars", "mesh = \"quadrilaterals\""),
+            _ => ("chain", "arrangement = \"hexagonal\""),
+        };
         let refused = |origin: &Origin, what: &str| {
-            let message = format!(
-                "{what} needs two dimensions; a {} has one",
-                arrangement.name()
-            );
-            Err(SettingError::new(origin.clone(), message).hint(
+            let message = format!("{what} needs two dimensions; a {name} has one");
+            Err(SettingError::new(origin.clone(), message).hint(format!(
                 "a chain can be varied in stretch-1 and in numbers of material and discretization; or set \
-                 discretization.arrangement = \"hexagonal\"",
-            ))
+                 discretization.{other}"
+            )))
         };
         for (axis, origin) in self.axes.iter().zip(&self.origins.axes) {
             if matches!(
@@ -212,7 +236,7 @@ impl Study {
                 self.origin_of("discretization.aspect")
             }
             MethodError::Lattice(LatticeError::Vectors { .. }) => {
-                let set = self.origins.keys.get("discretization.vectors");
+                let set = self.origin("discretization.vectors");
                 set.cloned()
                     .unwrap_or_else(|| self.origin_of("discretization.arrangement"))
             }
@@ -249,9 +273,7 @@ impl Study {
             .zip(&self.origins.axes)
             .find(|(axis, _)| axis.quantity.key_name() == name)
             .map(|(_, origin)| &origin.range);
-        self.origins
-            .keys
-            .get(name)
+        self.origin(name)
             .or(axis)
             .unwrap_or(&self.origins.file)
             .clone()

@@ -24,8 +24,9 @@ pub(in crate::settings) const STATES: (u32, u32) = (2, 65536);
 const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"\n    range = [0.5, 2.0]\n    states = 64\n\n    \
                        [[axes]]\n    quantity = \"stretch-2\"\n    range = [0.5, 2.0]\n    states = 64\n";
 
-/// Reads a study; that its parts fit together is not checked yet.
-pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
+/// Reads a study; that it has axes, and that its parts fit together, is not checked yet. Methods to compare, which a study may
+/// have too, are read by [`Comparison`](super::super::Comparison).
+pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
     let file = File { name, text };
     let table = file.table()?;
     let mut study = Study {
@@ -62,19 +63,28 @@ pub(super) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
+            ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {}
             (other, _) => {
-                let known = SECTIONS.into_iter().chain(["title"]);
+                let known = SECTIONS.into_iter().chain(["title", "compare", "methods"]);
                 return Err(unknown_key(other, known, file.of(key)));
             }
         }
     }
-    if study.axes.is_empty() && study.origins.axes.is_empty() {
-        return Err(
-            SettingError::new(file.at(0), "the study has no axes; expected two or three")
-                .hint(EXAMPLE),
-        );
-    }
     Ok(study)
+}
+
+impl Study {
+    /// That the study has axes, as maps need them.
+    pub(super) fn require_axes(&self) -> Result<(), SettingError> {
+        match self.axes.is_empty() {
+            true => Err(SettingError::new(
+                self.origins.file.clone(),
+                "the study has no axes; expected two or three",
+            )
+            .hint(EXAMPLE)),
+            false => Ok(()),
+        }
+    }
 }
 
 fn read_axes(

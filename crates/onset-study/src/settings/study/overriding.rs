@@ -69,7 +69,7 @@ impl Study {
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{}` cannot be {value}", key.name))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(value, key.words())
+                .nearest_word(key.name, value, key.words())
         };
         if !key.kind.accepts(value) {
             return Err(wrong(origin));
@@ -85,7 +85,9 @@ impl Study {
         if !done {
             return Err(wrong(origin));
         }
-        self.origins.keys.insert(key.name, origin);
+        if matches!(key.parts().0, "state" | "map") {
+            self.origins.keys.insert(key.name, origin);
+        }
         // The default stride must not forbid a small tile.
         if key.name == "map.tile" && !self.origins.keys.contains_key("map.refine-from") {
             let largest = 1 << self.map.tile.max(1).ilog2();
@@ -106,8 +108,9 @@ impl Study {
         let (of_material, of_discretization): (Vec<&Key>, Vec<&Key>) =
             KEYS.iter().partition(|key| key.parts().0 == "material");
         // Parameters of one's own are in no table.
-        let own = self.origins.keys.keys().filter_map(|name| {
-            let key = Key::named(name)?;
+        let entries = self.settings.material.entries();
+        let own = entries.iter().filter_map(|(name, _)| {
+            let key = Key::named(&format!("material.{name}"))?;
             (key.is_parameter() && !KEYS.contains(key)).then_some(key)
         });
         for (table, keys) in [
@@ -129,7 +132,7 @@ impl Study {
             }
             let mut section = "";
             for key in keys {
-                let written = !varied.iter().any(|name| name == key.name) && self.has_effect(key);
+                let written = !varied.iter().any(|name| name == key.name) && self.is_read(key);
                 let Some(value) = self.value(key.name).filter(|_| written) else {
                     continue;
                 };

@@ -1,5 +1,8 @@
 use super::Study;
-use crate::settings::{KEYS, Key, Kind, MAP_KEYS, Model, Quantity, STATE_KEYS, Value, study_keys};
+use crate::settings::{
+    Family, KEYS, Key, Kind, MAP_KEYS, MaterialSettings, Model, Need, Quantity, STATE_KEYS,
+    Settings, Value, study_keys,
+};
 
 const PLANE: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 10\n\
                      [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 6\n";
@@ -356,22 +359,57 @@ fn the_stride_of_refinement_fits_into_a_tile() {
 }
 
 #[test]
-fn keys_that_have_no_effect_are_known_with_their_place() {
-    let study = study(&format!(
-        "discretization.lattice = \"regular\"\nmap.tolerance = 1\n{PLANE}"
-    ));
-    let keys: Vec<String> = study
-        .keys_without_effect()
-        .iter()
-        .map(|(key, origin)| format!("{origin}{}", key.name))
-        .collect();
-    assert_eq!(
-        keys,
-        [
-            "s.toml:1:26: discretization.lattice",
-            "s.toml:2:17: map.tolerance"
-        ]
+fn keys_that_have_no_effect_are_refused_with_their_place_and_their_readers() {
+    assert_refused(
+        &format!("discretization.lattice = \"regular\"\n{PLANE}"),
+        &[
+            "s.toml:1:26: `discretization.lattice` has no effect: discretization.frame is lagrangian",
+            "it is read with discretization.method = kernel and discretization.frame = eulerian",
+        ],
     );
+    assert_refused(
+        &format!("title = \"\"\nmap.tolerance = 1\n{PLANE}"),
+        &["s.toml:2:17: `map.tolerance` has no effect: map.certify is false"],
+    );
+    // What an axis varies is not left at its default.
+    let viscous =
+        "discretization.method = \"updated-sph\"\ndiscretization.viscosity-switch = \"always\"\n";
+    study(&with_axis(viscous, "discretization.viscosity", "[0, 1]"));
+    assert_refused(
+        &with_axis(viscous, "discretization.support", "[1.5, 2]"),
+        &["s.toml:2:35: ", "discretization.viscosity is 0"],
+    );
+}
+
+#[test]
+fn one_material_and_one_method_are_taken_out_of_a_study() {
+    let text = with_axis(
+        "[material]\nmodel = \"blatz-ko\"\n[discretization]\nmethod = \"updated-sph\"\n",
+        "discretization.support",
+        "[1.5, 2]",
+    );
+    let of = |assignments: &[&str]| Settings::of_file("s.toml", &text, assignments, &[]);
+    let told = of(&[]).expect_err("an open support").to_string();
+    assert!(
+        told.starts_with("s.toml:9:12: discretization.support is an axis"),
+        "{told}"
+    );
+    assert!(told.contains("--set discretization.support=1.5"), "{told}");
+    let settings = of(&["discretization.support=1.7", "material.mu=3"]).expect("settings");
+    assert_eq!(settings.discretization.support, 1.7);
+    assert_eq!(settings.material.values(), [("mu", 3.0)]);
+    assert_eq!(settings.method.method, Family::UpdatedSph);
+    let refused = of(&["discretization.support=1.7", "discretization.penalty=0.5"]);
+    let told = refused.expect_err("a key of another method").to_string();
+    assert!(
+        told.contains("`discretization.penalty` has no effect"),
+        "{told}"
+    );
+    // The law alone needs no support, and takes no keys of methods.
+    let law = |assignments: &[&str]| MaterialSettings::of_file("s.toml", &text, assignments);
+    assert_eq!(law(&[]).expect("a law").model.name(), "blatz-ko");
+    let told = law(&["discretization.support=1.7"]).expect_err("no key of a law");
+    assert!(told.to_string().contains("about the law alone"), "{told}");
 }
 
 #[test]
@@ -479,12 +517,36 @@ fn needed(key: &Key) -> String {
     if key.name == "discretization.perturbation" {
         return "discretization.cells = 2\n".to_owned();
     }
-    let Some((name, words)) = key.only_with else {
-        return String::new();
+    let cases = key.all_needs();
+    let line = |need: &Need| {
+        let known = Key::named(need.key).expect("a key");
+        let default = known.default_value();
+        if need.values.contains(&default.as_str()) == need.one_of
+            || known.name == "discretization.basis"
+        {
+            return String::new();
+        }
+        match (need.one_of, known.kind) {
+            (true, Kind::Words(_)) => format!("{} = \"{}\"\n", need.key, need.values[0]),
+            (true, _) => format!("{} = {}\n", need.key, need.values[0]),
+            (false, _) => {
+                let further = match known.name {
+                    "discretization.perturbation" => "discretization.cells = 2\n",
+                    _ => "",
+                };
+                format!("{further}{} = 0.1\n", need.key)
+            }
+        }
     };
-    let word = words.split(" | ").next().unwrap_or_default();
-    let of_needed = study_keys().find(|key| key.name == name).map(needed);
-    format!("{}{name} = \"{word}\"\n", of_needed.unwrap_or_default())
+    let vectors = match key.name {
+        "discretization.vectors" => "",
+        _ => "discretization.vectors = [1, 0, 0, 1]\n",
+    };
+    let mut lines: String = cases.first().into_iter().flatten().map(line).collect();
+    if lines.contains("\"oblique\"") {
+        lines.push_str(vectors);
+    }
+    lines
 }
 
 /// The default that a parameter has in the first law that has it.
@@ -516,7 +578,13 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
         if key.name == "discretization.density" || is_of_subroutine {
             continue;
         }
-        let study = study(&format!("{model}{} = {default}\n{axes}", key.name));
+        let needed = needed(key);
+        let default = match key.name {
+            "discretization.points" => serde_json::json!([0.0, 0.0, 1.0]),
+            "discretization.vectors" => serde_json::json!([1.0, 0.0, 0.0, 1.0]),
+            _ => default,
+        };
+        let study = study(&format!("{model}{needed}{} = {default}\n{axes}", key.name));
         let written = match study.value(key.name) {
             Some(Value::Word(word)) => word,
             Some(value) => value.to_string(),

@@ -1,0 +1,67 @@
+//! Which command goes on from a verdict, with the settings at hand.
+
+use crate::settings::{Family, Key, Settings, Value};
+use onset::verdict::Verdict;
+
+/// Commands that go on from a verdict.
+pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
+    let coefficient = coefficient(settings);
+    let modes = format!("onset modes{}", assignments(settings, None));
+    let tune =
+        coefficient.map(|key| format!("onset tune {key}{}", assignments(settings, Some(key))));
+    let notions = format!("onset notions{}", of_law(settings));
+    match verdict {
+        Verdict::RankDeficient => [modes].into_iter().chain(tune).collect(),
+        Verdict::Kernel | Verdict::Missed => tune.into_iter().chain([modes]).collect(),
+        Verdict::Material => vec![notions],
+        Verdict::Stable => Vec::new(),
+    }
+}
+
+/// The coefficient of a stabilization that the method reads.
+fn coefficient(settings: &Settings) -> Option<&'static str> {
+    let candidates = match settings.method.method {
+        Family::TotalLagrangianSph => ["discretization.penalty"].as_slice(),
+        Family::UpdatedSph => &["discretization.artificial-stress"],
+        Family::FiniteElements => &["discretization.hourglass-stiffness"],
+        Family::Conforming => &["discretization.modification"],
+        Family::Peridynamics => &["discretization.control-coefficient"],
+        Family::Kernel => &["discretization.stress-point-weight"],
+        Family::MaterialPoints => &[],
+    };
+    let is_read = |name: &&&str| Key::named(name).is_some_and(|key| settings.unmet(key).is_none());
+    candidates.iter().find(is_read).copied()
+}
+
+/// `--set` for everything that is not a default, but for one key.
+fn assignments(settings: &Settings, without: Option<&str>) -> String {
+    let told = |name: &str, value: &Value| {
+        let text = match value {
+            Value::Word(word) => word.clone(),
+            Value::Numbers(numbers) => numbers
+                .iter()
+                .map(f64::to_string)
+                .collect::<Vec<_>>()
+                .join(","),
+            other => other.to_string(),
+        };
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.,/=+".contains(c);
+        match text.chars().all(plain) {
+            true => format!(" --set {name}={text}"),
+            // A text with blanks or signs that a shell reads.
+            false => format!(" --set '{name}={}'", text.replace('\'', "'\\''")),
+        }
+    };
+    let effective = settings.effective();
+    let chosen = effective
+        .chosen()
+        .filter(|(name, _)| Some(*name) != without);
+    chosen.map(|(name, value)| told(name, value)).collect()
+}
+
+/// The same for the law alone.
+fn of_law(settings: &Settings) -> String {
+    let mut law = Settings::default();
+    law.material = settings.material.clone();
+    assignments(&law, None)
+}

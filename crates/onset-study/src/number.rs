@@ -1,0 +1,90 @@
+//! How numbers are told: six significant digits whatever the size, and rounding as zero.
+
+/// Significant digits of a number in a text; documents have all 17.
+const DIGITS: usize = 6;
+/// What is smaller than this share of what it is made of is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A computed number with six significant digits.
+///
+/// ```
+/// use onset_study::number::told;
+/// assert_eq!(told(79999999999.99998), "8e10");
+/// assert_eq!(told(0.0000123456789), "1.23457e-5");
+/// assert_eq!(told(2.39119876), "2.3912");
+/// ```
+pub fn told(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return exact(value + 0.0);
+    }
+    // Rounded first: 999999.7 has six digits before the point, and seven after rounding.
+    let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
+    exact(rounded)
+}
+
+/// A computed number that is made of others of a size: what is only rounding is zero.
+///
+/// ```
+/// use onset_study::number::told_of;
+/// assert_eq!(told_of(-3.1e-17, 1.0), "0");
+/// assert_eq!(told_of(-3.1e-17, 1e-9), "-3.1e-17");
+/// ```
+pub fn told_of(value: f64, size: f64) -> String {
+    if value.abs() <= ROUNDING * size.abs() {
+        return told(0.0);
+    }
+    told(value)
+}
+
+/// A number with the fewest digits that say exactly which it is; with an exponent where it is large or small.
+pub fn exact(value: f64) -> String {
+    match value.abs() {
+        size if size == 0.0 || !size.is_finite() || (1e-4..1e6).contains(&size) => {
+            format!("{value}")
+        }
+        _ => format!("{value:e}"),
+    }
+}
+
+/// A vector; what does not show beside its largest component is zero.
+pub fn vector(components: &[f64]) -> String {
+    let largest = components
+        .iter()
+        .fold(0.0_f64, |most, own| most.max(own.abs()));
+    let one = |own: &f64| match own.abs() <= 0.5e-6 * largest {
+        true => told(0.0),
+        false => told(*own),
+    };
+    format!(
+        "({})",
+        components.iter().map(one).collect::<Vec<_>>().join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{told, told_of, vector};
+
+    #[test]
+    fn every_size_is_told_with_six_significant_digits() {
+        for exponent in -300..300 {
+            let value = 1.234_567_89 * 10.0_f64.powi(exponent);
+            let text = told(value);
+            let read: f64 = text.parse().expect("a number");
+            assert!((read / value - 1.0).abs() < 5e-6, "{text}");
+            let digits = text.split('e').next().expect("a mantissa");
+            let digits = digits.trim_start_matches(['0', '.']).replace('.', "");
+            assert!(digits.len() <= 6, "{text}");
+        }
+        assert_eq!(told(999_999.7), "1e6");
+        assert_eq!(told(-0.0), "0");
+    }
+
+    #[test]
+    fn rounding_is_zero_in_numbers_and_vectors() {
+        assert_eq!(told_of(1e-13, 1.0), "0");
+        assert_eq!(told_of(1e-13, 1e-3), "1e-13");
+        assert_eq!(vector(&[3.6, -1e-9]), "(3.6, 0)");
+        assert_eq!(vector(&[0.0, -0.0]), "(0, 0)");
+    }
+}

@@ -1,0 +1,187 @@
+//! What is in effect: every choice that material and method read, with its value, and whether that is the default.
+
+use super::{KEYS, Key, Settings, Study, Value};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// A choice that is in effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// Its value.
+    pub value: Value,
+    /// Whether it is what holds unless something is set.
+    pub default: bool,
+}
+
+/// Every choice that material and method read, by key, in the order of the table of keys. Serializes as a map from the key to
+/// `value` and `default`.
+///
+/// ```
+/// use onset_study::settings::Settings;
+/// let settings = Settings::from_assignments(&["discretization.method=updated-sph"])?;
+/// let text = settings.effective().to_string();
+/// assert!(text.contains("updated-sph") && !text.contains("quadrature"));
+/// # Ok::<(), onset_study::settings::SettingError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Effective(Vec<(&'static str, Choice)>);
+
+impl Serialize for Effective {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, choice) in &self.0 {
+            map.serialize_entry(name, choice)?;
+        }
+        map.end()
+    }
+}
+
+impl Settings {
+    /// Every choice that is in effect.
+    pub fn effective(&self) -> Effective {
+        let of_material = self.material.entries().into_iter().map(|(name, value)| {
+            let parameters = self.material.model.parameters().iter();
+            let default = parameters
+                .filter(|own| own.name == name)
+                .any(|own| value == Value::Number(own.default));
+            let name = Key::named(&format!("material.{name}")).map_or(name, |key| key.name);
+            (name, Choice { value, default })
+        });
+        let of_method = KEYS.iter().filter(|key| key.name == "material.model");
+        let model = of_method.filter_map(|key| self.choice(key));
+        let keys = KEYS
+            .iter()
+            .filter(|key| key.parts().0 == "discretization" && self.unmet(key).is_none());
+        // The method goes first: it says which of the others there are.
+        let (method, others): (Vec<_>, Vec<_>) = keys
+            .filter_map(|key| self.choice(key))
+            .partition(|(name, _)| *name == "discretization.method");
+        Effective(
+            model
+                .chain(of_material)
+                .chain(method)
+                .chain(others)
+                .collect(),
+        )
+    }
+
+    fn choice(&self, key: &'static Key) -> Option<(&'static str, Choice)> {
+        let value = self.value(key.name)?;
+        let default = Some(&value) == self.default_of(key).as_ref();
+        Some((key.name, Choice { value, default }))
+    }
+}
+
+impl Study {
+    /// Every choice that is in effect at all states: without those that an axis varies.
+    pub fn effective(&self) -> Effective {
+        let mut effective = self.settings.effective();
+        let varied = |name: &str| {
+            self.axes
+                .iter()
+                .any(|axis| axis.quantity.key_name() == name)
+        };
+        effective.0.retain(|(name, _)| !varied(name));
+        effective
+    }
+}
+
+impl Effective {
+    /// The same without a key.
+    pub fn without(mut self, name: &str) -> Self {
+        self.0.retain(|(known, _)| *known != name);
+        self
+    }
+
+    /// The choice under a key.
+    pub fn get(&self, name: &str) -> Option<&Choice> {
+        let mut choices = self.0.iter();
+        Some(&choices.find(|(known, _)| *known == name)?.1)
+    }
+
+    /// What is not a default.
+    pub fn chosen(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        let chosen = self.0.iter().filter(|(_, choice)| !choice.default);
+        chosen.map(|(name, choice)| (*name, &choice.value))
+    }
+
+    /// The choices of a section in two lines: the model or method with what was chosen, and what holds by default.
+    fn lines(&self, section: &str, head: &str) -> (String, String) {
+        let told = |name: &str, value: &Value| match value {
+            Value::Word(word) => format!("{name} {word}"),
+            Value::Number(number) => format!("{name} {}", crate::number::exact(*number)),
+            Value::Switch(true) => name.to_owned(),
+            Value::Switch(false) => format!("not {name}"),
+            other => format!("{name} {other}"),
+        };
+        let (mut first, mut chosen, mut defaults) = (String::new(), Vec::new(), Vec::new());
+        for (name, choice) in &self.0 {
+            let Some((own, name)) = name.split_once('.').filter(|(own, _)| *own == section) else {
+                continue;
+            };
+            debug_assert_eq!(own, section);
+            // A list without numbers says nothing.
+            if matches!(&choice.value, Value::Numbers(numbers) if numbers.is_empty()) {
+                continue;
+            }
+            match (name == head, &choice.value, choice.default) {
+                (true, Value::Word(word), true) => first = format!("{word} (default)"),
+                (true, Value::Word(word), false) => first.clone_from(word),
+                (_, value, false) => chosen.push(told(name, value)),
+                (_, value, true) => defaults.push(told(name, value)),
+            }
+        }
+        if !chosen.is_empty() {
+            first = format!("{first}: {}", chosen.join(", "));
+        }
+        (first, defaults.join(", "))
+    }
+
+    /// The material: its model with what was chosen, and what holds by default.
+    pub fn material(&self) -> (String, String) {
+        self.lines("material", "model")
+    }
+
+    /// The discretization: its method with what was chosen, and what holds by default.
+    pub fn discretization(&self) -> (String, String) {
+        self.lines("discretization", "method")
+    }
+
+    /// The material in one line.
+    pub fn law(&self) -> String {
+        joined(self.material())
+    }
+
+    /// The discretization in one line.
+    pub fn method(&self) -> String {
+        joined(self.discretization())
+    }
+
+    /// Everything as a sentence below a figure.
+    pub fn caption(&self) -> String {
+        let (material, method) = (self.law(), self.method());
+        format!("Material: {material}. Method: {method}.")
+    }
+}
+
+fn joined((chosen, defaults): (String, String)) -> String {
+    match defaults.as_str() {
+        "" => chosen,
+        _ => format!("{chosen}; by default {defaults}"),
+    }
+}
+
+impl std::fmt::Display for Effective {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (name, (chosen, defaults)) in [
+            ("material", self.material()),
+            ("discretization", self.discretization()),
+        ] {
+            writeln!(formatter, "{name:<24}{chosen}")?;
+            if !defaults.is_empty() {
+                writeln!(formatter, "  {:<22}{defaults}", "by default")?;
+            }
+        }
+        Ok(())
+    }
+}

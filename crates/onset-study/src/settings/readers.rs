@@ -1,0 +1,294 @@
+//! For every method and every key: it changes an answer, or it is refused; and what is refused would have changed nothing.
+
+use super::{KEYS, Key, Kind, Origin, Settings, Value};
+use crate::answers::{Problem, in_dimension_of};
+use crate::methods::{Discretized, scheme};
+use nalgebra::SVector;
+use onset::kinematics::DeformationGradient;
+
+/// Methods by their families, each with choices under which more of its keys are read.
+const METHODS: &[(&str, &[&[&str]])] = &[
+    (
+        "kernel",
+        &[
+            &[],
+            &["frame=eulerian"],
+            &["frame=eulerian", "lattice=regular"],
+            &["quadrature=gauss"],
+            &["quadrature=points", "points=0.3,0,1"],
+            &["cells=2", "perturbation=0.05", "quadrature=nodal"],
+            &["frame=eulerian", "cells=2", "perturbation=0.05"],
+            &["arrangement=rectangular", "aspect=1.1"],
+            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+            &["arrangement=honeycomb", "support=3"],
+        ],
+    ),
+    (
+        "total-lagrangian-sph",
+        &[
+            &[],
+            &["viscosity=0.5"],
+            &["cells=2", "perturbation=0.05"],
+            &["arrangement=rectangular", "aspect=1.1"],
+            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+        ],
+    ),
+    (
+        "updated-sph",
+        &[
+            &[],
+            &["viscosity=0.5"],
+            &["artificial-stress=0.3"],
+            &["cells=2", "perturbation=0.05"],
+            &["arrangement=rectangular", "aspect=1.1"],
+            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+        ],
+    ),
+    (
+        "finite-elements",
+        &[
+            &[],
+            &["integration=one-point"],
+            &["mesh=triangles"],
+            &["mesh=bars"],
+        ],
+    ),
+    (
+        "conforming",
+        &[
+            &["approximation=mls"],
+            &["cells=2", "perturbation=0.05"],
+            &["arrangement=rectangular", "aspect=1.1"],
+            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+        ],
+    ),
+    (
+        "peridynamics",
+        &[
+            &[],
+            &["bonds=correspondence"],
+            &[
+                "bonds=correspondence",
+                "control=penalty",
+                "control-coefficient=0.5",
+            ],
+            &["bonds=correspondence", "cells=2", "perturbation=0.05"],
+            &["arrangement=rectangular", "aspect=1.1"],
+            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+        ],
+    ),
+    (
+        "material-points",
+        &[
+            &[],
+            &["unknowns=updated"],
+            &["unknowns=particles"],
+            &["points-per-side=1"],
+            &["grid-functions=gimp"],
+        ],
+    ),
+];
+
+/// Other values of a key than its default and the one that a method has.
+fn values(key: &Key) -> Vec<String> {
+    let numbers: &[&str] = match key.kind {
+        Kind::Words(words) | Kind::WordsOr(words, _) => words,
+        Kind::Switch => &["true", "false"],
+        Kind::Whole(..) => &["2", "3"],
+        Kind::Numbers => match key.name {
+            "discretization.vectors" => &["1,0.1,0,1"],
+            "discretization.basis" => &["0.4,0.45"],
+            _ => &["0.2,0.1,1"],
+        },
+        _ => match key.name {
+            "discretization.support" => &["2.3"],
+            "discretization.horizon" => &["2.4"],
+            "discretization.perturbation" => &["0.1"],
+            _ => &["0.35", "0.7"],
+        },
+    };
+    numbers.iter().map(|value| (*value).to_owned()).collect()
+}
+
+/// Frequencies of some waves at some states, and time steps.
+fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
+    fn of<const D: usize>(problem: &Problem) -> Result<Vec<f64>, String> {
+        let told = |error: &dyn std::fmt::Display| error.to_string();
+        let scheme = scheme::<D>(&problem.settings).map_err(|error| told(&error))?;
+        let method = Discretized::<D>::new(&problem.settings).map_err(|error| told(&error))?;
+        let mut all = Vec::new();
+        for stretches in [[1.07, 0.96, 1.0], [0.94, 1.03, 1.0]] {
+            let f = DeformationGradient::from_stretches(stretches).map_err(|error| told(&error))?;
+            // The waves themselves: those of a kernel method by its own matrix, which knows its regular lattice.
+            let kernel = method
+                .kernel()
+                .map(|method| onset::bloch::dynamical_matrix(method, &*problem.material, &f));
+            let system = scheme.waves(&*problem.material, &f);
+            for k in [[0.7, 0.4, 0.2], [2.1, -1.3, 0.6]] {
+                let k = SVector::<f64, D>::from_fn(|i, _| k[i]);
+                match &kernel {
+                    Some(Ok(matrix)) => {
+                        let squares = matrix.omega_squared(&k);
+                        all.extend(squares.iter().flat_map(|z| [z.re, z.im]));
+                    }
+                    Some(Err(error)) => return Err(told(error)),
+                    None => {
+                        let system = system.as_ref().map_err(|error| told(error))?;
+                        let squares = system.omega_squared(&k);
+                        all.extend(squares.iter().flat_map(|z| [z.re, z.im]));
+                    }
+                }
+            }
+            let steps = method.damped_time_steps(&*problem.material, &f);
+            all.extend(
+                steps
+                    .map_err(|error| told(&error))?
+                    .iter()
+                    .map(|step| step.1),
+            );
+        }
+        Ok(all)
+    }
+    let problem = Problem::new(settings.clone()).map_err(|error| error.to_string())?;
+    in_dimension_of!(problem, of(&problem))
+}
+
+fn differ(a: &[f64], b: &[f64]) -> bool {
+    let size = a
+        .iter()
+        .chain(b)
+        .fold(0.0, |most: f64, x| most.max(x.abs()));
+    a.len() != b.len() || a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-9 * size)
+}
+
+#[test]
+fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
+    let keys = || KEYS.iter().filter(|key| key.parts().0 == "discretization");
+    for (family, choices) in METHODS {
+        let bases: Vec<(Vec<String>, Vec<f64>)> = choices
+            .iter()
+            .map(|choices| {
+                let method = std::iter::once(format!("method={family}"));
+                let all = method.chain(choices.iter().map(|choice| (*choice).to_owned()));
+                let all: Vec<String> = all.map(|own| format!("discretization.{own}")).collect();
+                let settings = Settings::from_assignments(&all).expect("a method");
+                (all, answers(&settings).expect("answers"))
+            })
+            .collect();
+        for key in keys().filter(|key| key.name != "discretization.method") {
+            for value in values(key) {
+                let (mut accepted, mut changes) = (false, false);
+                for (base, known) in &bases {
+                    let is_chosen = base
+                        .iter()
+                        .any(|own| own.starts_with(&format!("{}=", key.name)));
+                    let assignment = format!("{}={value}", key.name);
+                    let all: Vec<String> =
+                        base.iter().cloned().chain([assignment.clone()]).collect();
+                    let asked = Settings::from_assignments(&all);
+                    // What the table says against it is not asked by the method.
+                    let mut forced = Settings::default();
+                    for own in &all {
+                        forced.assign(own).expect("known keys");
+                    }
+                    let found = answers(&forced);
+                    match asked {
+                        Ok(settings) => {
+                            let default = settings.default_of(key);
+                            let is_default = settings.value(key.name) == default || is_chosen;
+                            let refused = found.is_err();
+                            accepted |= !refused && !is_default;
+                            changes |=
+                                !is_default && found.is_ok_and(|found| differ(&found, known));
+                        }
+                        Err(error) if error.message.contains("has no effect") => {
+                            let hint = error.hint.as_deref().unwrap_or_default();
+                            assert!(hint.contains("it is read with"), "{error}");
+                            // A choice that another one needs is not what is set here.
+                            let is_about_key = error.message.contains(key.name);
+                            let own = matches!(&error.origin, Origin::CommandLine(text) if text.ends_with(&assignment));
+                            if let (true, true, Ok(found)) = (is_about_key, own, &found) {
+                                assert!(
+                                    !differ(found, known),
+                                    "{base:?}: {assignment} is refused, but changes the answers"
+                                );
+                            }
+                        }
+                        Err(_) => {}
+                    }
+                }
+                assert!(
+                    changes || !accepted,
+                    "{family}: {} = {value} is taken and changes nothing",
+                    key.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_in_effect_is_what_the_method_reads() {
+    for (family, choices) in METHODS {
+        for choices in *choices {
+            let all: Vec<String> = std::iter::once(format!("discretization.method={family}"))
+                .chain(choices.iter().map(|own| format!("discretization.{own}")))
+                .collect();
+            let settings = Settings::from_assignments(&all).expect("a method");
+            let effective = settings.effective();
+            let json = serde_json::to_value(&effective).expect("a document");
+            let text = effective.to_string();
+            for key in KEYS.iter().filter(|key| key.parts().0 == "discretization") {
+                let own = key.parts().1;
+                let is_set = all
+                    .iter()
+                    .any(|set| set.starts_with(&format!("{}=", key.name)));
+                match (effective.get(key.name), settings.unmet(key)) {
+                    (Some(_), Some(_)) => panic!("{family} does not read {own}"),
+                    (Some(choice), None) => {
+                        assert_eq!(json[key.name]["default"], choice.default);
+                        if is_set && key.name != "discretization.method" {
+                            assert!(!choice.default, "{own}");
+                        }
+                        let is_empty = choice.value == Value::Numbers(Vec::new());
+                        assert!(
+                            is_empty || text.contains(own) || own == "method",
+                            "{own} in {text}"
+                        );
+                    }
+                    (None, None) => assert_eq!(own, "stress-point-weight"),
+                    (None, Some(_)) => assert!(!is_set, "{own}"),
+                }
+            }
+        }
+    }
+    // Nothing of kernel methods on others, and a square grid where there is one.
+    let points = Settings::from_assignments(&["discretization.method=material-points"]);
+    let effective = points.expect("material points").effective();
+    assert_eq!(effective.get("discretization.quadrature"), None);
+    let arrangement = effective.get("discretization.arrangement").expect("a grid");
+    assert_eq!(arrangement.value, Value::Word("square".to_owned()));
+    assert!(arrangement.default);
+}
+
+#[test]
+fn a_lattice_that_the_method_does_not_have_is_refused() {
+    let told = |assignments: &[&str]| {
+        let assignments: Vec<String> = assignments
+            .iter()
+            .map(|own| format!("discretization.{own}"))
+            .collect();
+        Settings::from_assignments(&assignments)
+            .expect_err("another lattice")
+            .to_string()
+    };
+    let elements = told(&["method=finite-elements", "arrangement=face-centered-cubic"]);
+    assert!(
+        elements.contains("`discretization.arrangement` has no effect"),
+        "{elements}"
+    );
+    let points = told(&["method=material-points", "arrangement=hexagonal"]);
+    assert!(points.contains("square grid"), "{points}");
+    let several = told(&["frame=eulerian", "cells=2", "lattice=regular"]);
+    assert!(several.contains("discretization.cells is 2"), "{several}");
+}

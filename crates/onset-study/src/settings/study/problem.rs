@@ -1,0 +1,89 @@
+//! One material and one discretization out of a study, for questions about single states.
+
+use super::super::{Key, MaterialSettings, Origin, Quantity, SettingError, Settings};
+use super::{Study, file};
+
+impl Settings {
+    /// Material and discretization of a study file, changed by assignments; `open` are keys that are about to be varied. What an
+    /// axis of the study varies must be assigned, or be open.
+    ///
+    /// # Errors
+    /// [`SettingError`] as for [`Study::parse`] and [`Settings::check`], and when an axis leaves a setting open.
+    pub fn of_file<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+        open: &[&str],
+    ) -> Result<Self, SettingError> {
+        let study = file::read(name, text)?;
+        study.check_keys_are_read()?;
+        let mut settings = study.settings.clone();
+        for assignment in assignments {
+            settings.assign(assignment.as_ref())?;
+        }
+        study.check_nothing_is_left_open(|key| {
+            open.contains(&key.name) || settings.origin(key.name).is_some()
+        })?;
+        settings.check(open)?;
+        Ok(settings)
+    }
+}
+
+impl MaterialSettings {
+    /// The material of a study file, changed by assignments, for questions about the law alone: keys of a discretization cannot be
+    /// assigned, and those of the file are for other questions.
+    ///
+    /// # Errors
+    /// [`SettingError`] as for [`Settings::of_file`], and for an assignment of something else than the material.
+    pub fn of_file<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+    ) -> Result<Self, SettingError> {
+        let study = file::read(name, text)?;
+        study.check_keys_are_read()?;
+        let mut settings = study.settings.clone();
+        for assignment in assignments {
+            let assignment = assignment.as_ref();
+            let key = assignment.split_once('=').map_or("", |(key, _)| key.trim());
+            if Key::named(key).is_some_and(|key| key.parts().0 == "discretization") {
+                let origin = Origin::CommandLine(format!("--set {assignment}"));
+                let message =
+                    format!("`{key}` has no effect: this question is about the law alone");
+                return Err(SettingError::new(origin, message).hint(format!(
+                    "leave `{key}` out; state, path, dispersion, modes and tune read it"
+                )));
+            }
+            settings.assign(assignment)?;
+        }
+        study.check_nothing_is_left_open(|key| {
+            !key.is_parameter() || settings.origin(key.name).is_some()
+        })?;
+        settings.material.check()?;
+        Ok(settings.material)
+    }
+}
+
+impl Study {
+    /// That each key that an axis varies is settled by something else.
+    pub(in crate::settings) fn check_nothing_is_left_open(
+        &self,
+        is_settled: impl Fn(&Key) -> bool,
+    ) -> Result<(), SettingError> {
+        for (axis, origin) in self.axes.iter().zip(&self.origins.axes) {
+            let Quantity::Setting(key) = axis.quantity else {
+                continue;
+            };
+            if !is_settled(key) {
+                let (low, high) = axis.range;
+                let message = format!(
+                    "{} is an axis of this study, from {low} to {high}; this question needs one value",
+                    key.name
+                );
+                return Err(SettingError::new(origin.quantity.clone(), message)
+                    .hint(format!("add --set {}={low}", key.name)));
+            }
+        }
+        Ok(())
+    }
+}
