@@ -428,7 +428,10 @@ impl std::fmt::Display for StateAnswer {
             };
             line(
                 &of("with damping"),
-                format!("{integrator} needs a time step below {}{whose}", told(*step)),
+                format!(
+                    "{integrator} needs a time step below {}{whose}",
+                    told(*step)
+                ),
             )?;
         }
         if let Some(certificate) = &self.certificate {

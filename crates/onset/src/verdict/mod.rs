@@ -266,8 +266,7 @@ pub fn judge<const D: usize>(
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     // Only where both are unstable do the long waves tell to whom it belongs.
-    let long_waves_grow =
-        ellipticity.is_lost() && !is_stable && search.long_waves_grow(&matrix);
+    let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(&matrix);
     Ok((
         decided(ellipticity, is_stable, false, long_waves_grow),
         stability,

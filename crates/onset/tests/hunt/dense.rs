@@ -179,9 +179,13 @@ impl<const D: usize> Waves<D> {
             grids[3].push((-highest, k));
         }
         let step = self.lattice.reciprocal() / points as f64;
-        let bottom = |grid: &mut Vec<(f64, SVector<f64, D>)>, at: &dyn Fn(&SVector<f64, D>) -> f64| {
+        let bottom = |grid: &mut Vec<(f64, SVector<f64, D>)>,
+                      at: &dyn Fn(&SVector<f64, D>) -> f64| {
             grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let ends = grid.iter().take(starts).map(|start| descended(at, *start, &step));
+            let ends = grid
+                .iter()
+                .take(starts)
+                .map(|start| descended(at, *start, &step));
             let best = ends.min_by(|a, b| a.0.total_cmp(&b.0));
             best.unwrap_or((f64::NAN, SVector::zeros()))
         };

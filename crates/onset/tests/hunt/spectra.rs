@@ -114,12 +114,16 @@ fn compared<const D: usize>(
         let own = waves.growth(&mode.wave_vector);
         if own < 0.9 * said {
             let k = mode.wave_vector;
-            wrong.push(format!("said to grow with {said:e}, grows with {own:e} at {k:?}"));
+            wrong.push(format!(
+                "said to grow with {said:e}, grows with {own:e} at {k:?}"
+            ));
         }
     }
     if !spectrum.is_stable() && said < 1e-7 * speed && rate < 1e-7 * speed {
         let softest = spectrum.softest;
-        wrong.push(format!("said to grow with {said:e}, found {rate:e}; softest {softest:?}"));
+        wrong.push(format!(
+            "said to grow with {said:e}, found {rate:e}; softest {softest:?}"
+        ));
     }
     let (lowest, k) = found.lowest;
     let told = spectrum.lowest.omega_squared.re;
@@ -132,8 +136,7 @@ fn compared<const D: usize>(
     let at_rest = waves.omega_squared(&nalgebra::SVector::zeros());
     let at_rest = at_rest.iter().map(|z| z.re).fold(0.0, f64::min);
     let has_minimum = at_rest > -1e-9 * waves.scale;
-    if has_minimum
-        && told > scaled + DIFFERENCE * (scaled.abs() + 1e-3) {
+    if has_minimum && told > scaled + DIFFERENCE * (scaled.abs() + 1e-3) {
         wrong.push(format!("scaled minimum {scaled} at {k:?}, said {told}"));
     }
     let (highest, k) = found.highest;

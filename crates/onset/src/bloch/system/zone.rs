@@ -484,7 +484,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let lowest = lowest.fold(f64::INFINITY, f64::min);
         let threshold = self.search.flutter_threshold(self.system.sites()).powi(2);
         if lowest < -threshold.max(ROUNDING * self.system.noise()) {
-            return self.search.over_largest_laplacian(self.mode(&SVector::zeros()));
+            return self
+                .search
+                .over_largest_laplacian(self.mode(&SVector::zeros()));
         }
         Mode {
             wave_vector: SVector::zeros(),
@@ -505,13 +507,9 @@ fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize)
 
 /// Minus the growth rates of complex `omega^2`, zero for real ones.
 fn complex_growth(spectrum: &[Complex]) -> impl Iterator<Item = f64> {
-    spectrum.iter().map(|z| {
-        if z.im == 0.0 {
-            0.0
-        } else {
-            -growth_rate(*z)
-        }
-    })
+    spectrum
+        .iter()
+        .map(|z| if z.im == 0.0 { 0.0 } else { -growth_rate(*z) })
 }
 
 /// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small.
