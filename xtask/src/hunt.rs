@@ -26,30 +26,6 @@ const SUBJECTS: &[Subject] = &[
         cases: 60_000,
     },
     Subject {
-        name: "command-lines",
-        claim: "command lines end in time, within their memory, with a documented code",
-        package: "onset-cli",
-        program: "fuzzed",
-        test: "every_command_line",
-        cases: 2_000,
-    },
-    Subject {
-        name: "bases",
-        claim: "a lattice has the same answers in every basis",
-        package: "onset",
-        program: "discretization",
-        test: "a_lattice_has_the_same_answers",
-        cases: 60,
-    },
-];
-const SUBJECTS: &[Subject] = &[Subject {
-    name: "modes",
-    claim: "every zero-energy mode of a random lattice that dense Newton searches find is listed, and nothing else",
-    package: "onset",
-    program: "measures",
-    test: "every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else",
-    cases: 120,
-}];
         name: "formulas-agree",
         claim: "numbers, jets, intervals and orders of arguments agree where a formula is defined; no proof is contradicted",
         package: "onset",
@@ -64,6 +40,30 @@ const SUBJECTS: &[Subject] = &[Subject {
         program: "formula",
         test: "the_word_on_ellipticity_is_that_of_sixty_digits",
         cases: 5_000,
+    },
+    Subject {
+        name: "bases",
+        claim: "a lattice has the same answers in every basis",
+        package: "onset",
+        program: "discretization",
+        test: "a_lattice_has_the_same_answers",
+        cases: 60,
+    },
+    Subject {
+        name: "modes",
+        claim: "every zero-energy mode of a random lattice that dense Newton searches find is listed, and nothing else",
+        package: "onset",
+        program: "measures",
+        test: "every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else",
+        cases: 120,
+    },
+    Subject {
+        name: "command-lines",
+        claim: "command lines end in time, within their memory, with a documented code",
+        package: "onset-cli",
+        program: "fuzzed",
+        test: "every_command_line",
+        cases: 2_000,
     },
 ];
 
