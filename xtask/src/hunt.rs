@@ -16,7 +16,24 @@ struct Subject {
     cases: u64,
 }
 
-const SUBJECTS: &[Subject] = &[];
+const SUBJECTS: &[Subject] = &[
+    Subject {
+        name: "kill-points",
+        claim: "a command that is killed at any call that changes files leaves each file old or new",
+        package: "onset-cli",
+        program: "command",
+        test: "kill_points_leave_each_file_old_or_new",
+        cases: 1_000_000,
+    },
+    Subject {
+        name: "damaged-stores",
+        claim: "a damaged store is refused, or gives what was stored",
+        package: "onset-cli",
+        program: "command",
+        test: "damaged_stores_are_refused_or_give_what_was_stored",
+        cases: 1000,
+    },
+];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.
 pub fn run(arguments: &[String]) -> Result<(), String> {

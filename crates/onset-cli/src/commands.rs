@@ -10,21 +10,23 @@ mod notions;
 mod plot;
 mod tune;
 
-use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
+use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments, TrustArguments};
 use crate::map;
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
-    Diagram, DiagramError, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
+    Diagram, DispersionAnswer, PathAnswer, Problem, ProblemError, StateAnswer, Strain,
 };
 use onset_study::boundary::Tracing;
 use onset_study::catalog;
 use onset_study::json;
+use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
-use onset_study::settings::{Settings, Study};
+use onset_study::settings::{Settings, Study, Trust};
+use onset_umat::readable;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Why a command ended without an answer.
@@ -48,6 +50,12 @@ impl Failure {
             message: error.to_string(),
             code: 1,
         }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::machine(error)
     }
 }
 
@@ -110,7 +118,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             files,
             assignments,
             json,
-        } => check::check(&files, &assignments, json),
+            trust,
+        } => check::check(&files, &assignments, &trust.trust(), json),
         Command::Audit(arguments) => audit::audit(&arguments),
         Command::UmatUtilities => print_text(onset_umat::UTILITIES.trim_end()),
         Command::Schema => check::schema(),
@@ -120,12 +129,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             flutter,
             out,
             json,
+            trust,
         } => {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
             };
-            boundary::boundary(&file, &assignments, tracing, &out, json)
+            let study = study(&file, &assignments, &trust.trust())?;
+            boundary::boundary(&study, tracing, &out, json)
         }
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Modes(arguments) => modes::modes(&arguments),
@@ -136,19 +147,30 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             field,
             no_trace,
             out,
-        } => plot::plot(&stores, &field, !no_trace, &out),
+            trust,
+        } => plot::plot(&stores, &field, !no_trace, &trust.trust(), &out),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }
 
-/// Reads a study, changed by assignments.
-pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
+/// Reads a study, changed by assignments, of which a library may be loaded if the user allows it.
+pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study, Failure> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file)
         .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
-    Study::parse(&name, &text)
+    let study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
-        .map_err(Failure::input)
+        .map_err(Failure::input)?
+        .allowing(trust);
+    let permitted = study.settings.material.permitted();
+    permitted.map_err(Failure::input).map(|()| study)
+}
+
+impl TrustArguments {
+    /// What the user allows, here and for good.
+    pub fn trust(&self) -> Trust {
+        Trust::of_user(&self.libraries)
+    }
 }
 
 /// The assignments with those that `--energy` is short for; an error where `--set` says otherwise.
@@ -205,24 +227,29 @@ fn diagram(
     out: &Path,
     json: bool,
 ) -> Result<ExitCode, Failure> {
+    let output = Output::at(out, &["dispersion.svg", "dispersion.png", "dispersion.csv"])?;
     let diagram = Diagram::new(problem, strain)?;
-    let files = diagram
+    let mut files = diagram
         .figure("Waves in the particles and in the continuum")
-        .write(out, "dispersion")
-        .map_err(|error| Failure::machine(DiagramError::from(error)))?;
-    let table = out.join("dispersion.csv");
-    std::fs::write(&table, diagram.csv())
-        .map_err(|error| Failure::machine(format!("cannot write {}: {error}", table.display())))?;
+        .files("dispersion")
+        .map_err(Failure::machine)?;
+    files.push(text("dispersion.csv", diagram.csv()));
+    let written = output.write(&files)?;
     if json {
         return print_json(&diagram);
     }
-    let files = files.map(|file| file.display().to_string());
-    print_text(&format!(
-        "wrote {}, {} and {}",
-        files[0],
-        files[1],
-        table.display()
-    ))
+    let [first, second, third] = &named(&written)[..] else {
+        return Ok(ExitCode::SUCCESS);
+    };
+    print_text(&format!("wrote {first}, {second} and {third}"))
+}
+
+/// The names of files, to be told.
+fn named(files: &[PathBuf]) -> Vec<String> {
+    files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect()
 }
 
 fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
@@ -292,13 +319,16 @@ pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
 
 /// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
 pub fn tell(text: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    // What a file says must not command the terminal.
+    let _ = writeln!(std::io::stderr(), "{}", readable(&text.to_string()));
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.
 pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(error)),
+    match writeln!(std::io::stdout(), "{}", readable(text)) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(format!(
+            "cannot print the answer: {error}"
+        ))),
         _ => Ok(ExitCode::SUCCESS),
     }
 }

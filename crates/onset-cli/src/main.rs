@@ -17,7 +17,12 @@ fn main() -> ExitCode {
     if let Some(code) = onset_umat::serve_if_asked() {
         return code;
     }
-    match commands::run(Arguments::parse()) {
+    let arguments = Arguments::parse();
+    if let Err(error) = interrupt::listen() {
+        commands::tell(format_args!("error: cannot listen for interrupts: {error}"));
+        return ExitCode::from(1);
+    }
+    match commands::run(arguments) {
         Ok(code) => code,
         Err(failure) => {
             commands::tell(format_args!("error: {}", failure.message));

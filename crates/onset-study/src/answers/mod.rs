@@ -10,7 +10,7 @@ mod state;
 mod summary;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
-pub use dispersion::{Diagram, DiagramError, DispersionAnswer};
+pub use dispersion::{Diagram, DispersionAnswer};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};

@@ -7,7 +7,7 @@ mod overriding;
 pub(super) use file::STATES;
 
 use super::{
-    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
+    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Trust, Value,
 };
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use std::collections::BTreeMap;
@@ -67,6 +67,12 @@ impl Study {
         let study = file::read(name, text)?;
         study.check()?;
         Ok(study)
+    }
+
+    /// The study, of which a library may be loaded if the user allows it.
+    pub fn allowing(mut self, trust: &Trust) -> Self {
+        self.settings.material.allow(trust);
+        self
     }
 
     /// Numbers of states along the axes, slowest first: the counts in reverse.
