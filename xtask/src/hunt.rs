@@ -65,6 +65,22 @@ const SUBJECTS: &[Subject] = &[
         test: "every_command_line",
         cases: 2_000,
     },
+    Subject {
+        name: "kill-points",
+        claim: "a command that is killed at any call that changes files leaves each file old or new",
+        package: "onset-cli",
+        program: "command",
+        test: "kill_points_leave_each_file_old_or_new",
+        cases: 1_000_000,
+    },
+    Subject {
+        name: "damaged-stores",
+        claim: "a damaged store is refused, or gives what was stored",
+        package: "onset-cli",
+        program: "command",
+        test: "damaged_stores_are_refused_or_give_what_was_stored",
+        cases: 1000,
+    },
 ];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.

@@ -192,6 +192,9 @@ pub enum Command {
         /// Print one JSON document: a list with an entry for each file.
         #[arg(long)]
         json: bool,
+        /// What the file may load.
+        #[command(flatten)]
+        trust: TrustArguments,
     },
     /// Where in the plane of a study do material and particles lose stability, and how far are the two apart?
     Boundary {
@@ -209,6 +212,9 @@ pub enum Command {
         /// Print one JSON document, numbers with 17 significant digits.
         #[arg(long)]
         json: bool,
+        /// What the file may load.
+        #[command(flatten)]
+        trust: TrustArguments,
     },
     /// Several methods side by side for one material: spurious modes, errors of frequencies, onsets, fidelity, time step, cost.
     #[command(after_help = comparison_keys())]
@@ -237,6 +243,9 @@ pub enum Command {
         /// Where to write: NAME.svg or NAME.png (both are written), or a folder for map.svg and map.png.
         #[arg(long, value_name = "PATH", default_value = ".")]
         out: PathBuf,
+        /// What the stores may load.
+        #[command(flatten)]
+        trust: TrustArguments,
     },
     /// Is a material what its author believes: does its stress follow from an energy, and which tangent is its tangent?
     #[command(after_help = keys())]
@@ -257,6 +266,15 @@ pub enum Command {
     },
 }
 
+/// What files may load.
+#[derive(Clone, Debug, Args)]
+pub struct TrustArguments {
+    /// Let a file load this library (material.library), or one in this folder: a library is a program, which runs with your rights. The
+    /// variable ONSET_ALLOW_LIBRARY does so for good. (May be given several times.)
+    #[arg(long = "allow-library", value_name = "PATH")]
+    pub libraries: Vec<PathBuf>,
+}
+
 /// A law, and the stretches of interest.
 #[derive(Debug, Args)]
 pub struct LawArguments {
@@ -275,6 +293,9 @@ pub struct LawArguments {
     /// Print one JSON document, numbers with 17 significant digits.
     #[arg(long)]
     pub json: bool,
+    /// What the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
 }
 
 /// Notions of stability.
@@ -320,6 +341,9 @@ pub struct CompareArguments {
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// What the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
 }
 
 /// A question for spurious modes.
@@ -418,6 +442,9 @@ pub struct RecommendArguments {
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// What the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
 }
 
 /// A map.
@@ -447,6 +474,9 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// What the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
 }
 
 /// A plastic material and its loading.
@@ -593,6 +623,9 @@ pub struct ProblemArguments {
     /// Print one JSON document, numbers with 17 significant digits.
     #[arg(long)]
     pub json: bool,
+    /// What the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
 }
 
 /// The state.

@@ -10,22 +10,24 @@ mod notions;
 mod plot;
 mod tune;
 
-use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments};
+use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments, TrustArguments};
 use crate::map;
 use crate::patience;
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::answers::{
-    Diagram, DiagramError, PathAnswer, Problem, ProblemError, StateAnswer, Strain, Waves,
+    Diagram, PathAnswer, Problem, ProblemError, StateAnswer, Strain, Waves,
 };
 use onset_study::boundary::Tracing;
 use onset_study::catalog;
 use onset_study::json;
+use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
-use onset_study::settings::{MaterialSettings, Settings, Study};
+use onset_study::settings::{MaterialSettings, Settings, Study, Trust};
+use onset_umat::readable;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Why a command ended without an answer.
@@ -49,6 +51,12 @@ impl Failure {
             message: error.to_string(),
             code: 1,
         }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::machine(error)
     }
 }
 
@@ -111,7 +119,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             files,
             assignments,
             json,
-        } => check::check(&files, &assignments, json),
+            trust,
+        } => check::check(&files, &assignments, &trust.trust(), json),
         Command::Audit(arguments) => audit::audit(&arguments),
         Command::UmatUtilities => print_text(onset_umat::UTILITIES.trim_end()),
         Command::Schema => check::schema(),
@@ -121,12 +130,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             flutter,
             out,
             json,
+            trust,
         } => {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
             };
-            boundary::boundary(&file, &assignments, tracing, &out, json)
+            let study = study(&file, &assignments, &trust.trust())?;
+            boundary::boundary(&study, tracing, &out, json)
         }
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Modes(arguments) => modes::modes(&arguments),
@@ -137,7 +148,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             field,
             no_trace,
             out,
-        } => plot::plot(&stores, &field, !no_trace, &out),
+            trust,
+        } => plot::plot(&stores, &field, !no_trace, &trust.trust(), &out),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }
@@ -171,21 +183,43 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
     Ok((name, text))
 }
 
-/// Reads a study, changed by assignments.
-pub fn study(file: &Path, assignments: &[String]) -> Result<Study, Failure> {
+/// Reads a study, changed by assignments, of which a library may be loaded if the user allows it.
+pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study, Failure> {
     let (name, text) = source(file)?;
-    Study::parse(&name, &text)
+    let study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
-        .map_err(Failure::input)
+        .map_err(Failure::input)?
+        .allowing(trust);
+    let permitted = study.settings.material.permitted();
+    permitted.map_err(Failure::input).map(|()| study)
 }
 
-/// The law of a study file or of the defaults, changed by assignments.
-fn law(file: Option<&Path>, assignments: &[String]) -> Result<MaterialSettings, Failure> {
+impl TrustArguments {
+    /// What the user allows, here and for good.
+    pub fn trust(&self) -> Trust {
+        Trust::of_user(&self.libraries)
+    }
+}
+
+/// The law of a study file or of the defaults, changed by assignments, of which a library may be loaded if the user allows it.
+fn law(
+    file: Option<&Path>,
+    assignments: &[String],
+    trust: &Trust,
+) -> Result<MaterialSettings, Failure> {
     let (name, text) = match file {
         Some(file) => source(file)?,
         None => Default::default(),
     };
-    MaterialSettings::of_file(&name, &text, assignments).map_err(Failure::input)
+    let law = MaterialSettings::of_file(&name, &text, assignments);
+    permitted(law.map_err(Failure::input)?, trust)
+}
+
+/// A material of which the user allows what it loads.
+fn permitted(mut material: MaterialSettings, trust: &Trust) -> Result<MaterialSettings, Failure> {
+    material.allow(trust);
+    material.permitted().map_err(Failure::input)?;
+    Ok(material)
 }
 
 /// The assignments with those that `--energy` is short for; an error where `--set` says otherwise.
@@ -222,7 +256,7 @@ impl ProblemArguments {
     /// The law alone.
     fn law(&self) -> Result<MaterialSettings, Failure> {
         let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
-        law(self.file.as_deref(), &assignments)
+        law(self.file.as_deref(), &assignments, &self.trust.trust())
     }
 
     /// The settings, where some keys are about to be varied.
@@ -232,7 +266,12 @@ impl ProblemArguments {
             Some(file) => source(file)?,
             None => Default::default(),
         };
-        Settings::of_file(&name, &text, &assignments, open).map_err(Failure::input)
+        let settings = Settings::of_file(&name, &text, &assignments, open);
+        let settings = settings.map_err(Failure::input)?;
+        Ok(Settings {
+            material: permitted(settings.material.clone(), &self.trust.trust())?,
+            ..settings
+        })
     }
 }
 
@@ -257,25 +296,32 @@ fn diagram(
     out: &Path,
     json: bool,
 ) -> Result<ExitCode, Failure> {
+    let output = Output::at(out, &["dispersion.svg", "dispersion.png", "dispersion.csv"])?;
     let diagram = Diagram::new(problem, strain)?;
-    let files = diagram
+    let mut files = diagram
         .figure("Waves in the particles and in the continuum")
-        .write(out, "dispersion")
-        .map_err(|error| Failure::machine(DiagramError::from(error)))?;
-    let table = out.join("dispersion.csv");
-    std::fs::write(&table, diagram.csv())
-        .map_err(|error| Failure::machine(format!("cannot write {}: {error}", table.display())))?;
+        .files("dispersion")
+        .map_err(Failure::machine)?;
+    files.push(text("dispersion.csv", diagram.csv()));
+    let written = output.write(&files)?;
     if json {
         return print_json(&diagram);
     }
-    let files = files.map(|file| file.display().to_string());
+    let [first, second, third] = &named(&written)[..] else {
+        return Ok(ExitCode::SUCCESS);
+    };
     print_text(&format!(
-        "wrote {}, {} and {}\n\n{}",
-        files[0],
-        files[1],
-        table.display(),
+        "wrote {first}, {second} and {third}\n\n{}",
         diagram.told()
     ))
+}
+
+/// The names of files, to be told.
+fn named(files: &[PathBuf]) -> Vec<String> {
+    files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect()
 }
 
 fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
@@ -346,14 +392,17 @@ pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
 /// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
 pub fn tell(text: impl Display) {
     patience::end();
-    let _ = writeln!(std::io::stderr(), "{text}");
+    // What a file says must not command the terminal.
+    let _ = writeln!(std::io::stderr(), "{}", readable(&text.to_string()));
 }
 
 /// Prints a line; a reader that has closed the pipe (`| head`) is no error.
 pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
     patience::end();
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(error)),
+    match writeln!(std::io::stdout(), "{}", readable(text)) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(format!(
+            "cannot print the answer: {error}"
+        ))),
         _ => Ok(ExitCode::SUCCESS),
     }
 }

@@ -20,6 +20,10 @@ fn main() -> ExitCode {
         return code;
     }
     let arguments = Arguments::parse();
+    if let Err(error) = interrupt::listen() {
+        commands::tell(format_args!("error: cannot listen for interrupts: {error}"));
+        return ExitCode::from(1);
+    }
     match threads::check().and_then(|()| commands::run(arguments)) {
         Ok(code) => code,
         Err(failure) => {

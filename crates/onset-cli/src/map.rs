@@ -5,6 +5,7 @@ use crate::commands::{Failure, print_json, print_text, study, tell};
 use crate::interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::map::{MapError, Plan, Summary, Watch};
+use onset_study::shell::{quoted, quoted_file};
 use onset_study::store::{StoreError, ZarrStore};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,8 @@ struct Answer<'a> {
 
 /// Computes a map, or the tiles of it that were asked for.
 pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
-    let study = study(&arguments.file, &arguments.assignments)?;
+    let trust = arguments.trust.trust();
+    let study = study(&arguments.file, &arguments.assignments, &trust)?;
     let plan = Plan::new(&study)?;
     let tiles = plan.tiles(arguments.tiles.clone())?;
     let path = arguments
@@ -45,7 +47,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .clone()
         .unwrap_or_else(|| default_place(&arguments.file));
     let told = "finishing the tiles that have begun; interrupt again to end at once";
-    interrupt::listen((!arguments.quiet).then_some(told)).map_err(Failure::machine)?;
+    interrupt::answer_with((!arguments.quiet).then_some(told)).map_err(Failure::machine)?;
     let store = if arguments.overwrite {
         ZarrStore::replace(&path, plan.layout())
     } else if arguments.resume || arguments.tiles.is_some() {
@@ -90,14 +92,17 @@ fn default_place(file: &Path) -> PathBuf {
 fn resuming(arguments: &MapArguments, path: &Path) -> String {
     let mut command = format!(
         "onset map {} --out {} --resume",
-        arguments.file.display(),
-        path.display()
+        quoted_file(&arguments.file),
+        quoted_file(path)
     );
     if let Some(tiles) = &arguments.tiles {
         command.push_str(&format!(" --tiles {}..{}", tiles.start, tiles.end));
     }
     for assignment in &arguments.assignments {
-        command.push_str(&format!(" --set {assignment}"));
+        command.push_str(&format!(" --set {}", quoted(assignment.as_ref())));
+    }
+    for library in &arguments.trust.libraries {
+        command.push_str(&format!(" --allow-library {}", quoted_file(library)));
     }
     command
 }

@@ -52,9 +52,10 @@ pub enum UmatError {
     },
     /// The process ended during a call.
     #[error(
-        "the UMAT's process ended during a call ({how}){}{}",
+        "the UMAT's process ended during a call ({how}){}{}{}",
         at(state.as_deref()),
-        said(output)
+        said(output),
+        memory_hint(output)
     )]
     Ended {
         /// The signal or the exit code, in words.
@@ -94,17 +95,35 @@ pub enum UmatError {
         /// The state.
         state: Box<Matrix3<f64>>,
     },
-    /// It wrote behind the end of an array.
+    /// It wrote beyond the ends of an argument.
     #[error(
-        "the UMAT wrote behind the end of STATEV, which holds {variables} state variables{}\n  hint: set \
-         material.state-variables to the number that it needs (*DEPVAR)",
-        at_state(state)
+        "the UMAT wrote beyond the ends of {argument}{}{}\n  hint: {}",
+        if *argument == "STATEV" { format!(", which holds {variables} state variables") } else { String::new() },
+        at_state(state),
+        if *argument == "STATEV" { "set material.state-variables to the number that it needs (*DEPVAR)" }
+        else { "are its dimensions those of its arguments NTENS = 6, NDI = 3, NSHR = 3 and NPROPS?" }
     )]
     Overrun {
+        /// The argument.
+        argument: &'static str,
         /// How many state variables there are.
         variables: usize,
         /// The state.
         state: Box<Matrix3<f64>>,
+    },
+    /// The library is another than at first.
+    #[error(
+        "{path} is another library than at first: its SHA-256 was {wanted} and is {found}\n  hint: a library must not be \
+         compiled anew while it is used; to go on with a map, put the first one back, otherwise begin anew",
+        path = path.display()
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// The sum of the first.
+        wanted: String,
+        /// The sum of what is there.
+        found: String,
     },
     /// It asks for a smaller increment.
     #[error(
@@ -156,6 +175,18 @@ fn said(output: &str) -> String {
     match output.trim_end() {
         "" => String::new(),
         text => format!("\n  it printed: {}", text.replace('\n', "\n              ")),
+    }
+}
+
+/// Fortran's runtime and C++'s say so when they get no memory.
+fn memory_hint(output: &str) -> &'static str {
+    if ["allocate memory", "allocating", "bad_alloc"]
+        .iter()
+        .any(|words| output.contains(words))
+    {
+        "\n  hint: it may use as much memory as material.memory-limit says, in MiB"
+    } else {
+        ""
     }
 }
 

@@ -1,13 +1,13 @@
 //! What is said between our process and the UMAT's: binary frames of known size, numbers in the machine's own order.
 //!
-//! 1. We send the setup: numbers of properties and state variables, and the properties.
+//! 1. We send the setup: numbers of properties and state variables, limits of memory and of processor time, and the properties.
 //! 2. The host answers with a greeting: ready, or why not.
 //! 3. We send batches of paths of deformation gradients; the host answers with an outcome a path, in order, as each is done.
 
 use std::io::{self, Read};
 
 /// What opens a greeting.
-pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU01");
+pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU02");
 
 /// How loading went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +60,8 @@ impl Passed {
 pub struct Reply {
     pub passed: Passed,
     pub increment: u32,
+    /// Which argument was written beyond its ends, by its place among [`crate::arguments::NAMES`].
+    pub argument: u32,
     /// `STRESS`, `DDSDDE` by columns, `SSE`, `SPD`, `SCD`, `PNEWDT`, `STATEV`.
     pub numbers: Vec<f64>,
 }
@@ -71,19 +73,22 @@ impl Reply {
     pub fn write(&self, frame: &mut Vec<u8>) {
         put(frame, self.passed.code());
         put(frame, u64::from(self.increment));
+        put(frame, u64::from(self.argument));
         put_numbers(frame, &self.numbers);
     }
 
     pub fn read(from: &mut impl Read, variables: usize) -> io::Result<Self> {
-        let mut bytes = vec![0; 8 * (2 + FIXED + variables)];
+        let mut bytes = vec![0; 8 * (3 + FIXED + variables)];
         from.read_exact(&mut bytes)?;
         let mut words = words(&bytes);
         let mut next = || words.next().unwrap_or_default();
         let passed = Passed::of_code(next()).ok_or_else(nonsense)?;
         let increment = u32::try_from(next()).map_err(|_| nonsense())?;
+        let argument = u32::try_from(next()).map_err(|_| nonsense())?;
         Ok(Self {
             passed,
             increment,
+            argument,
             numbers: words.map(f64::from_bits).collect(),
         })
     }

@@ -3,22 +3,33 @@
 //! Standard output and error are the routine's own.
 
 use crate::frame::{self, GREETING, Loaded};
+use crate::process::FOLDER;
 use crate::routine::{LoadError, Routine};
 use nalgebra::Matrix3;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{
+    Resource, Rlimit, Signal, getpgrp, getpid, getrlimit, kill_process_group, setrlimit,
+};
+use rustix::time::{ClockId, clock_gettime};
 use std::io::{self, BufReader, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::parent_id;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
-/// How often the process looks whether anybody still wants it.
-const WATCH: Duration = Duration::from_secs(1);
+/// How often the process looks whether anybody still wants it, should the end of its socket not tell.
+const WATCH: Timespec = Timespec {
+    tv_sec: 1,
+    tv_nsec: 0,
+};
 
 /// Serves until nobody asks any more.
 pub fn serve(library: &Path) -> ExitCode {
-    end_without_parent();
+    if let Err(error) = end_without_parent() {
+        eprintln!("error: {error}; this command is for onset itself");
+        return ExitCode::from(2);
+    }
     match answer(library) {
         // Whoever asked is gone: nothing is left to do.
         Ok(()) => ExitCode::SUCCESS,
@@ -30,15 +41,53 @@ pub fn serve(library: &Path) -> ExitCode {
     }
 }
 
-/// An endless loop in the routine must not outlive the process that waits for it, however that one ended.
-fn end_without_parent() {
+/// An endless loop in the routine, and what it has started, must not outlive the process that waits for it, however that one
+/// ended; nor must the folder that was made for it.
+fn end_without_parent() -> io::Result<()> {
     let parent = parent_id();
+    let socket = io::stdin().as_fd().try_clone_to_owned()?;
+    let folder = std::env::current_dir()?;
     std::thread::spawn(move || {
-        while parent_id() == parent {
-            std::thread::sleep(WATCH);
+        let is_closed = || {
+            // Nothing is waited for but that the other end is closed.
+            let mut watched = [PollFd::new(&socket, PollFlags::empty())];
+            poll(&mut watched, Some(&WATCH)).is_ok_and(|ready| ready > 0)
+        };
+        while !is_closed() && parent_id() == parent {}
+        let name = folder.file_name().unwrap_or_default();
+        if name.as_encoded_bytes().starts_with(FOLDER.as_bytes()) {
+            // Whatever is left there is worth nothing.
+            drop(std::fs::remove_dir_all(&folder));
+        }
+        if getpgrp() == getpid() {
+            let _ = kill_process_group(getpid(), Signal::KILL);
         }
         std::process::exit(0);
     });
+    Ok(())
+}
+
+/// Lets the routine take at most so many bytes of memory.
+fn limit_memory(bytes: u64) -> io::Result<()> {
+    let hard = getrlimit(Resource::As).maximum;
+    let limit = Rlimit {
+        current: Some(hard.map_or(bytes, |hard| hard.min(bytes))),
+        maximum: hard,
+    };
+    Ok(setrlimit(Resource::As, limit)?)
+}
+
+/// Lets the routine, and each process that it starts, take at most so many seconds of processor time from now on.
+fn limit_time(seconds: u64) -> io::Result<()> {
+    let used = clock_gettime(ClockId::ProcessCPUTime).tv_sec.unsigned_abs();
+    let hard = getrlimit(Resource::Cpu).maximum;
+    // The time that has been used is rounded down.
+    let until = used.saturating_add(seconds).saturating_add(1);
+    let limit = Rlimit {
+        current: Some(hard.map_or(until, |hard| hard.min(until))),
+        maximum: hard,
+    };
+    Ok(setrlimit(Resource::Cpu, limit)?)
 }
 
 fn answer(library: &Path) -> io::Result<()> {
@@ -47,7 +96,11 @@ fn answer(library: &Path) -> io::Result<()> {
     let mut replies = socket;
     let properties = frame::take_size(&mut requests)?;
     let variables = frame::take_size(&mut requests)?;
+    let memory = frame::take(&mut requests)?;
+    let seconds = frame::take(&mut requests)?;
     let properties = frame::take_numbers(&mut requests, properties)?;
+    limit_memory(memory)?;
+    limit_time(seconds)?;
     let loaded = Routine::load(library, &properties, variables);
     let (loaded_code, text) = match &loaded {
         Ok(_) => (Loaded::Ready, ""),
@@ -75,6 +128,7 @@ fn answer(library: &Path) -> io::Result<()> {
             .collect();
         for path in states.chunks_exact(increments.max(1)) {
             reply.clear();
+            limit_time(seconds)?;
             routine.follow(path).write(&mut reply);
             replies.write_all(&reply)?;
         }

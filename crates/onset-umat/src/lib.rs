@@ -11,11 +11,15 @@
 //! shear strains, `DDSDDE` the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation, stress and strain rotated
 //! by `DROT` before the call.
 
+mod arguments;
 mod conversion;
 mod error;
+mod fingerprint;
+mod folder;
 mod frame;
 mod increment;
 mod program;
+mod readable;
 mod voigt;
 
 #[cfg(unix)]
@@ -29,10 +33,21 @@ mod umat;
 
 pub use conversion::{Delivered, jaumann_kirchhoff, tangent_from_jaumann_kirchhoff};
 pub use error::UmatError;
+pub use fingerprint::fingerprint;
+pub use folder::PrivateFolder;
 pub use increment::{Increment, proportional_path};
 pub use program::{HOST_VARIABLE, serve_if_asked};
+pub use readable::readable;
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
+
+/// Ends all processes of routines, with all that they have started, and removes all private folders. For a process that is about
+/// to end where values are not dropped, as on a signal; it can run no routine afterwards.
+pub fn end_all() {
+    #[cfg(unix)]
+    process::end_all();
+    folder::remove_all();
+}
 
 /// Fortran source of the routines that Abaqus offers to user subroutines (`SINV`, `SPRINC`, `SPRIND`, `ROTSIG`, `XIT`, ...),
 /// written for `onset`: to be compiled together with a UMAT that calls them.

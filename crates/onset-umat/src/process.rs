@@ -1,20 +1,23 @@
 //! Our side of the process that the routine runs in.
 
 use crate::error::UmatError;
+use crate::fingerprint::fingerprint;
+use crate::folder::PrivateFolder;
 use crate::frame::{self, GREETING, Loaded, Reply};
 use crate::program::{self, MODE};
+use crate::readable::readable;
 use crate::umat::UmatSettings;
 use nalgebra::Matrix3;
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::io::{self, Read, Write};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// How much of what a routine prints is kept: the last bytes.
@@ -31,28 +34,29 @@ pub struct Process {
     output: Receiver<String>,
     limit: Duration,
     variables: usize,
-    _folder: Folder,
+    has_ended: bool,
+    fingerprint: String,
+    /// For what the routine writes to files without a name (`fort.7`).
+    _folder: PrivateFolder,
 }
 
-/// A folder for what the routine writes to files without a name (`fort.7`), removed in the end.
-struct Folder(PathBuf);
+/// How the names of the folders begin that routines run in.
+pub const FOLDER: &str = "onset-umat-";
 
-impl Folder {
-    fn new() -> io::Result<Self> {
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("onset-umat-{}-{count}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder)?;
-        Ok(Self(folder))
-    }
+/// The groups of all processes of routines that this process has; their first process is still there.
+static GROUPS: Mutex<Vec<Pid>> = Mutex::new(Vec::new());
+
+fn groups() -> MutexGuard<'static, Vec<Pid>> {
+    GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // Whatever is left there is worth nothing.
-        drop(std::fs::remove_dir_all(&self.0));
+/// Ends the processes of all routines with all that they have started. Afterwards none can be started.
+pub fn end_all() {
+    let groups = groups();
+    for group in groups.iter() {
+        let _ = kill_process_group(*group, Signal::KILL);
     }
+    std::mem::forget(groups);
 }
 
 impl Drop for Process {
@@ -71,7 +75,7 @@ impl Process {
         let not_started = |error: io::Error| UmatError::NoProcess {
             message: format!("{}: {error}", program.display()),
         };
-        let folder = Folder::new().map_err(not_started)?;
+        let folder = PrivateFolder::new(&std::env::temp_dir(), FOLDER).map_err(not_started)?;
         let library = std::path::absolute(&settings.library).map_err(not_started)?;
         let (socket, theirs) = UnixStream::pair().map_err(not_started)?;
         let (reader, writer) = io::pipe().map_err(not_started)?;
@@ -81,20 +85,23 @@ impl Process {
                 "ONSET_UMAT_DIRECTORY",
                 std::env::current_dir().unwrap_or_default(),
             )
-            .current_dir(&folder.0)
+            .current_dir(folder.path())
             .stdin(Stdio::from(OwnedFd::from(theirs)))
             .stdout(writer.try_clone().map_err(not_started)?)
             .stderr(writer)
-            // An interrupt at the terminal is for us; we end it.
+            // An interrupt at the terminal is for us; we end it, with all that it has started.
             .process_group(0)
             .spawn()
             .map_err(not_started)?;
+        groups().push(Pid::from_child(&child));
         let mut process = Self {
             child,
             socket,
             output: last_words(reader),
             limit: settings.time_limit,
             variables: settings.state_variables,
+            has_ended: false,
+            fingerprint: String::new(),
             _folder: folder,
         };
         process.greet(settings)?;
@@ -105,9 +112,11 @@ impl Process {
         let mut setup = Vec::new();
         frame::put(&mut setup, settings.properties.len() as u64);
         frame::put(&mut setup, settings.state_variables as u64);
+        frame::put(&mut setup, settings.memory_limit);
+        frame::put(&mut setup, settings.time_limit.as_secs_f64().ceil() as u64);
         frame::put_numbers(&mut setup, &settings.properties);
         match self.greeting(&setup) {
-            Ok((Loaded::Ready, _)) => Ok(()),
+            Ok((Loaded::Ready, _)) => self.check(settings),
             Ok((Loaded::Failed, message)) => Err(UmatError::Load {
                 path: std::path::absolute(&settings.library)
                     .unwrap_or_else(|_| settings.library.clone()),
@@ -123,6 +132,29 @@ impl Process {
         }
     }
 
+    /// Notes which library was loaded, or refuses another than that which is wanted. Looked at after loading, so that no other can
+    /// come in between.
+    fn check(&mut self, settings: &UmatSettings) -> Result<(), UmatError> {
+        let path = &settings.library;
+        self.fingerprint = fingerprint(path).map_err(|error| UmatError::Load {
+            path: path.clone(),
+            message: error.to_string(),
+        })?;
+        match &settings.fingerprint {
+            Some(wanted) if *wanted != self.fingerprint => Err(UmatError::Changed {
+                path: path.clone(),
+                wanted: wanted.clone(),
+                found: self.fingerprint.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The sum of the library.
+    pub fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
     fn greeting(&mut self, setup: &[u8]) -> io::Result<(Loaded, String)> {
         self.socket.set_read_timeout(Some(self.limit))?;
         self.socket.set_write_timeout(Some(self.limit))?;
@@ -136,7 +168,7 @@ impl Process {
         Read::by_ref(&mut self.socket)
             .take(length)
             .read_to_end(&mut text)?;
-        Ok((loaded, String::from_utf8_lossy(&text).into_owned()))
+        Ok((loaded, readable(&String::from_utf8_lossy(&text))))
     }
 
     /// The replies at the ends of paths of equal length.
@@ -179,8 +211,8 @@ impl Process {
             error.kind(),
             io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
         );
-        let status = if is_silent { None } else { self.parting() };
-        self.end();
+        let by_itself = !is_silent && self.parted();
+        let status = self.end().filter(|_| by_itself);
         let output = self.output.recv_timeout(PARTING).unwrap_or_default();
         match status {
             _ if is_silent => UmatError::Silent {
@@ -201,25 +233,32 @@ impl Process {
         }
     }
 
-    /// How the process ended by itself.
-    fn parting(&mut self) -> Option<ExitStatus> {
+    /// Whether the process ends by itself. It is not yet waited for, so that its number stays that of its group.
+    fn parted(&self) -> bool {
         let pause = Duration::from_millis(5);
         let mut waited = Duration::ZERO;
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         while waited < PARTING {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status),
+            match waitid(WaitId::Pid(Pid::from_child(&self.child)), options) {
+                Ok(Some(_)) => return true,
                 Ok(None) => std::thread::sleep(pause),
-                Err(_) => return None,
+                Err(_) => return false,
             }
             waited += pause;
         }
-        None
+        false
     }
 
-    fn end(&mut self) {
-        // A process that has ended already cannot be killed, but must be waited for.
-        drop(self.child.kill());
-        drop(self.child.wait());
+    /// Ends the process, if it has not ended, and all that it has started; how it ended.
+    fn end(&mut self) -> Option<ExitStatus> {
+        if std::mem::replace(&mut self.has_ended, true) {
+            return None;
+        }
+        let group = Pid::from_child(&self.child);
+        // Those that have ended already cannot be killed, but must be waited for.
+        let _ = kill_process_group(group, Signal::KILL);
+        groups().retain(|other| *other != group);
+        self.child.wait().ok()
     }
 }
 
@@ -243,7 +282,7 @@ fn last_words(mut reader: impl Read + Send + 'static) -> Receiver<String> {
         }
         let bytes: Vec<u8> = kept.into();
         // Nobody may be interested.
-        drop(sender.send(String::from_utf8_lossy(&bytes).into_owned()));
+        drop(sender.send(readable(&String::from_utf8_lossy(&bytes))));
     });
     receiver
 }
@@ -253,6 +292,9 @@ fn in_words(status: ExitStatus) -> String {
         Some(4) => Some("signal 4, an illegal instruction".to_owned()),
         Some(6) => Some("signal 6, it aborted".to_owned()),
         Some(8) => Some("signal 8, an arithmetic error".to_owned()),
+        Some(24) => {
+            Some("signal 24, it used more processor time than material.time-limit".to_owned())
+        }
         Some(9) => Some("signal 9, it was killed; was memory short?".to_owned()),
         Some(7 | 10 | 11) => Some(format!(
             "signal {}, it used memory that is not its own; is an index out of bounds?",

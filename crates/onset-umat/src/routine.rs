@@ -1,17 +1,12 @@
 //! The routine itself: the only place where foreign code is called.
 
+use crate::arguments::Arguments;
 use crate::frame::{Passed, Reply};
 use crate::increment::Increment;
 use crate::voigt::{strain, strain_like, stress_like, symmetric};
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use nalgebra::Matrix3;
 use std::path::Path;
-
-/// Numbers behind the end of `STATEV` and `PROPS` that belong to nobody, to notice who goes there.
-const MARGIN: usize = 64;
-
-/// What stands in the margins: a NaN that no computation makes.
-const NOBODY: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
 
 /// `SUBROUTINE UMAT` as Fortran compilers lay it out: every argument by reference, the length of `CMNAME` by value at the end.
 type UmatRoutine = unsafe extern "C" fn(
@@ -133,8 +128,6 @@ impl Routine {
                 .ok()
                 .map(|symbol| *symbol)
         });
-        let mut padded = properties.to_vec();
-        padded.extend([NOBODY; MARGIN]);
         let count = |size: usize| {
             i32::try_from(size).map_err(|_| LoadError::Library("too many numbers".to_owned()))
         };
@@ -142,7 +135,7 @@ impl Routine {
             umat: umat.ok_or(LoadError::NoRoutine)?,
             sdvini,
             property_count: count(properties.len())?,
-            properties: padded,
+            properties: properties.to_vec(),
             variables,
             variable_count: count(variables)?,
             _library: library,
@@ -151,7 +144,17 @@ impl Routine {
 
     /// The outcome at the end of a path from the identity.
     pub fn follow(&self, path: &[Matrix3<f64>]) -> Reply {
-        let mut point = self.fresh();
+        let mut point = Point {
+            stress: [0.0; 6],
+            variables: vec![0.0; self.variables],
+            ddsdde: [0.0; 36],
+            energies: [0.0; 3],
+            strain: [0.0; 6],
+            factor: 1.0,
+        };
+        if let Err(argument) = self.set_up(&mut point) {
+            return point.overrun(argument, 0);
+        }
         let mut start = Matrix3::identity();
         let duration = 1.0 / path.len() as f64;
         for (number, end) in (1_u32..).zip(path) {
@@ -160,59 +163,51 @@ impl Routine {
                 duration,
             };
             let Some(increment) = Increment::between(start, *end) else {
-                return point.reply(Passed::NoIncrement, number, self.variables);
+                return point.reply(Passed::NoIncrement, number);
             };
-            self.call(&mut point, &increment, &step);
-            if point.variables[self.variables..]
-                .iter()
-                .any(|value| value.to_bits() != NOBODY.to_bits())
-            {
-                return point.reply(Passed::Overrun, number, self.variables);
+            if let Err(argument) = self.call(&mut point, &increment, &step) {
+                return point.overrun(argument, number);
             }
             if point.factor < 1.0 {
-                return point.reply(Passed::SmallerIncrement, number, self.variables);
+                return point.reply(Passed::SmallerIncrement, number);
             }
             start = *end;
         }
         let count = u32::try_from(path.len()).unwrap_or(u32::MAX);
-        point.reply(Passed::Done, count, self.variables)
+        point.reply(Passed::Done, count)
     }
 
-    /// A point without history.
+    /// Lets SDVINI set the state variables of a point without history. An error is an argument that was written beyond its ends.
     #[allow(unsafe_code)]
-    fn fresh(&self) -> Point {
-        let mut variables = vec![0.0; self.variables];
-        variables.extend([NOBODY; MARGIN]);
-        if let Some(sdvini) = self.sdvini {
-            let (three, one) = (3, 1);
-            // SAFETY: every pointer is to a live value or array of at least the size that SDVINI is told; `statev` is ours alone
-            // and has a margin.
-            unsafe {
-                sdvini(
-                    variables.as_mut_ptr(),
-                    [0.0; 3].as_ptr(),
-                    &self.variable_count,
-                    &three,
-                    &one,
-                    &one,
-                    &one,
-                    &one,
-                );
-            }
+    fn set_up(&self, point: &mut Point) -> Result<(), usize> {
+        let Some(sdvini) = self.sdvini else {
+            return Ok(());
+        };
+        let mut block = Arguments::of(&[("STATEV", &point.variables), ("COORDS", &[0.0; 3])]);
+        let start = block.start();
+        let at = |name: &str| start.wrapping_add(block.offset(name));
+        let (three, one) = (3, 1);
+        // SAFETY: every pointer is to a live value or array of at least the size that SDVINI is told; those of numbers are into a
+        // block that is ours alone, with margins.
+        unsafe {
+            sdvini(
+                at("STATEV"),
+                at("COORDS"),
+                &self.variable_count,
+                &three,
+                &one,
+                &one,
+                &one,
+                &one,
+            );
         }
-        Point {
-            stress: [0.0; 6],
-            variables,
-            ddsdde: [0.0; 36],
-            energies: [0.0; 3],
-            strain: [0.0; 6],
-            factor: 1.0,
-        }
+        point.variables.copy_from_slice(block.values("STATEV"));
+        block.overrun().map_or(Ok(()), Err)
     }
 
-    /// One call.
+    /// One call. An error is an argument that was written beyond its ends.
     #[allow(unsafe_code)]
-    fn call(&self, point: &mut Point, increment: &Increment, step: &Step) {
+    fn call(&self, point: &mut Point, increment: &Increment, step: &Step) -> Result<(), usize> {
         // Abaqus turns stress and strain along with the material before the call.
         let turn =
             |tensor: Matrix3<f64>| increment.rotation * tensor * increment.rotation.transpose();
@@ -220,55 +215,79 @@ impl Routine {
             point.stress = stress_like(&turn(symmetric(&point.stress))).into();
             point.strain = strain_like(&turn(strain(&point.strain))).into();
         }
-        point.ddsdde = [0.0; 36];
-        // More than 1 means that there is no wish.
-        point.factor = 1.0;
         let strain_increment = strain_like(&increment.strain);
         let start = f64::from(step.number - 1) * step.duration;
-        let time = [start, start];
-        let [sse, spd, scd] = &mut point.energies;
-        let (mut heat, mut heat_by_temperature) = (0.0, 0.0);
-        let (mut stress_by_temperature, mut heat_by_strain) = ([0.0; 6], [0.0; 6]);
+        let [sse, spd, scd] = point.energies;
+        // Matrices by columns, as Fortran's. A PNEWDT of more than 1 means that there is no wish. Filled anew for every call, so
+        // that nothing that the routine writes to what it should only read is there at the next.
+        let mut block = Arguments::of(&[
+            ("STRESS", &point.stress),
+            ("STATEV", &point.variables),
+            ("DDSDDE", &[0.0; 36]),
+            ("SSE", &[sse]),
+            ("SPD", &[spd]),
+            ("SCD", &[scd]),
+            ("RPL", &[0.0]),
+            ("DDSDDT", &[0.0; 6]),
+            ("DRPLDE", &[0.0; 6]),
+            ("DRPLDT", &[0.0]),
+            ("PNEWDT", &[1.0]),
+            ("STRAN", &point.strain),
+            ("DSTRAN", strain_increment.as_slice()),
+            ("TIME", &[start, start]),
+            ("DTIME", &[step.duration]),
+            ("TEMP", &[0.0]),
+            ("DTEMP", &[0.0]),
+            ("PREDEF", &[0.0]),
+            ("DPRED", &[0.0]),
+            ("PROPS", &self.properties),
+            ("COORDS", &[0.0; 3]),
+            ("DROT", increment.rotation.as_slice()),
+            ("CELENT", &[1.0]),
+            ("DFGRD0", increment.start.as_slice()),
+            ("DFGRD1", increment.end.as_slice()),
+        ]);
+        let first = block.start();
+        let at = |name: &str| first.wrapping_add(block.offset(name));
         // Step 1, a static procedure, with large deformations, not a perturbation.
         let procedure = [1, 1, 1, 0];
-        let (zero, one, three, six) = (0.0, 1, 3, 6);
-        let (fields, origin, length) = ([0.0; 1], [0.0; 3], 1.0);
-        // SAFETY: every pointer is to a live value or array of at least the size that Abaqus's manual gives for it; those that
-        // UMAT writes to are exclusively ours, STATEV and PROPS have margins, and matrices are stored by columns, as Fortran's. A
-        // UMAT that goes further can spoil this process, which holds nothing but this material.
+        let (one, three, six) = (1, 3, 6);
+        // SAFETY: every pointer is to a live value or array of at least the size that Abaqus's manual gives for it; those of
+        // numbers are into a block that is ours alone, with margins. A UMAT that goes further can spoil this process, which holds
+        // nothing but this material.
         unsafe {
             (self.umat)(
-                point.stress.as_mut_ptr(),
-                point.variables.as_mut_ptr(),
-                point.ddsdde.as_mut_ptr(),
-                sse,
-                spd,
-                scd,
-                &mut heat,
-                stress_by_temperature.as_mut_ptr(),
-                heat_by_strain.as_mut_ptr(),
-                &mut heat_by_temperature,
-                point.strain.as_ptr(),
-                strain_increment.as_ptr(),
-                time.as_ptr(),
-                &step.duration,
-                &zero,
-                &zero,
-                fields.as_ptr(),
-                fields.as_ptr(),
+                at("STRESS"),
+                at("STATEV"),
+                at("DDSDDE"),
+                at("SSE"),
+                at("SPD"),
+                at("SCD"),
+                at("RPL"),
+                at("DDSDDT"),
+                at("DRPLDE"),
+                at("DRPLDT"),
+                at("STRAN"),
+                at("DSTRAN"),
+                at("TIME"),
+                at("DTIME"),
+                at("TEMP"),
+                at("DTEMP"),
+                at("PREDEF"),
+                at("DPRED"),
                 NAME.as_ptr(),
                 &three,
                 &three,
                 &six,
                 &self.variable_count,
-                self.properties.as_ptr(),
+                at("PROPS"),
                 &self.property_count,
-                origin.as_ptr(),
-                increment.rotation.as_ptr(),
-                &mut point.factor,
-                &length,
-                increment.start.as_ptr(),
-                increment.end.as_ptr(),
+                at("COORDS"),
+                at("DROT"),
+                at("PNEWDT"),
+                at("CELENT"),
+                at("DFGRD0"),
+                at("DFGRD1"),
                 &one,
                 &one,
                 &one,
@@ -278,24 +297,40 @@ impl Routine {
                 NAME.len(),
             );
         }
+        point.stress.copy_from_slice(block.values("STRESS"));
+        point.variables.copy_from_slice(block.values("STATEV"));
+        point.ddsdde.copy_from_slice(block.values("DDSDDE"));
+        point.factor = block.values("PNEWDT")[0];
+        for (energy, name) in point.energies.iter_mut().zip(["SSE", "SPD", "SCD"]) {
+            *energy = block.values(name)[0];
+        }
         for (sum, part) in point.strain.iter_mut().zip(strain_increment.iter()) {
             *sum += part;
         }
+        block.overrun().map_or(Ok(()), Err)
     }
 }
 
 impl Point {
-    fn reply(&self, passed: Passed, increment: u32, variables: usize) -> Reply {
-        let mut numbers = Vec::with_capacity(crate::frame::FIXED + variables);
+    fn reply(&self, passed: Passed, increment: u32) -> Reply {
+        let mut numbers = Vec::with_capacity(crate::frame::FIXED + self.variables.len());
         numbers.extend(self.stress);
         numbers.extend(self.ddsdde);
         numbers.extend(self.energies);
         numbers.push(self.factor);
-        numbers.extend(&self.variables[..variables]);
+        numbers.extend(&self.variables);
         Reply {
             passed,
             increment,
+            argument: 0,
             numbers,
+        }
+    }
+
+    fn overrun(&self, argument: usize, increment: u32) -> Reply {
+        Reply {
+            argument: u32::try_from(argument).unwrap_or(u32::MAX),
+            ..self.reply(Passed::Overrun, increment)
         }
     }
 }

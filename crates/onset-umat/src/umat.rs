@@ -1,5 +1,6 @@
 //! A user material as a material of `onset`.
 
+use crate::arguments::NAMES;
 use crate::conversion::Delivered;
 use crate::error::UmatError;
 use crate::frame::{FIXED, Passed, Reply};
@@ -24,13 +25,18 @@ pub struct UmatSettings {
     pub increments: u32,
     /// How long a state may take, all its increments together.
     pub time_limit: Duration,
+    /// How much memory the process of the routine may take, in bytes: its address space, which libraries that it loads share.
+    pub memory_limit: u64,
+    /// The SHA-256 that the library must have (see [`fingerprint`](crate::fingerprint())); the one that it has at first when none is
+    /// named.
+    pub fingerprint: Option<String>,
     /// The program whose `main` begins with [`serve_if_asked`](crate::serve_if_asked), to run the routine in. When none is named:
     /// the one in the variable `ONSET_UMAT_HOST`, the running one, or `onset` beside it or on the path.
     pub host: Option<PathBuf>,
 }
 
 impl UmatSettings {
-    /// A library with properties, without state variables, in one increment, at most 10 s a state.
+    /// A library with properties, without state variables, in one increment, at most 10 s a state and 4 GiB.
     pub fn new(library: impl Into<PathBuf>, properties: &[f64]) -> Self {
         Self {
             library: library.into(),
@@ -38,6 +44,8 @@ impl UmatSettings {
             state_variables: 0,
             increments: 1,
             time_limit: Duration::from_secs(10),
+            memory_limit: 4 << 30,
+            fingerprint: None,
             host: None,
         }
     }
@@ -84,6 +92,11 @@ impl Umat {
             return Err(UmatError::Increments { increments: 0 });
         }
         let first = crate::process::Process::start(&settings)?;
+        // Every other process must run the same library.
+        let settings = UmatSettings {
+            fingerprint: Some(first.fingerprint().to_owned()),
+            ..settings
+        };
         Ok(Self {
             settings,
             idle: std::sync::Mutex::new(vec![first]),
@@ -219,7 +232,9 @@ impl Umat {
                 });
             }
             Passed::Overrun => {
+                let argument = NAMES.get(reply.argument as usize).copied();
                 return Err(UmatError::Overrun {
+                    argument: argument.unwrap_or("an argument"),
                     variables: self.settings.state_variables,
                     state,
                 });

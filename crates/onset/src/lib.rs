@@ -40,6 +40,7 @@ pub mod continuum;
 pub mod formula;
 pub mod kernel;
 pub mod kinematics;
+mod lanes;
 pub mod lattice;
 pub mod material;
 pub mod measures;
@@ -51,3 +52,5 @@ pub mod real;
 pub mod scheme;
 pub mod time_step;
 pub mod verdict;
+
+pub use lanes::lanes;

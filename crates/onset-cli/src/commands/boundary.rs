@@ -1,8 +1,10 @@
 //! `onset boundary`: the boundaries of a study as curves.
 
-use super::{Failure, print_json, print_text, study};
+use super::{Failure, named, print_json, print_text};
 use indicatif::{ProgressBar, ProgressStyle};
-use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, write};
+use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
+use onset_study::output::Output;
+use onset_study::settings::Study;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,7 +15,7 @@ use std::time::Duration;
 struct Document {
     #[serde(flatten)]
     summary: Summary,
-    files: [PathBuf; 2],
+    files: Vec<PathBuf>,
 }
 
 /// How many states have been asked, on a terminal.
@@ -43,27 +45,20 @@ impl Watch for Counter {
 
 /// Traces, writes and tells.
 pub fn boundary(
-    file: &Path,
-    assignments: &[String],
+    study: &Study,
     tracing: Tracing,
     out: &Path,
     json: bool,
 ) -> Result<ExitCode, Failure> {
-    let study = study(file, assignments)?;
-    // Before the work: a folder that cannot be made is told at once.
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::machine(format!("cannot write {}: {error}", out.display())))?;
+    let output = Output::at(out, &["boundary.geojson", "boundary.csv"])?;
     let counter = Counter::new();
-    let traced = Boundaries::of(&study, tracing, &counter);
+    let traced = Boundaries::of(study, tracing, &counter);
     counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
-    let files = write(&boundaries, out).map_err(|(path, error)| {
-        Failure::machine(format!("cannot write {}: {error}", path.display()))
-    })?;
+    let files = output.write(&files(&boundaries).map_err(Failure::machine)?)?;
     let summary = boundaries.summary();
     if json {
         return print_json(&Document { summary, files });
     }
-    let [first, second] = files.map(|file| file.display().to_string());
-    print_text(&format!("{summary}wrote {first} and {second}"))
+    print_text(&format!("{summary}wrote {}", named(&files).join(" and ")))
 }

@@ -2,7 +2,7 @@
 
 use super::{Failure, print_json, print_text, source};
 use onset_study::answers::StudySummary;
-use onset_study::settings::{Origin, SettingError, Study, schema as schema_of_studies};
+use onset_study::settings::{Origin, SettingError, Study, Trust, schema as schema_of_studies};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -60,10 +60,15 @@ impl Mistake {
 }
 
 /// Checks every file; all are told about, also behind one that is wrong.
-pub fn check(files: &[PathBuf], assignments: &[String], json: bool) -> Result<ExitCode, Failure> {
+pub fn check(
+    files: &[PathBuf],
+    assignments: &[String],
+    trust: &Trust,
+    json: bool,
+) -> Result<ExitCode, Failure> {
     let entries: Vec<Entry> = files
         .iter()
-        .map(|file| match summary(file, assignments) {
+        .map(|file| match summary(file, assignments, trust) {
             Ok(summary) => Entry::Valid(Box::new(summary)),
             Err(mistake) => Entry::Invalid(mistake),
         })
@@ -87,12 +92,17 @@ pub fn check(files: &[PathBuf], assignments: &[String], json: bool) -> Result<Ex
     }
 }
 
-fn summary(file: &Path, assignments: &[String]) -> Result<StudySummary, Box<Mistake>> {
+fn summary(
+    file: &Path,
+    assignments: &[String],
+    trust: &Trust,
+) -> Result<StudySummary, Box<Mistake>> {
     let named = file.display().to_string();
     let (name, text) = source(file).map_err(|failure| Mistake::new(&named, failure.message))?;
     let study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
-        .map_err(|error| Mistake::of_setting(&name, error))?;
+        .map_err(|error| Mistake::of_setting(&name, error))?
+        .allowing(trust);
     StudySummary::new(&name, &study)
         .map_err(|error| Mistake::new(&name, format!("{name}: {error}")))
 }

@@ -1,24 +1,30 @@
 //! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
 
-use super::{Failure, print_json, print_text, progress, source, with_energy};
+use super::{Failure, named, print_json, print_text, progress, source, with_energy};
 use crate::arguments::{CompareArguments, RecommendArguments};
 use onset_study::compare::{PANELS, Recommendation, Table};
-use onset_study::settings::Comparison;
+use onset_study::output::Output;
+use onset_study::settings::{Comparison, Trust};
 use std::path::Path;
 use std::process::ExitCode;
 
+/// The files of a table.
+const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare.png"];
+
 /// Methods side by side.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
-    let comparison = read(&arguments.file, &arguments.assignments)?;
+    let trust = arguments.trust.trust();
+    let comparison = read(&arguments.file, &arguments.assignments, &trust)?;
+    let output = Output::at(&arguments.out, &FILES)?;
     let table = evaluated(&comparison, arguments.quiet)?;
-    let files = table.write(&arguments.out).map_err(Failure::machine)?;
+    let files = output.write(&table.files().map_err(Failure::machine)?)?;
     if arguments.json {
         return print_json(&table);
     }
     if arguments.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    print_text(&format!("{table}\nwrote {}", files.join(", ")))
+    print_text(&format!("{table}\nwrote {}", named(&files).join(", ")))
 }
 
 /// The methods of a file, or those that the program knows, ranked.
@@ -28,15 +34,17 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         assignments.push(format!("compare.stretches={low},{high}"));
     }
     let comparison = match &arguments.file {
-        Some(file) => read(file, &assignments)?,
+        Some(file) => read(file, &assignments, &arguments.trust.trust())?,
         None => {
             let (name, text) = PANELS[usize::from(arguments.dimension) - 1];
             Comparison::parse(name, text, &assignments).map_err(Failure::input)?
         }
     };
+    let output = arguments.out.as_deref();
+    let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison, arguments.quiet)?;
-    let written = match &arguments.out {
-        Some(out) => table.write(out).map_err(Failure::machine)?,
+    let written = match output {
+        Some(output) => named(&output.write(&table.files().map_err(Failure::machine)?)?),
         None => Vec::new(),
     };
     let recommendation = Recommendation::from(table);
@@ -50,9 +58,12 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     print_text(text.trim_end())
 }
 
-fn read(file: &Path, assignments: &[String]) -> Result<Comparison, Failure> {
+fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison, Failure> {
     let (name, text) = source(file)?;
-    Comparison::parse(&name, &text, assignments).map_err(Failure::input)
+    let comparison = Comparison::parse(&name, &text, assignments).map_err(Failure::input)?;
+    let comparison = comparison.allowing(trust);
+    let permitted = comparison.common.material.permitted();
+    permitted.map_err(Failure::input).map(|()| comparison)
 }
 
 fn evaluated(comparison: &Comparison, quiet: bool) -> Result<Table, Failure> {

@@ -1,8 +1,9 @@
 //! `onset modes`: waves that a method does not resist.
 
-use super::{Failure, print_json, print_text};
+use super::{Failure, named, print_json, print_text};
 use crate::arguments::ModesArguments;
 use onset_study::modes::{ModesAnswer, ModesQuestion};
+use onset_study::output::Output;
 use std::process::ExitCode;
 
 /// The spurious modes of a method.
@@ -13,9 +14,12 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
         cells: usize::from(arguments.cells),
         amplitude: arguments.amplitude,
     };
+    let output = arguments.out.as_deref();
+    let names = ["modes.svg", "modes.png", "modes.html"];
+    let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = ModesAnswer::new(&settings, &question)?;
-    let written = match &arguments.out {
-        Some(out) => answer.write(out).map_err(Failure::machine)?,
+    let written = match output {
+        Some(output) => named(&output.write(&answer.files().map_err(Failure::machine)?)?),
         None => Vec::new(),
     };
     if arguments.problem.json {

@@ -1,19 +1,25 @@
 //! `onset notions` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, law, print, print_json, print_text, with_energy};
+use super::{Failure, law, named, print, print_json, print_text, with_energy};
 use crate::arguments::{CardArguments, LawArguments, NotionsArguments};
-use onset_study::figure::Figure;
-use onset_study::notions::{CardError, Question};
+use onset_study::notions::Question;
+use onset_study::output::Output;
 use onset_study::settings::MaterialSettings;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// Notions side by side.
 pub fn notions(arguments: &NotionsArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law, &arguments.modes)?;
+    let output = arguments.out.as_deref();
+    let names = ["notions.svg", "notions.png"];
+    let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = question.answer().map_err(Failure::input)?;
-    let written = match &arguments.out {
-        Some(folder) => Some(write(&answer.figure(), folder)?),
+    let written = match output {
+        Some(output) => {
+            let files = answer.figure().files("notions").map_err(Failure::machine)?;
+            let files = named(&output.write(&files)?);
+            Some(format!("wrote {}", files.join(" and ")))
+        }
         None => None,
     };
     let code = print(&answer, arguments.law.json)?;
@@ -25,20 +31,15 @@ pub fn notions(arguments: &NotionsArguments) -> Result<ExitCode, Failure> {
 
 /// The safe range card.
 pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
-    let card = question(&arguments.law, &[])?
-        .card()
-        .map_err(Failure::input)?;
-    let files = card
-        .write(&arguments.out)
-        .map_err(|error: CardError| Failure::machine(error))?;
+    let question = question(&arguments.law, &[])?;
+    let names = ["card.svg", "card.png", "card.json", "card.html"];
+    let output = Output::at(&arguments.out, &names)?;
+    let card = question.card().map_err(Failure::input)?;
+    let files = output.write(&card.files().map_err(Failure::machine)?)?;
     if arguments.law.json {
         return print_json(&card);
     }
-    let files: Vec<String> = files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
-    print_text(&format!("{card}\nwrote {}", files.join(", ")))
+    print_text(&format!("{card}\nwrote {}", named(&files).join(", ")))
 }
 
 fn question(
@@ -52,11 +53,9 @@ fn question(
 /// The law of a study, or of the assignments alone.
 fn material(arguments: &LawArguments) -> Result<MaterialSettings, Failure> {
     let assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
-    law(arguments.file.as_deref(), &assignments)
-}
-
-fn write(figure: &Figure, folder: &Path) -> Result<String, Failure> {
-    let files = figure.write(folder, "notions").map_err(Failure::machine)?;
-    let [first, second] = files.map(|file| file.display().to_string());
-    Ok(format!("wrote {first} and {second}"))
+    law(
+        arguments.file.as_deref(),
+        &assignments,
+        &arguments.trust.trust(),
+    )
 }

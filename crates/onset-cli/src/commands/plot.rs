@@ -1,8 +1,11 @@
 //! `onset plot`: figures of stored maps.
 
 use super::boundary::Counter;
-use super::{Failure, print_text};
-use onset_study::plot::{Plot, plot as figure};
+use super::{Failure, named, print_text};
+use onset_study::output::Output;
+use onset_study::plot::{Plot, plot_allowing as figure};
+use onset_study::settings::Trust;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -11,34 +14,40 @@ pub fn plot(
     stores: &[PathBuf],
     field: &str,
     traced: bool,
+    trust: &Trust,
     out: &Path,
 ) -> Result<ExitCode, Failure> {
     let (folder, name) = place(out)?;
+    let names = [".svg", ".png"].map(|format| {
+        let mut name = name.clone();
+        name.push(format);
+        name
+    });
+    let output = Output::at(&folder, &names)?;
     let counter = Counter::new();
     let asked = Plot {
         stores,
         field,
         traced,
     };
-    let made = figure(&asked, &counter);
+    let made = figure(&asked, trust, &counter);
     counter.finish();
     let made = made.map_err(|error| match error.is_input() {
         true => Failure::input(error),
         false => Failure::machine(error),
     })?;
-    let files = made.write(&folder, &name).map_err(Failure::machine)?;
-    let [first, second] = files.map(|file| file.display().to_string());
-    print_text(&format!("wrote {first} and {second}"))
+    let files = output.write(&made.files(&name).map_err(Failure::machine)?)?;
+    print_text(&format!("wrote {}", named(&files).join(" and ")))
 }
 
 /// The folder and the name of a figure: those of a file NAME.svg or NAME.png, or `map` in a folder.
-fn place(out: &Path) -> Result<(PathBuf, String), Failure> {
+fn place(out: &Path) -> Result<(PathBuf, OsString), Failure> {
     let extension = out.extension().and_then(|extension| extension.to_str());
     match (extension, out.file_stem()) {
         (Some("svg" | "png"), Some(stem)) => {
             let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
             let folder = folder.unwrap_or(Path::new("."));
-            Ok((folder.to_owned(), stem.to_string_lossy().into_owned()))
+            Ok((folder.to_owned(), stem.to_owned()))
         }
         (Some("pdf" | "eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
             Err(Failure::input(format!(
@@ -47,6 +56,6 @@ fn place(out: &Path) -> Result<(PathBuf, String), Failure> {
                 out.display()
             )))
         }
-        _ => Ok((out.to_owned(), "map".to_owned())),
+        _ => Ok((out.to_owned(), "map".into())),
     }
 }

@@ -1,7 +1,8 @@
 //! `onset tune`: the smallest coefficient that cures a method and hides nothing.
 
-use super::{Failure, print_json, print_text, progress};
+use super::{Failure, named, print_json, print_text, progress};
 use crate::arguments::TuneArguments;
+use onset_study::output::Output;
 use onset_study::tune::{TuneAnswer, TuneQuestion};
 use std::process::ExitCode;
 
@@ -10,14 +11,17 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
     let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
         .map_err(Failure::input)?;
     let settings = arguments.problem.settings_with(&[question.key()])?;
+    let output = arguments.out.as_deref();
+    let names = ["tune.csv", "tune.svg", "tune.png"];
+    let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let bar = progress(question.values().len(), arguments.quiet);
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let written = match &arguments.out {
-        Some(out) => answer.write(out).map_err(Failure::machine)?,
+    let written = match output {
+        Some(output) => named(&output.write(&answer.files().map_err(Failure::machine)?)?),
         None => Vec::new(),
     };
     if arguments.problem.json {

@@ -99,6 +99,102 @@ fn folders_that_cannot_be_made_are_named() {
     fs::remove_file(folder.parent().expect("a file")).expect("removable");
 }
 
+/// Commands that write files, each with the files.
+const WRITERS: [(&str, &[&str]); 4] = [
+    (
+        "dispersion --stretch 1.2,0.9 --path --out",
+        &["dispersion.svg", "dispersion.png", "dispersion.csv"],
+    ),
+    (
+        "modes --set discretization.quadrature=nodal --cells 4 --out",
+        &["modes.svg", "modes.png", "modes.html"],
+    ),
+    (
+        "notions --mode hydrostatic --range 0.5,2 --out",
+        &["notions.svg", "notions.png"],
+    ),
+    (
+        "localize --model j2 --path uniaxial-stress --out",
+        &["localize.svg", "localize.png", "localize.csv"],
+    ),
+];
+
+#[test]
+fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed() {
+    for (line, files) in WRITERS {
+        let folder = fresh_place("in-the-way");
+        let last = folder.join(files[files.len() - 1]);
+        fs::create_dir_all(&last).expect("a folder");
+        fs::write(folder.join(files[0]), "old").expect("a file");
+        let words: Vec<&str> = line.split(' ').chain([text(&folder)]).collect();
+        let answer = onset(&words);
+        assert_eq!(answer.code, Some(1), "{line}: {}", answer.stderr);
+        assert!(answer.stderr.contains("cannot write"), "{}", answer.stderr);
+        assert!(answer.stderr.contains(text(&last)), "{}", answer.stderr);
+        assert_eq!(
+            fs::read_to_string(folder.join(files[0])).expect("a file"),
+            "old"
+        );
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 2);
+        fs::remove_dir_all(folder).expect("removable");
+    }
+}
+
+/// Without the right to fill a disk: no file may grow beyond one block.
+#[test]
+#[cfg(unix)]
+fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
+    for (line, files) in WRITERS {
+        let folder = fresh_place("full");
+        fs::create_dir_all(&folder).expect("a folder");
+        for file in files {
+            fs::write(folder.join(file), "old").expect("a file");
+        }
+        let limited = "ulimit -f 1; trap '' XFSZ; exec \"$@\"";
+        let output = std::process::Command::new("sh")
+            .args(["-c", limited, "sh", env!("CARGO_BIN_EXE_onset")])
+            .args(line.split(' '))
+            .arg(&folder)
+            .output()
+            .expect("a shell");
+        let told = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{line}: {told}");
+        for fact in ["cannot write", "make room", "as they were"] {
+            assert!(told.contains(fact), "{line}: {told}");
+        }
+        for file in files {
+            assert_eq!(
+                fs::read_to_string(folder.join(file)).expect("a file"),
+                "old"
+            );
+        }
+        assert_eq!(
+            fs::read_dir(&folder).expect("a folder").count(),
+            files.len()
+        );
+        fs::remove_dir_all(folder).expect("removable");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_answer_that_cannot_be_printed_is_an_error() {
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("a device");
+    let output = command(&["state", "--stretch", "1.2,0.9"])
+        .stdout(full)
+        .stderr(Stdio::piped())
+        .spawn();
+    let output = output
+        .and_then(std::process::Child::wait_with_output)
+        .expect("an end");
+    let told = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("cannot print the answer"), "{told}");
+}
+
 #[test]
 fn a_reader_that_stops_reading_is_no_error() {
     for arguments in [

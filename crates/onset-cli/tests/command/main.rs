@@ -5,11 +5,17 @@ mod boundary;
 mod certify;
 mod check;
 mod compare;
+#[cfg(target_os = "linux")]
+mod damaged_stores;
 mod documents;
 mod files;
 mod formula;
 mod grid;
 mod help;
+#[path = "../../../onset/tests/shared/hunt.rs"]
+mod hunt;
+#[cfg(target_os = "linux")]
+mod kill_points;
 mod localize;
 mod map;
 mod map_python;
@@ -35,6 +41,24 @@ use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Random numbers, the same ones for the same seed.
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        // No seed is zero here, and neighboring ones are far apart.
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// A whole number below another.
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 11) as usize) % end.max(1)
+    }
+}
 
 /// How the command ended.
 struct Answer {

@@ -294,6 +294,275 @@ fn a_full_disk_is_told_and_what_is_done_is_kept() {
 }
 
 #[test]
+fn a_chunk_in_the_place_of_another_is_noticed() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "");
+    place.computed("b.zarr", "--set discretization.support=1.7");
+    for (name, of, from) in [
+        ("growth_rate/c/0/0", "a.zarr", "growth_rate/c/1/1"),
+        ("growth_rate/c/0/0", "a.zarr", "critical_time_step/c/0/0"),
+        ("verdict/c/2/1", "a.zarr", "verdict/c/1/2"),
+        ("verdict/c/2/1", "b.zarr", "verdict/c/2/1"),
+        ("stretch-1/c/0", "b.zarr", "stretch-1/c/0"),
+    ] {
+        let other = place.store(of).join(from);
+        let copy = |path: &Path| drop(fs::copy(&other, path).expect("a copy"));
+        assert_damage_found(&place, name, copy, &["another"]);
+        copy(&place.store("a.zarr").join(name));
+        let store = place.store("a.zarr").display().to_string();
+        let field = name
+            .split('/')
+            .next()
+            .filter(|name| !name.starts_with("stretch"));
+        let out = place.store("a.svg").display().to_string();
+        let field = field.unwrap_or("verdict");
+        let answer = crate::onset(&[
+            "plot",
+            &store,
+            "--field",
+            field,
+            "--no-trace",
+            "--out",
+            &out,
+        ]);
+        assert_refused(&answer, 1, &["is damaged", "another"]);
+        fs::remove_dir_all(&store).expect("removable");
+        place.computed("a.zarr", "");
+    }
+}
+
+/// Changes the attributes of a store.
+fn edit(place: &Place, store: &str, from: &str, to: &str) {
+    let path = place.store(store).join("zarr.json");
+    let text = fs::read_to_string(&path).expect("a file");
+    assert!(text.contains(from), "{text}");
+    fs::write(path, text.replace(from, to)).expect("a file");
+}
+
+#[test]
+fn a_store_of_another_version_build_or_processor_is_not_gone_on_with() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    let text = fs::read_to_string(place.store("a.zarr").join("zarr.json")).expect("a file");
+    let value = |name: &str| {
+        let start = text.find(&format!("\"{name}\": \"")).expect("an attribute");
+        text[start..].lines().next().expect("a line").to_owned()
+    };
+    for (name, words) in [
+        ("onset_version", "another version"),
+        ("onset_build", "another build"),
+        ("onset_lanes", "other vectors"),
+    ] {
+        let (is, other) = (value(name), format!("\"{name}\": \"other\","));
+        let is = format!("{},", is.trim_end_matches(','));
+        edit(&place, "a.zarr", &is, &other);
+        assert_kept(
+            &place,
+            "a.zarr",
+            &["--resume"],
+            &[words, "`other` there", "--overwrite"],
+        );
+        edit(&place, "a.zarr", &other, &is);
+    }
+    place.computed("a.zarr", "--resume");
+}
+
+#[test]
+fn a_store_of_another_format_is_not_read() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    edit(
+        &place,
+        "a.zarr",
+        "\"onset_format\": 2",
+        "\"onset_format\": 1",
+    );
+    assert_kept(
+        &place,
+        "a.zarr",
+        &["", "--resume"],
+        &["format 1", "format 2"],
+    );
+    let store = place.store("a.zarr").display().to_string();
+    let answer = crate::onset(&["plot", &store, "--out", &store]);
+    assert_refused(&answer, 2, &["format 1"]);
+    place.computed("a.zarr", "--overwrite");
+}
+
+/// What is not asked of the law is told by the store itself: its study is that of its numbers.
+#[test]
+fn a_study_that_was_exchanged_in_a_store_is_noticed() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "");
+    let store = place.store("a.zarr").display().to_string();
+    for (from, to) in [
+        ("support = 1.9", "support = 1.8"),
+        ("states = 36", "states = 37"),
+        ("range = [0.2, 2.0]", "range = [0.2, 3.0]"),
+        ("36,", "65536,"),
+    ] {
+        edit(&place, "a.zarr", from, to);
+        let answer = crate::onset(&["plot", &store, "--no-trace", "--out", &store]);
+        assert_refused(&answer, 1, &["is damaged"]);
+        edit(&place, "a.zarr", to, from);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn nothing_of_others_is_replaced_and_no_link_is_followed() {
+    use std::os::unix::fs::symlink;
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    for name in [
+        "notes.txt",
+        "verdict/notes.txt",
+        "verdict/c/0/0.bak",
+        "verdict/c/more",
+    ] {
+        let file = place.store("a.zarr").join(name);
+        fs::write(&file, "precious").expect("a file");
+        assert_kept(
+            &place,
+            "a.zarr",
+            &["--overwrite"],
+            &[name, "not written by onset"],
+        );
+        fs::remove_file(&file).expect("removable");
+        symlink(place.folder.join("study.toml"), &file).expect("a link");
+        assert_kept(
+            &place,
+            "a.zarr",
+            &["--overwrite"],
+            &[name, "not written by onset"],
+        );
+        fs::remove_file(file).expect("removable");
+    }
+    symlink(place.store("a.zarr"), place.store("link.zarr")).expect("a link");
+    assert_kept(
+        &place,
+        "link.zarr",
+        &["--overwrite"],
+        &["is a link", "a.zarr"],
+    );
+    place.computed("link.zarr", "--resume");
+    place.computed("a.zarr", "--overwrite");
+}
+
+/// A link in a store must not make a resumed map write elsewhere.
+#[test]
+#[cfg(unix)]
+fn a_map_does_not_write_through_links() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    let elsewhere = place.store("elsewhere");
+    fs::rename(place.store("a.zarr").join("growth_rate/c"), &elsewhere).expect("moved");
+    std::os::unix::fs::symlink(&elsewhere, place.store("a.zarr").join("growth_rate/c"))
+        .expect("a link");
+    let before = tree(&elsewhere);
+    let answer = place.map("a.zarr", "--resume");
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    assert!(
+        answer.stderr.contains("a link leads out of the store"),
+        "{}",
+        answer.stderr
+    );
+    assert!(tree(&elsewhere) == before);
+}
+
+#[test]
+fn the_current_folder_is_no_place_for_a_store_but_may_be_one() {
+    let place = Place::new(STUDY);
+    let file = place.file.display().to_string();
+    let map = |folder: &Path, more: &[&str]| {
+        let arguments = [&["map", &file, "--quiet", "--out", "."], more].concat();
+        let output = crate::command(&arguments).current_dir(folder).output();
+        let output = output.expect("the command starts");
+        Answer {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    };
+    let empty = place.store("empty");
+    fs::create_dir(&empty).expect("a folder");
+    assert_refused(&map(&empty, &[]), 2, &["current folder", "--out map.zarr"]);
+    assert_eq!(fs::read_dir(&empty).expect("a folder").count(), 0);
+    assert_refused(&map(&place.folder, &[]), 2, &["is not a store"]);
+    place.computed("a.zarr", "--tiles 0..1");
+    assert_refused(
+        &map(&place.store("a.zarr"), &["--overwrite"]),
+        2,
+        &["current folder"],
+    );
+    assert_eq!(map(&place.store("a.zarr"), &["--resume"]).code, Some(0));
+    place.computed("b.zarr", "");
+    assert!(tree(&place.store("a.zarr")) == tree(&place.store("b.zarr")));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_may_be_long_and_of_any_bytes() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let place = Place::new(STUDY);
+    let long = "n".repeat(245);
+    place.computed(&long, "--tiles 0..1");
+    place.computed(&long, "--overwrite");
+    let strange = place.folder.join(OsStr::from_bytes(b"a\xff\n$b.zarr"));
+    let figure = place.folder.join(OsStr::from_bytes(b"a\xff.svg"));
+    let run = |arguments: &[&OsStr]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+        command
+            .args(arguments)
+            .output()
+            .expect("the command starts")
+    };
+    let (map, out, file) = (
+        OsStr::new("map"),
+        OsStr::new("--out"),
+        place.file.as_os_str(),
+    );
+    for more in ["--quiet", "--resume", "--overwrite"] {
+        let output = run(&[
+            map,
+            file,
+            out,
+            strange.as_os_str(),
+            OsStr::new("--quiet"),
+            OsStr::new(more),
+        ][..if more == "--quiet" { 5 } else { 6 }]);
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    let plot = [
+        OsStr::new("plot"),
+        strange.as_os_str(),
+        OsStr::new("--no-trace"),
+        out,
+        figure.as_os_str(),
+    ];
+    assert!(run(&plot).status.success());
+    assert!(figure.exists() && figure.with_extension("png").exists());
+}
+
+#[test]
+fn a_lock_of_a_stranger_is_told() {
+    let place = Place::new(STUDY);
+    place.computed("a.zarr", "--tiles 0..1");
+    let metadata = fs::File::open(place.store("a.zarr").join("zarr.json")).expect("a file");
+    metadata.lock().expect("a lock");
+    let begin = std::time::Instant::now();
+    assert_kept(&place, "a.zarr", &["--resume"], &["holds a lock", "lsof"]);
+    assert!(begin.elapsed().as_secs() < 30);
+    drop(metadata);
+    place.computed("a.zarr", "--resume");
+}
+
+#[test]
 fn tiles_that_the_map_does_not_have_are_refused() {
     let place = Place::new(STUDY);
     let beyond = format!("--tiles {TILES}..99");

@@ -109,6 +109,57 @@ fn stopped_by(signal: &str) {
     );
 }
 
+/// The line that goes on, given back to a shell, goes on.
+#[test]
+fn the_line_that_goes_on_can_be_given_to_a_shell() {
+    let place = Place::new(STUDY);
+    let folder = place.store("it's a $HOME; map");
+    std::fs::create_dir(&folder).expect("a folder");
+    std::fs::copy(&place.file, folder.join("-study (1).toml")).expect("a copy");
+    let set = "discretization.kernel=(1 - q/2)^4*(2*q + 1)";
+    let child = command(&[
+        "map",
+        "--out",
+        "a b.zarr",
+        "--set",
+        set,
+        "--",
+        "-study (1).toml",
+    ])
+    .current_dir(&folder)
+    .stdout(Stdio::null())
+    .stderr(Stdio::piped())
+    .spawn()
+    .expect("the command starts");
+    let store = folder.join("a b.zarr");
+    let done = || ZarrStore::open(&store).map_or(0, |store| store.done().expect("readable"));
+    while done() == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let status = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(status.expect("kill").success());
+    let told = String::from_utf8(child.wait_with_output().expect("an end").stderr).expect("UTF-8");
+    let line = told
+        .lines()
+        .find(|line| line.contains("onset map"))
+        .expect("a line")
+        .trim();
+    let line = line.replacen("onset", env!("CARGO_BIN_EXE_onset"), 1);
+    let output = Command::new("bash")
+        .args(["-c", &line])
+        .current_dir(&folder)
+        .output();
+    let output = output.expect("a shell");
+    assert!(
+        output.status.success(),
+        "{line}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert_eq!(done(), TILES);
+}
+
 /// Runs maps into one store at the same time; all must succeed.
 fn together(place: &Place, store: &str, parts: &[&str]) {
     let children: Vec<Child> = parts

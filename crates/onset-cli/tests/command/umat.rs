@@ -73,6 +73,7 @@ fn a_state_is_the_same_with_the_umat_and_with_the_built_in_law_of_the_same_energ
 fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
     let folder = crate::fresh_place("umat-study");
     std::fs::create_dir_all(&folder).expect("a folder");
+    let library = library(&["fortran/blatz_ko.f90"]);
     let study = |name: &str, material: &str| {
         let file = folder.join(format!("{name}.toml"));
         let text = format!(
@@ -82,12 +83,20 @@ fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
         std::fs::write(&file, text).expect("a file");
         let store = folder.join(format!("{name}.zarr"));
         let (file, store) = (file.display().to_string(), store.display().to_string());
-        let answer = onset(&["map", &file, "--out", &store, "--json"]);
+        let library = library.display().to_string();
+        let answer = onset(&[
+            "map",
+            &file,
+            "--out",
+            &store,
+            "--json",
+            "--allow-library",
+            &library,
+        ]);
         assert_eq!(answer.code, Some(0), "{}", answer.stderr);
         let summary: Value = serde_json::from_str(&answer.stdout).expect("JSON");
         summary["verdicts"].clone()
     };
-    let library = library(&["fortran/blatz_ko.f90"]);
     let umat = study(
         "umat",
         &format!(
@@ -152,6 +161,248 @@ fn libraries_that_are_none_are_told_with_exit_code_2() {
         "{}",
         answer.stderr
     );
+}
+
+/// A folder with a library of one's own and files that name it.
+struct Strange {
+    folder: std::path::PathBuf,
+    library: String,
+}
+
+impl Strange {
+    fn new(name: &str) -> Self {
+        let folder = crate::fresh_place(name);
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let own = folder.join("own.so");
+        std::fs::copy(library(&["fortran/blatz_ko.f90"]), &own).expect("a copy");
+        let material = "[material]\nmodel = \"umat\"\nlibrary = \"own.so\"\nproperties = [32.0]\n";
+        let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.2]\nstates = 9\n\
+                    [[axes]]\nquantity = \"stretch-2\"\nrange = [0.9, 1.2]\nstates = 9\n[map]\ntile = 8\n";
+        let methods = "[[methods]]\nname = \"nodes\"\nquadrature = \"nodal\"\n";
+        std::fs::write(folder.join("study.toml"), format!("{material}{axes}")).expect("a file");
+        std::fs::write(folder.join("compare.toml"), format!("{material}{methods}"))
+            .expect("a file");
+        Self {
+            library: own.display().to_string(),
+            folder,
+        }
+    }
+
+    fn run(&self, line: &str) -> crate::Answer {
+        self.run_with(line, |_| {})
+    }
+
+    fn run_with(&self, line: &str, change: impl Fn(&mut std::process::Command)) -> crate::Answer {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let mut command = command(&words);
+        command
+            .current_dir(&self.folder)
+            .env_remove("ONSET_ALLOW_LIBRARY");
+        change(&mut command);
+        let output = command.output().expect("the command starts");
+        crate::Answer {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+
+    /// Whether a command loads the library: whether it starts a process for it.
+    fn loads(&self, line: &str) -> bool {
+        // A program that only says that it was started.
+        let trace = self.folder.join("trace");
+        let host = self.folder.join("host.sh");
+        std::fs::write(&host, format!("#!/bin/sh\ntouch {}\n", trace.display())).expect("a file");
+        std::process::Command::new("chmod")
+            .args(["+x".as_ref(), host.as_os_str()])
+            .status()
+            .expect("chmod");
+        let _ = std::fs::remove_file(&trace);
+        self.run_with(line, |command| {
+            command.env("ONSET_UMAT_HOST", &host);
+        });
+        trace.exists()
+    }
+}
+
+impl Drop for Strange {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+#[test]
+fn a_file_loads_a_library_only_if_the_user_allows_it() {
+    let place = Strange::new("strange");
+    let commands = [
+        "map study.toml --out a.zarr",
+        "boundary study.toml",
+        "card study.toml",
+        "notions study.toml",
+        "compare compare.toml",
+        "recommend compare.toml",
+        // The model alone does not make the library the user's word.
+        "map study.toml --out a.zarr --set material.model=umat",
+    ];
+    for line in commands {
+        let answer = place.run(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
+        for fact in ["toml:3:", "--allow-library own.so", "ONSET_ALLOW_LIBRARY"] {
+            assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+        }
+        assert!(!place.loads(line), "{line}");
+        let others = format!("{line} --allow-library other.so");
+        assert!(!place.loads(&others), "{others}");
+        for allowed in ["own.so", "./own.so", "."] {
+            let line = format!("{line} --allow-library {allowed}");
+            assert!(place.loads(&line), "{line}");
+        }
+    }
+    assert!(
+        place.loads("map study.toml --out b.zarr --set material.library=own.so"),
+        "the user's word"
+    );
+    let by_variable = place.run_with("map study.toml --quiet --out c.zarr", |command| {
+        command.env("ONSET_ALLOW_LIBRARY", format!("/nowhere:{}", place.library));
+    });
+    assert_eq!(by_variable.code, Some(0), "{}", by_variable.stderr);
+}
+
+#[test]
+fn a_study_is_checked_and_a_map_is_drawn_without_loading_its_library() {
+    let place = Strange::new("drawn");
+    let answer = place.run("check study.toml");
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(
+        answer.stdout.contains("nothing was loaded"),
+        "{}",
+        answer.stdout
+    );
+    assert!(!place.loads("check study.toml"));
+    assert!(place.loads("check study.toml --allow-library own.so"));
+    for out in ["a.zarr", "b.zarr"] {
+        let answer = place.run(&format!(
+            "map study.toml --quiet --out {out} --allow-library own.so"
+        ));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    }
+    for line in [
+        "plot a.zarr",
+        "plot a.zarr --no-trace",
+        "plot a.zarr b.zarr",
+        "plot a.zarr --field growth_rate",
+    ] {
+        let answer = place.run(line);
+        assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
+        assert!(!place.loads(line), "{line}");
+    }
+    let drawn = || std::fs::read_to_string(place.folder.join("map.svg")).expect("a figure");
+    place.run("plot a.zarr");
+    assert!(drawn().contains("library of the material was not loaded"));
+    assert!(place.loads("plot a.zarr --allow-library own.so"));
+    assert_eq!(
+        place.run("plot a.zarr --allow-library own.so").code,
+        Some(0)
+    );
+    assert!(!drawn().contains("was not loaded"));
+}
+
+#[test]
+fn a_map_is_not_gone_on_with_by_another_library() {
+    let place = Strange::new("identity");
+    let own = place.folder.join("own.so");
+    let first = std::fs::read(&own).expect("a library");
+    let map = |more: &str| {
+        place.run(&format!(
+            "map study.toml --quiet --out a.zarr --allow-library own.so {more}"
+        ))
+    };
+    assert_eq!(map("--tiles 0..1").code, Some(0));
+    // Compiled anew: another file in its place, whose end says nothing to the loader.
+    std::fs::remove_file(&own).expect("removable");
+    std::fs::write(&own, [&first[..], b"anew"].concat()).expect("a file");
+    for more in ["--resume", "--tiles 1..2"] {
+        let answer = map(more);
+        assert_eq!(answer.code, Some(2), "{}", answer.stderr);
+        for fact in [
+            "library of its material is another one",
+            "SHA-256",
+            "compiled anew",
+        ] {
+            assert!(answer.stderr.contains(fact), "{}", answer.stderr);
+        }
+    }
+    let sum = onset_umat::fingerprint(&own).expect("a sum");
+    assert!(map("--resume").stderr.contains(&sum));
+    std::fs::write(&own, first).expect("a file");
+    assert_eq!(map("--resume").code, Some(0));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn no_folder_stays_behind_and_none_of_others_is_taken() {
+    use std::os::unix::fs::symlink;
+    let place = crate::fresh_place("temporary");
+    std::fs::create_dir_all(place.join("tmp")).expect("a folder");
+    std::fs::write(place.join("victim"), "precious").expect("a file");
+    // What somebody has planted who could guess the names: they are not used.
+    for process in 0..50 {
+        symlink(
+            place.join("victim"),
+            place.join(format!("tmp/onset-umat-{process}-0")),
+        )
+        .expect("a link");
+    }
+    let own = place.join("own.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    let folders = || {
+        let entries = std::fs::read_dir(place.join("tmp")).expect("a folder");
+        let kinds = entries.map(|entry| entry.expect("one").file_type().expect("a kind"));
+        kinds.filter(|kind| kind.is_dir()).count()
+    };
+    let started = |flaw: u32| {
+        let line = format!(
+            "state --stretch 1.2,0.9 {}",
+            set(&own, &format!("10,4,{flaw}"))
+        );
+        let words = crate::words(&line);
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let mut command = command(&words);
+        command.env("TMPDIR", place.join("tmp"));
+        command
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null());
+        command.spawn().expect("the command starts")
+    };
+    for (signal, code) in [("-TERM", Some(130)), ("-INT", Some(130)), ("-KILL", None)] {
+        let mut child = started(2);
+        while folders() == 0 {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::process::Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status()
+            .expect("kill");
+        assert_eq!(child.wait().expect("an end").code(), code, "{signal}");
+        if code.is_some() {
+            assert_eq!(folders(), 0, "{signal}");
+        }
+    }
+    // After a kill the other process clears up; where it was killed too, the next command does.
+    std::fs::create_dir(place.join("tmp/onset-umat-left")).expect("a folder");
+    assert!(started(4).wait().expect("an end").success());
+    for _ in 0..100 {
+        if folders() == 0 {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(folders(), 0);
+    assert_eq!(
+        std::fs::read_to_string(place.join("victim")).expect("a file"),
+        "precious"
+    );
+    std::fs::remove_dir_all(place).expect("removable");
 }
 
 /// Killed without a chance to clean up, while the routine is in an endless loop.

@@ -4,7 +4,7 @@ use super::in_dimension_of;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::state::ComplexNumber;
-use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::methods::Discretized;
 use crate::number::{told_of, vector};
 use crate::settings::Effective;
@@ -16,7 +16,6 @@ use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::method::{CurrentLattice, Discretization, Frame, MethodError};
 use serde::Serialize;
-use thiserror::Error;
 
 /// The waves of one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,17 +66,6 @@ pub struct Corner {
     pub wave_vector: Vec<f64>,
     /// Its place along the path.
     pub length: f64,
-}
-
-/// Why a diagram cannot be drawn.
-#[derive(Debug, Error)]
-pub enum DiagramError {
-    /// The problem.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// The files.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
 }
 
 /// Samples on each leg of a path.

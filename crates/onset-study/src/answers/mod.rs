@@ -12,7 +12,7 @@ mod state;
 mod summary;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
-pub use dispersion::{Diagram, DiagramError, DispersionAnswer, Waves};
+pub use dispersion::{Diagram, DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};

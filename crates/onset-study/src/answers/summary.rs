@@ -70,7 +70,12 @@ impl StudySummary {
     /// # Errors
     /// [`ProblemError`] when material or method cannot be set up at one of these states.
     pub fn new(file: &str, study: &Study) -> Result<Self, ProblemError> {
-        let samples = Samples::of(study)?;
+        // Without permission nothing is loaded, and no state is looked at.
+        let not_loaded = study.settings.material.permitted().err();
+        let (samples, seconds_per_state) = match not_loaded {
+            None => (Samples::of(study)?, seconds_per_state(study)?),
+            Some(_) => (Samples::default(), None),
+        };
         let varied = |name: &str| {
             study
                 .axes
@@ -102,12 +107,15 @@ impl StudySummary {
                 .product(),
             sampled: samples.looked_at,
             undefined: samples.undefined,
-            seconds_per_state: seconds_per_state(study)?,
+            seconds_per_state,
             notes: study.settings.material.build().map_or_else(
                 |_| Vec::new(),
                 |material| notes(&study.settings, &*material),
             ),
-            warnings: warnings(study, &samples),
+            warnings: warnings(study, &samples)
+                .into_iter()
+                .chain(not_loaded.map(|error| error.to_string()))
+                .collect(),
         })
     }
 }
@@ -124,6 +132,7 @@ impl AxisSummary {
 }
 
 /// A look at some states.
+#[derive(Default)]
 struct Samples {
     looked_at: usize,
     undefined: usize,

@@ -107,7 +107,7 @@ impl Audit {
         states: &[DeformationGradient],
     ) -> Result<Self, AuditError> {
         let name = description(settings);
-        match (settings.umat(), convention) {
+        match (settings.umat_permitted()?, convention) {
             (Some(_), Some(_)) => Err(AuditError::Convention),
             (Some(umat), None) => {
                 let umat = Umat::new(umat).map_err(MaterialError::from)?;

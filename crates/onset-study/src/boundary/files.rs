@@ -2,9 +2,9 @@
 
 use super::{Boundaries, CurveSummary, Owner};
 use crate::json;
+use crate::output::{Files, text};
 use onset::verdict::boundary::{Curve, End};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
 
 /// The word for an end.
 pub(super) fn word(end: End) -> &'static str {
@@ -80,24 +80,13 @@ pub fn csv(boundaries: &Boundaries) -> String {
     text
 }
 
-/// Writes `boundary.geojson` and `boundary.csv` into a folder, which is made if it is missing; returns their paths.
+/// The boundaries as `boundary.geojson` and `boundary.csv`.
 ///
 /// # Errors
-/// The file or folder that cannot be written, and why.
-pub fn write(
-    boundaries: &Boundaries,
-    folder: &Path,
-) -> Result<[PathBuf; 2], (PathBuf, std::io::Error)> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        |source| (path, source)
-    };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let paths = ["geojson", "csv"].map(|format| folder.join(format!("boundary.{format}")));
-    let document = json::document(&geojson(boundaries)).map_err(std::io::Error::from);
-    document
-        .and_then(|document| std::fs::write(&paths[0], document))
-        .map_err(failed(&paths[0]))?;
-    std::fs::write(&paths[1], csv(boundaries)).map_err(failed(&paths[1]))?;
-    Ok(paths)
+/// [`serde_json::Error`] when a value cannot be written as JSON.
+pub fn files(boundaries: &Boundaries) -> Result<Files, serde_json::Error> {
+    Ok(vec![
+        text("boundary.geojson", json::document(&geojson(boundaries))?),
+        text("boundary.csv", csv(boundaries)),
+    ])
 }

@@ -6,7 +6,7 @@ mod files;
 mod probes;
 
 pub use fidelity::{Apart, Fidelity, Rays, WorstRay, WorstStress};
-pub use files::{csv, geojson, write};
+pub use files::{csv, files, geojson};
 
 use crate::answers::ProblemError;
 use crate::settings::{Axis, Study};

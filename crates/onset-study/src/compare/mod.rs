@@ -15,11 +15,11 @@ pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 
 use crate::answers::{ProblemError, notes_on_law, notes_on_method};
+use crate::figure::FigureError;
+use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
 use onset::method::MethodError;
 use rayon::prelude::*;
-use std::path::Path;
-use thiserror::Error;
 
 /// Names and texts of the comparisons of the methods that the program knows, by the number of dimensions less one.
 pub const PANELS: [(&str, &str); 3] = [
@@ -36,22 +36,6 @@ pub const PANELS: [(&str, &str); 3] = [
         include_str!("../../../../comparisons/methods-3d.toml"),
     ),
 ];
-
-/// Why a table could not be written.
-#[derive(Debug, Error)]
-pub enum WriteError {
-    /// A file.
-    #[error("cannot write {path}: {source}")]
-    File {
-        /// Which one.
-        path: String,
-        /// What the operating system says.
-        source: std::io::Error,
-    },
-    /// The figure.
-    #[error(transparent)]
-    Figure(#[from] crate::figure::FigureError),
-}
 
 impl Table {
     /// Asks all methods of a comparison, on all cores; `told` is called with the name of each when it is done.
@@ -90,23 +74,16 @@ impl Table {
 }
 
 impl Table {
-    /// Writes `compare.html`, `compare.csv`, `compare.svg` and `compare.png`, and the folder if it is missing; their paths.
+    /// The table as `compare.html`, `compare.csv`, `compare.svg` and `compare.png`.
     ///
     /// # Errors
-    /// [`WriteError`] with the path that could not be written.
-    pub fn write(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
-        let figures = self.figure().write(folder, "compare")?;
-        let mut written: Vec<String> = Vec::new();
-        for (name, text) in [("compare.html", self.html()), ("compare.csv", self.csv())] {
-            let path = folder.join(name);
-            let shown = path.display().to_string();
-            std::fs::write(&path, text).map_err(|source| WriteError::File {
-                path: shown.clone(),
-                source,
-            })?;
-            written.push(shown);
-        }
-        written.extend(figures.iter().map(|path| path.display().to_string()));
-        Ok(written)
+    /// [`FigureError`] when the figure is too large.
+    pub fn files(&self) -> Result<Files, FigureError> {
+        let mut files = vec![
+            text("compare.html", self.html()),
+            text("compare.csv", self.csv()),
+        ];
+        files.extend(self.figure().files("compare")?);
+        Ok(files)
     }
 }

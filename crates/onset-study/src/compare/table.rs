@@ -1,6 +1,7 @@
 //! The table of a comparison, as text and as CSV.
 
 use super::row::{Measured, Row, WAVELENGTHS};
+use crate::csv;
 use crate::settings::CompareSettings;
 use onset::measures::{Extent, Load, StretchOnset};
 use serde::Serialize;
@@ -175,7 +176,7 @@ impl Table {
         }
         text.push_str(",note\n");
         for row in &self.rows {
-            text.push_str(&quoted(&row.name));
+            text.push_str(&csv::text(&row.name));
             for column in &columns {
                 let number = row.measured.as_ref().map(|m| (column.number)(m));
                 match number {
@@ -184,7 +185,10 @@ impl Table {
                 }
             }
             let note = row.measured.as_ref().err();
-            text.push_str(&format!(",{}\n", quoted(note.map_or("", String::as_str))));
+            text.push_str(&format!(
+                ",{}\n",
+                csv::text(note.map_or("", String::as_str))
+            ));
         }
         text
     }
@@ -298,13 +302,5 @@ pub(super) fn percent(share: f64) -> String {
         percent if percent < 1e-6 => "0 %".to_owned(),
         percent if percent < 0.01 => format!("{percent:.0e} %"),
         percent => format!("{percent:.2} %"),
-    }
-}
-
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
-    } else {
-        text.to_owned()
     }
 }

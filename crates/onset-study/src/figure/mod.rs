@@ -43,6 +43,8 @@ pub use layer::{
 };
 pub use legend::{LegendEntry, Symbol};
 
+use crate::output::{self, Files, OutputError};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Panels in a grid, with a title above, a shared legend and a caption below.
@@ -153,22 +155,30 @@ impl Figure {
         layout::scene(self).to_png()
     }
 
+    /// The picture as the files `name.svg` and `name.png`.
+    ///
+    /// # Errors
+    /// Those of [`Figure::to_png`].
+    pub fn files(&self, name: impl AsRef<OsStr>) -> Result<Files, FigureError> {
+        let scene = layout::scene(self);
+        let file = |format: &str, bytes: Vec<u8>| {
+            let mut name = name.as_ref().to_owned();
+            name.push(format);
+            (name, bytes)
+        };
+        let png = scene.to_png()?;
+        Ok(vec![file(".svg", scene.to_svg().into()), file(".png", png)])
+    }
+
     /// Write `name.svg` and `name.png`, and the directory if it is missing; returns the paths of the two.
     ///
     /// # Errors
     /// Those of [`Figure::to_png`], and [`FigureError::Write`] with the path that could not be written.
     pub fn write(&self, directory: &Path, name: &str) -> Result<[PathBuf; 2], FigureError> {
-        let failed = |path: &Path| {
-            let path = path.to_path_buf();
-            |source| FigureError::Write { path, source }
-        };
-        let scene = layout::scene(self);
-        let png = scene.to_png()?;
-        std::fs::create_dir_all(directory).map_err(failed(directory))?;
-        let paths = ["svg", "png"].map(|format| directory.join(format!("{name}.{format}")));
-        std::fs::write(&paths[0], scene.to_svg()).map_err(failed(&paths[0]))?;
-        std::fs::write(&paths[1], png).map_err(failed(&paths[1]))?;
-        Ok(paths)
+        let files = self.files(name)?;
+        output::write(directory, &files)
+            .map_err(|OutputError { path, source }| FigureError::Write { path, source })?;
+        Ok(["svg", "png"].map(|format| directory.join(format!("{name}.{format}"))))
     }
 }
 

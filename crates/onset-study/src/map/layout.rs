@@ -1,9 +1,10 @@
 //! What the store of a map holds.
 
 use super::fields::fields;
-use crate::settings::{Axis, Study};
-use crate::store::{Dimension, Layout};
+use crate::settings::{Axis, MapSettings, Study};
+use crate::store::{Dimension, LIBRARY, Layout};
 use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
 
 /// States of a tile along an axis: as many of them in space as in the plane, so that a tile takes the same memory.
 fn edge(tile: usize, axes: usize) -> usize {
@@ -11,12 +12,22 @@ fn edge(tile: usize, axes: usize) -> usize {
     edge.max(1)
 }
 
-/// The layout of the store of a study.
+/// The layout of the store of a study as this program computes it here.
 pub(super) fn layout(study: &Study) -> Layout {
+    of_attributes(study, attributes(study))
+}
+
+/// The layout of a store of a study that says by itself what computed it.
+pub(crate) fn stored_layout(study: &Study, stored: &Map<String, Value>) -> Layout {
+    of_attributes(study, stored.clone())
+}
+
+fn of_attributes(study: &Study, attributes: Map<String, Value>) -> Layout {
     let dimensions: Vec<Dimension> = study.axes.iter().rev().map(dimension).collect();
     let edge = edge(study.map.tile, study.axes.len());
     Layout {
-        attributes: attributes(study),
+        identity: identity(study, &attributes),
+        attributes,
         tile: dimensions
             .iter()
             .map(|dimension| edge.min(dimension.coordinates.len()))
@@ -49,15 +60,40 @@ fn attributes(study: &Study) -> Map<String, Value> {
             "source",
             json!(concat!("onset ", env!("CARGO_PKG_VERSION"))),
         ),
-        ("onset_version", json!(env!("CARGO_PKG_VERSION"))),
         ("study", json!(study.document())),
         ("settings", json!(study.effective())),
         ("tolerance", json!(study.map.tolerance)),
+        ("onset_version", json!(env!("CARGO_PKG_VERSION"))),
+        ("onset_build", json!(env!("ONSET_BUILD"))),
+        ("onset_lanes", json!(onset::lanes())),
     ];
+    let library = study.settings.material.fingerprint();
     pairs
         .into_iter()
+        .chain(library.map(|sum| (LIBRARY, json!(sum))))
         .map(|(name, value)| (name.to_owned(), value))
         .collect()
+}
+
+/// What decides the numbers of a map, as a sum: the study, whatever it is called and whichever numbers are stored, and what
+/// computed them.
+fn identity(study: &Study, attributes: &Map<String, Value>) -> String {
+    let mut same = study.clone();
+    same.title.clear();
+    same.map.outputs = MapSettings::default().outputs;
+    let mut hash = Sha256::new();
+    hash.update(same.document());
+    for name in [
+        "tolerance",
+        "onset_version",
+        "onset_build",
+        "onset_lanes",
+        LIBRARY,
+    ] {
+        let value = attributes.get(name).unwrap_or(&Value::Null);
+        hash.update(format!("\n{name} = {value}"));
+    }
+    format!("{:x}", hash.finalize())[..32].to_owned()
 }
 
 #[cfg(test)]

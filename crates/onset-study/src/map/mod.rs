@@ -16,6 +16,7 @@ mod tile;
 
 pub use evaluate::Evaluator;
 pub use fields::{CERTAINTY, CERTAINTY_MATERIAL, VERDICT, fields};
+pub(crate) use layout::stored_layout;
 pub use record::{Certainty, Finding, Outcome, Proof, Record};
 pub use run::{MapError, Watch};
 pub use summary::{Proved, Share, Summary};

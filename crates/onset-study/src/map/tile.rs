@@ -10,6 +10,7 @@ use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use crate::store::{Column, Layout, Tile, Tiling, ravel, unravel};
 use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -42,6 +43,14 @@ impl Plan {
     /// # Errors
     /// [`MapError`] when its material or discretization is not admissible.
     pub fn new(study: &Study) -> Result<Self, MapError> {
+        // All processes of this run, and all that go on with its store, compute with the same library.
+        let mut study = study.clone();
+        study
+            .settings
+            .material
+            .pin()
+            .map_err(|error| ProblemError::from(MethodError::from(error)))?;
+        let study = &study;
         let evaluator = if study.varies_settings() {
             None
         } else {

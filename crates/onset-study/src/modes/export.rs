@@ -2,53 +2,23 @@
 
 use super::{ModesAnswer, ShownMode};
 use crate::figure::FigureError;
+use crate::output::{Files, text};
 use std::fmt::Write;
-use std::path::Path;
-use thiserror::Error;
-
-/// Why modes could not be written.
-#[derive(Debug, Error)]
-pub enum ExportError {
-    /// A file.
-    #[error("cannot write {path}: {source}")]
-    File {
-        /// Which one.
-        path: String,
-        /// What the operating system says.
-        source: std::io::Error,
-    },
-    /// The figure.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-}
 
 impl ModesAnswer {
-    /// Writes the figure (`modes.svg`, `modes.png`), the moving picture (`modes.html`), and for each mode the displacement field of the
-    /// patch as `mode-1.csv` and `mode-1.vtk`; the paths.
+    /// The figure (`modes.svg`, `modes.png`), the moving picture (`modes.html`), and for each mode the displacement field of the
+    /// patch as `mode-1.csv` and `mode-1.vtk`.
     ///
     /// # Errors
-    /// [`ExportError`] with the path that could not be written.
-    pub fn write(&self, folder: &Path) -> Result<Vec<String>, ExportError> {
-        let figures = self.figure().write(folder, "modes")?;
-        let mut written: Vec<String> = figures
-            .iter()
-            .map(|path| path.display().to_string())
-            .collect();
-        let mut files = vec![("modes.html".to_owned(), self.page())];
+    /// [`FigureError`] when the figure is too large.
+    pub fn files(&self) -> Result<Files, FigureError> {
+        let mut files = self.figure().files("modes")?;
+        files.push(text("modes.html", self.page()));
         for (n, mode) in self.modes.iter().enumerate() {
-            files.push((format!("mode-{}.csv", n + 1), mode.csv()));
-            files.push((format!("mode-{}.vtk", n + 1), mode.vtk()));
+            files.push(text(format!("mode-{}.csv", n + 1), mode.csv()));
+            files.push(text(format!("mode-{}.vtk", n + 1), mode.vtk()));
         }
-        for (name, text) in files {
-            let path = folder.join(name);
-            let shown = path.display().to_string();
-            std::fs::write(&path, text).map_err(|source| ExportError::File {
-                path: shown.clone(),
-                source,
-            })?;
-            written.push(shown);
-        }
-        Ok(written)
+        Ok(files)
     }
 }
 

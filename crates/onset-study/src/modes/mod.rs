@@ -4,8 +4,6 @@ mod animation;
 mod export;
 mod figure;
 
-pub use export::ExportError;
-
 use crate::answers::{ProblemError, notes};
 use crate::methods::scheme;
 use crate::settings::{Effective, Settings};

@@ -5,11 +5,11 @@ use super::sentence::{heading, witness};
 use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question, told};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
+use crate::output::{Files, text};
 use onset::notions::{BoxEnd, Notion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::{Display, Formatter};
-use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Where a law is strongly elliptic.
@@ -76,14 +76,6 @@ pub enum CardError {
     /// The document.
     #[error("the card cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A file.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system says.
-        source: std::io::Error,
-    },
 }
 
 const METHOD: &str = "dense search from the reference with local improvement; no proof. Limits in loadings: every sign change between \
@@ -240,23 +232,14 @@ impl CardAnswer {
             .with(panel)
     }
 
-    /// Writes `card.svg`, `card.png`, `card.json` and `card.html` into a folder; returns their paths.
+    /// The card as `card.svg`, `card.png`, `card.json` and `card.html`.
     ///
     /// # Errors
-    /// [`CardError`] when one cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, CardError> {
-        let mut files = self.figure().write(folder, "card")?.to_vec();
-        for (name, text) in [
-            ("card.json", json::document(self)?),
-            ("card.html", self.html()),
-        ] {
-            let path = folder.join(name);
-            std::fs::write(&path, text).map_err(|source| CardError::Write {
-                path: path.clone(),
-                source,
-            })?;
-            files.push(path);
-        }
+    /// [`CardError`] when it cannot be drawn or written as a document.
+    pub fn files(&self) -> Result<Files, CardError> {
+        let mut files = self.figure().files("card")?;
+        files.push(text("card.json", json::document(self)?));
+        files.push(text("card.html", self.html()));
         Ok(files)
     }
 }

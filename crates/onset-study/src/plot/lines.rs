@@ -66,7 +66,23 @@ pub(super) fn traced(study: &Study, watch: &dyn Watch) -> Result<Vec<Line>, Plot
 /// Both boundaries as edges of cells.
 pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, PlotError> {
     let (cells, classes) = map.classes(slice)?;
-    let (_, acoustic) = map.numbers(slice, "acoustic_minimum")?;
+    let stable = stable_for_particles(&classes);
+    let [first, second] = slice.study.plane();
+    let points = edges(&stable, cells, first.range, second.range);
+    let lines = [
+        material_of_cells(map, slice)?,
+        of_particles(points, PARTICLES.to_owned()),
+    ];
+    Ok(lines.into_iter().flatten().collect())
+}
+
+/// The boundary of the material as edges of cells.
+pub(super) fn material_of_cells(map: &StoredMap, slice: &Slice) -> Result<Option<Line>, PlotError> {
+    let (cells, classes) = map.classes(slice)?;
+    let acoustic = match map.holds("acoustic_minimum") {
+        true => map.numbers(slice, "acoustic_minimum")?.1,
+        false => vec![f64::NAN; classes.len()],
+    };
     let elliptic: Vec<Option<bool>> = classes
         .iter()
         .zip(&acoustic)
@@ -76,14 +92,9 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
             Some(Class::Flutter | Class::Undefined) | None => None,
         })
         .collect();
-    let stable = stable_for_particles(&classes);
     let [first, second] = slice.study.plane();
-    let edges = |flags: &[Option<bool>]| edges(flags, cells, first.range, second.range);
-    let lines = [
-        of_material(edges(&elliptic), MATERIAL.to_owned()),
-        of_particles(edges(&stable), PARTICLES.to_owned()),
-    ];
-    Ok(lines.into_iter().flatten().collect())
+    let points = edges(&elliptic, cells, first.range, second.range);
+    Ok(of_material(points, MATERIAL.to_owned()))
 }
 
 /// Whether the particles are stable in each cell, where the method can be evaluated and the map is computed.

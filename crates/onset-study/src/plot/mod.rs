@@ -7,7 +7,7 @@ mod stored;
 use crate::boundary::{BoundaryError, Watch};
 use crate::domain::Class;
 use crate::figure::{Axis, Field, Figure, Panel, Regions, palette};
-use crate::settings::{Quantity, SettingError, Study};
+use crate::settings::{Quantity, SettingError, Study, Trust};
 use crate::store::StoreError;
 use onset::verdict::Verdict;
 use std::path::PathBuf;
@@ -18,6 +18,10 @@ use thiserror::Error;
 const SLICES: usize = 6;
 /// The field that shows verdicts.
 const VERDICT: &str = "verdict";
+
+/// Why boundaries are coarser than they could be.
+const NOT_LOADED: &str =
+    "Boundaries are the edges of cells: the library of the material was not loaded.";
 
 /// What to draw.
 #[derive(Clone, Copy, Debug)]
@@ -87,21 +91,39 @@ impl PlotError {
     }
 }
 
-/// The figure of one or several stores: verdicts of several are overlaid, fields stand side by side.
+/// The figure of one or several stores: verdicts of several are overlaid, fields stand side by side. No library that a store names
+/// is loaded; boundaries of its material are the edges of cells.
 ///
 /// # Errors
 /// [`PlotError`] when a store cannot be read, has no such field, or does not fit on the others.
 pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
+    plot_allowing(plot, &Trust::default(), watch)
+}
+
+/// The same, with the libraries loaded that the user allows.
+///
+/// # Errors
+/// As for [`plot`].
+pub fn plot_allowing(
+    plot: &Plot<'_>,
+    trust: &Trust,
+    watch: &dyn Watch,
+) -> Result<Figure, PlotError> {
     let maps: Vec<StoredMap> = plot
         .stores
         .iter()
-        .map(|path| StoredMap::open(path))
+        .map(|path| StoredMap::open(path, trust))
         .collect::<Result<_, _>>()?;
     // Of several maps each says what it is of.
     let captions = maps
         .iter()
         .map(|map| format!("{}: {}", map.title(), map.settings()));
     let captions = captions.collect::<Vec<_>>().join(" ");
+    let may_trace = maps.iter().all(StoredMap::may_be_evaluated);
+    let plot = &Plot {
+        traced: plot.traced && may_trace,
+        ..*plot
+    };
     match &maps[..] {
         [map] => single(map, plot, watch),
         [] => Ok(Figure::default()),
@@ -139,6 +161,9 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
     if missing > 0 {
         caption =
             format!("White: {missing} tile(s) of the map are still to be computed. {caption}");
+    }
+    if !map.may_be_evaluated() {
+        caption = format!("{NOT_LOADED} {caption}");
     }
     Ok(figure.caption(caption))
 }

@@ -50,7 +50,14 @@ pub(super) fn overlay(
         })
         .collect();
     let study = first.study.clone().with_ranges(&ranges);
-    let mut panel = axes(&study, "").with(domain(&study)?);
+    let mut panel = axes(&study, "");
+    panel = if first.may_be_evaluated() {
+        panel.with(domain(&study)?)
+    } else {
+        lines::material_of_cells(first, &first.slices(1)[0])?
+            .into_iter()
+            .fold(panel, |panel, line| panel.with(line))
+    };
     for (n, map) in maps.iter().enumerate() {
         let slice = &map.slices(1)[0];
         let mut name = map.title();

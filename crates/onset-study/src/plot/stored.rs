@@ -2,10 +2,11 @@
 
 use super::PlotError;
 use crate::domain::Class;
-use crate::map;
-use crate::settings::{Quantity, Study};
-use crate::store::{Column, Kind, ResultStore, StoreError, ZarrStore};
+use crate::map::{self, stored_layout};
+use crate::settings::{Quantity, Study, Trust};
+use crate::store::{Column, Kind, LIBRARY, ResultStore, StoreError, ZarrStore, ravel};
 use onset::verdict::Verdict;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Cells along each edge of a picture; of a finer map every n-th state is shown.
@@ -35,7 +36,7 @@ pub(super) struct Slice {
 pub(super) type Picture<T> = ((usize, usize), Vec<T>);
 
 impl StoredMap {
-    pub(super) fn open(path: &Path) -> Result<Self, PlotError> {
+    pub(super) fn open(path: &Path, trust: &Trust) -> Result<Self, PlotError> {
         let store = ZarrStore::open(path).map_err(|error| match error {
             // What to do about it is another thing than where a map shall be written.
             StoreError::NotAStore { path } | StoreError::Foreign { path } => {
@@ -53,11 +54,25 @@ impl StoredMap {
             path: path.to_owned(),
             source,
         })?;
+        let mut study = study.allowing(trust);
+        if study.settings.material.permitted().is_ok() {
+            study
+                .settings
+                .material
+                .fingerprint_is(store.attributes().get(LIBRARY));
+        }
+        // What is there must be a map of this study, before anything of its size is read.
+        store.check(&stored_layout(&study, store.attributes()))?;
         Ok(Self {
             store,
             study,
             path: path.to_owned(),
         })
+    }
+
+    /// Whether states can be asked about that are not stored: whether no library must be loaded for that, or it may be.
+    pub(super) fn may_be_evaluated(&self) -> bool {
+        self.study.settings.material.permitted().is_ok()
     }
 
     /// The title of the study; the name of the folder when it has none.
@@ -73,6 +88,11 @@ impl StoredMap {
     /// What is in effect at all states, as a caption.
     pub(super) fn settings(&self) -> String {
         self.study.effective().caption()
+    }
+
+    /// Whether a field is stored.
+    pub(super) fn holds(&self, field: &str) -> bool {
+        self.store.fields().any(|stored| stored == field)
     }
 
     /// How many tiles are still to be computed.
@@ -138,7 +158,7 @@ impl StoredMap {
 
     /// The meanings of the flags of a field of proofs that the store has.
     pub(super) fn words(&self, name: &str) -> Option<Vec<&'static str>> {
-        if !PROOFS.contains(&name) || !self.store.fields().any(|stored| stored == name) {
+        if !PROOFS.contains(&name) || !self.holds(name) {
             return None;
         }
         let field = map::fields(&self.study.map)
@@ -187,17 +207,38 @@ impl StoredMap {
         let state =
             |cell: usize, cells: usize, states: usize| (2 * cell + 1) * states / (2 * cells);
         let mut values = vec![f64::NAN; columns * rows];
-        for tile in 0..self.store.tiling().tiles() {
+        let (shape, tile) = (&self.store.tiling().shape, &self.store.tiling().tile);
+        let axes = shape.len();
+        // The tiles along a dimension in which states are shown, slowest dimension first: the second axis is the last but one.
+        let along = |dimension: usize| -> BTreeSet<usize> {
+            let cells = |cells: usize| {
+                (0..cells)
+                    .map(|cell| state(cell, cells, shape[dimension]) / tile[dimension])
+                    .collect()
+            };
+            match (axes - 1 - dimension, slice.index) {
+                (0, _) => cells(columns),
+                (1, _) => cells(rows),
+                (_, index) => BTreeSet::from([index.unwrap_or(0) / tile[dimension]]),
+            }
+        };
+        let mut places = vec![Vec::new()];
+        for dimension in 0..axes {
+            let along = along(dimension);
+            let longer = |start: &Vec<usize>| -> Vec<Vec<usize>> {
+                let next = along.iter();
+                next.map(|tile| start.iter().chain([tile]).copied().collect())
+                    .collect()
+            };
+            places = places.iter().flat_map(longer).collect();
+        }
+        let grid = self.store.tiling().grid();
+        for tile in places.iter().map(|place| ravel(place, &grid)) {
             let place = self.store.tiling().at(tile);
             let (origin, extent) = (&place.origin, &place.extent);
-            let axes = origin.len();
-            // Slowest first: the second axis is the last but one dimension.
             let holds = |dimension: usize, state: usize| {
                 (origin[dimension]..origin[dimension] + extent[dimension]).contains(&state)
             };
-            if slice.index.is_some_and(|index| !holds(0, index)) {
-                continue;
-            }
             let shown = |dimension: usize, cells: usize, states: usize| -> Vec<(usize, usize)> {
                 let cells = (0..cells).map(|cell| (cell, state(cell, cells, states)));
                 let inside = cells.filter(|(_, state)| holds(dimension, *state));
@@ -207,9 +248,6 @@ impl StoredMap {
             };
             let across = shown(axes - 1, columns, first.count);
             let along = shown(axes - 2, rows, second.count);
-            if across.is_empty() || along.is_empty() {
-                continue;
-            }
             let Some(column) = self.store.read(field, tile)? else {
                 continue;
             };

@@ -10,8 +10,9 @@ pub use report::Report;
 
 use crate::answers::ProblemError;
 use crate::figure::FigureError;
+use crate::output::{Output, OutputError, text};
 use crate::settings::{SettingError, Study};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use thiserror::Error;
 
 /// Why the paper cannot be reproduced.
@@ -27,34 +28,26 @@ pub enum ReproduceError {
     #[error(transparent)]
     Figure(#[from] FigureError),
     /// A file cannot be written.
-    #[error("cannot write {path}: {source}")]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Output(#[from] OutputError),
 }
 
 /// How many steps [`run`] reports.
 pub const STEPS: usize = figures::ALL.len() + claims::ALL.len();
 
-/// Computes every figure and checks every claim, and writes figures, data and an HTML report into a folder.
-/// `progress` is told the name of each step when it is done.
+/// Computes every figure and checks every claim, and writes figures, data and an HTML report into a folder, all of them when the
+/// last is there. `progress` is told the name of each step when it is done.
 ///
 /// # Errors
-/// [`ReproduceError`] when something cannot be computed or written.
+/// [`ReproduceError`] when something cannot be computed or written; that the folder cannot be is told before the work.
 pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError> {
-    std::fs::create_dir_all(out).map_err(|source| ReproduceError::Write {
-        path: out.to_owned(),
-        source,
-    })?;
-    let mut drawn = Vec::new();
+    let output = Output::at(out, &[REPORT, CLAIMS])?;
+    let (mut drawn, mut files) = (Vec::new(), Vec::new());
     for figure in figures::ALL {
         let plate = (figure.make)()?;
-        plate.figure.write(out, figure.name)?;
-        for (name, table) in &plate.tables {
-            write(&out.join(format!("{name}.csv")), table)?;
+        files.extend(plate.figure.files(figure.name)?);
+        for (name, table) in plate.tables {
+            files.push(text(format!("{name}.csv"), table));
         }
         drawn.push((
             figure.name.to_owned(),
@@ -72,17 +65,16 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
         claims: checked,
         figures: drawn,
     };
-    write(&out.join("report.html"), &report.html())?;
-    write(&out.join("claims.csv"), &report.csv())?;
+    files.push(text(REPORT, report.html()));
+    files.push(text(CLAIMS, report.csv()));
+    output.write(&files)?;
     Ok(report)
 }
 
-fn write(path: &Path, text: &str) -> Result<(), ReproduceError> {
-    std::fs::write(path, text).map_err(|source| ReproduceError::Write {
-        path: path.to_owned(),
-        source,
-    })
-}
+/// The page with all figures and claims.
+const REPORT: &str = "report.html";
+/// The table of all claims.
+const CLAIMS: &str = "claims.csv";
 
 /// A study of the paper, as committed in `studies/`.
 macro_rules! study {

@@ -1,6 +1,7 @@
 //! The result of a reproduction: a table for the terminal, a page for the reader, a table for a program.
 
 use super::claims::Claim;
+use crate::csv;
 use serde::Serialize;
 
 /// The claims with what was found, and the figures.
@@ -28,18 +29,17 @@ impl Report {
 
     /// The claims as a table.
     pub fn csv(&self) -> String {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut text = String::from("id,place,paper,computed,choices,verdict,number,recorded\n");
         for claim in &self.claims {
             let cells = [
                 claim.id.to_owned(),
-                quoted(claim.place),
-                quoted(claim.paper),
-                quoted(&claim.computed),
-                quoted(claim.choices),
-                quoted(&claim.verdict.to_string()),
+                csv::text(claim.place),
+                csv::text(claim.paper),
+                csv::text(&claim.computed),
+                csv::text(claim.choices),
+                csv::text(&claim.verdict.to_string()),
                 format!("{:.16e}", claim.number),
-                quoted(claim.recorded),
+                csv::text(claim.recorded),
             ];
             text.push_str(&cells.join(","));
             text.push('\n');

@@ -3,7 +3,7 @@
 use super::key::key;
 use super::study::read;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
-use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, unknown_key};
+use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Trust, Value, unknown_key};
 use crate::compare::PANELS;
 use onset::time_step::Integrator;
 use serde::Serialize;
@@ -255,6 +255,16 @@ impl Comparison {
             }
         }
         Ok(())
+    }
+
+    /// The comparison, of which a library may be loaded if the user allows it.
+    pub fn allowing(mut self, trust: &Trust) -> Self {
+        let candidates = self.candidates.iter_mut();
+        let all = candidates.map(|candidate| &mut candidate.settings);
+        for settings in all.chain([&mut self.common]) {
+            settings.material.allow(trust);
+        }
+        self
     }
 
     /// Applies one assignment `key=value`.

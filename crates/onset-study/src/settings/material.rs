@@ -1,9 +1,12 @@
 //! The material as set: a model, and what it needs by name.
 
 use super::error::{Origin, SettingError, nearest};
-use super::{Key, Kind, Model, Value, aliases};
+use super::model::{LIBRARY, sum};
+use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Value, aliases};
+use crate::shell::quoted_file;
 use onset::material::{Hyperelastic, MaterialError};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A material as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,6 +15,8 @@ pub struct MaterialSettings {
     pub model: Model,
     /// What was set, without the section, with where.
     set: BTreeMap<&'static str, (Value, Origin)>,
+    /// The SHA-256 that the library of a user material must have.
+    fingerprint: Option<String>,
 }
 
 impl MaterialSettings {
@@ -24,6 +29,7 @@ impl MaterialSettings {
         Self {
             model,
             set: parameters.iter().filter_map(set).collect(),
+            fingerprint: None,
         }
     }
 
@@ -126,6 +132,61 @@ impl MaterialSettings {
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let number = |(name, value): (&'static str, Value)| Some((name, value.number()?));
         self.entries().into_iter().filter_map(number).collect()
+    }
+
+    /// Lets a library that a file names be loaded, if the user allows it.
+    pub fn allow(&mut self, trust: &Trust) {
+        if let Some((Value::Word(library), origin @ Origin::File { .. })) =
+            self.set.get_mut(LIBRARY)
+            && trust.covers(Path::new(library))
+        {
+            *origin = Origin::CommandLine(format!("--allow-library {library}"));
+        }
+    }
+
+    /// Refuses a library that a file names and the user has not allowed.
+    ///
+    /// # Errors
+    /// [`SettingError`] with how to allow it.
+    pub fn permitted(&self) -> Result<(), SettingError> {
+        match self.set.get(LIBRARY) {
+            Some((Value::Word(library), origin @ Origin::File { .. })) if self.is_library() => {
+                let message = format!(
+                    "`material.library` is a program, {library:?}, and a file may have none run unless you allow it; nothing was \
+                     loaded"
+                );
+                let library = quoted_file(Path::new(library));
+                Err(SettingError::new(origin.clone(), message).hint(format!(
+                    "if you trust it: --allow-library {library}, or for good the variable {TRUST_VARIABLE} with libraries or folders"
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the material is a program in a shared library, which building it loads.
+    pub fn is_library(&self) -> bool {
+        self.umat().is_some()
+    }
+
+    /// Ties a user material to its library as it is now: with another one it cannot be built. Nothing is loaded.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the library is not permitted, or cannot be read.
+    pub fn pin(&mut self) -> Result<(), MaterialError> {
+        self.fingerprint = self.umat_permitted()?.map(sum).transpose()?;
+        Ok(())
+    }
+
+    /// Ties a user material to the library that a store was computed with.
+    pub(crate) fn fingerprint_is(&mut self, stored: Option<&serde_json::Value>) {
+        let stored = stored.and_then(serde_json::Value::as_str);
+        self.fingerprint = stored.filter(|_| self.is_library()).map(str::to_owned);
+    }
+
+    /// The SHA-256 of the library that the material is tied to.
+    pub fn fingerprint(&self) -> Option<&str> {
+        self.fingerprint.as_deref()
     }
 
     /// The material.

@@ -20,6 +20,7 @@ mod schema;
 mod state;
 mod study;
 mod toml;
+mod trust;
 
 pub use axis::{Axis, Quantity};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
@@ -34,6 +35,7 @@ pub use needs::{Cases, Need, Unmet};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
+pub use trust::{TRUST_VARIABLE, Trust};
 
 use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};

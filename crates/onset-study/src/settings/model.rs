@@ -3,6 +3,8 @@
 mod formula;
 mod umat;
 
+pub(super) use umat::{LIBRARY, sum};
+
 use super::error::SettingError;
 use super::{Key, MaterialSettings};
 use onset::material::{Hyperelastic, Law, MaterialError, Parameter, library};

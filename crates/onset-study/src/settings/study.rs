@@ -8,7 +8,8 @@ mod problem;
 pub(super) use file::{STATES, read};
 
 use super::{
-    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Unmet, Value,
+    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Trust, Unmet,
+    Value,
 };
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use std::collections::BTreeMap;
@@ -69,6 +70,12 @@ impl Study {
         study.require_axes()?;
         study.check()?;
         Ok(study)
+    }
+
+    /// The study, of which a library may be loaded if the user allows it.
+    pub fn allowing(mut self, trust: &Trust) -> Self {
+        self.settings.material.allow(trust);
+        self
     }
 
     /// Numbers of states along the axes, slowest first: the counts in reverse.

@@ -1,5 +1,6 @@
 //! What can be wrong with a store, and what to do about it.
 
+use crate::shell::quoted_file;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -17,7 +18,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// Nothing is at the place.
-    #[error("there is no store at {}\n  hint: `onset map FILE --out {}` makes one", path.display(), path.display())]
+    #[error("there is no store at {}\n  hint: `onset map FILE --out {}` makes one", path.display(), quoted_file(path))]
     Missing {
         /// The place.
         path: PathBuf,
@@ -63,6 +64,61 @@ pub enum StoreError {
         /// The place.
         path: PathBuf,
     },
+    /// Another process keeps the store to itself.
+    #[error(
+        "{} is kept by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` tells which it is",
+        path.display(),
+        quoted_file(&path.join("zarr.json"))
+    )]
+    Locked {
+        /// The place.
+        path: PathBuf,
+    },
+    /// A store of another version.
+    #[error(
+        "{} is a store of format {found}; this version of onset reads format {expected}\n  hint: use the version that wrote it, or \
+         compute it anew with --overwrite",
+        path.display()
+    )]
+    Format {
+        /// The place.
+        path: PathBuf,
+        /// What it says.
+        found: String,
+        /// What is read.
+        expected: u32,
+    },
+    /// Something in a store that is to be replaced is not ours.
+    #[error(
+        "{} is in the store and was not written by onset\n  hint: move it elsewhere; then --overwrite replaces the store",
+        path.display()
+    )]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A store that is to be replaced is elsewhere.
+    #[error(
+        "{} is a link, and no link is replaced\n  hint: name the store itself with --out {}",
+        path.display(),
+        quoted_file(target)
+    )]
+    Link {
+        /// The link.
+        path: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
+    },
+    /// A place that cannot become a folder by renaming.
+    #[error(
+        "{} is the current folder, which a store cannot take the place of\n  hint: choose a folder for the store with --out, for \
+         example --out map.zarr",
+        path.display()
+    )]
+    CurrentFolder {
+        /// The place.
+        path: PathBuf,
+    },
     /// A file does not hold what it should.
     #[error("{} is damaged: {reason}\n  hint: {}", path.display(), damage_hint(path))]
     Damaged {
@@ -96,10 +152,17 @@ pub enum StoreError {
 impl StoreError {
     pub(super) fn reading(path: &Path) -> impl Fn(io::Error) -> Self + use<> {
         let path = path.to_owned();
-        move |source| Self::Machine {
-            action: "read",
-            path: path.clone(),
-            source,
+        move |source| match source.kind() {
+            // What is there is not what was written there.
+            ErrorKind::InvalidData => Self::Damaged {
+                path: path.clone(),
+                reason: source.to_string(),
+            },
+            _ => Self::Machine {
+                action: "read",
+                path: path.clone(),
+                source,
+            },
         }
     }
 
@@ -126,6 +189,7 @@ fn hint(error: &io::Error) -> &'static str {
         ErrorKind::PermissionDenied
         | ErrorKind::ReadOnlyFilesystem
         | ErrorKind::NotADirectory
+        | ErrorKind::AlreadyExists
         | ErrorKind::NotFound => "\n  hint: choose a folder that can be written with --out",
         _ => "",
     }

@@ -6,18 +6,13 @@
 
 use std::fs::{self, File};
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zarrs::storage::byte_range::ByteRangeIterator;
-use zarrs::storage::{
-    Bytes, MaybeBytesIterator, OffsetBytesIterator, ReadableStorageTraits, StorageError, StoreKey,
-    StorePrefix, WritableStorageTraits,
-};
 
 /// Where files are that are being written.
-const PARTIAL: &str = ".partial";
+pub(super) const PARTIAL: &str = ".partial";
 
 /// A folder of files.
 #[derive(Debug)]
@@ -45,27 +40,43 @@ impl Folder {
         self.root.join(key)
     }
 
-    /// A whole file, if it is there.
-    pub(super) fn read(&self, key: &str) -> io::Result<Option<Vec<u8>>> {
-        match fs::read(self.path(key)) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
-        }
+    /// A whole file of at most so many bytes, if it is there.
+    pub(super) fn read(&self, key: &str, most: u64) -> io::Result<Option<Vec<u8>>> {
+        read(&self.path(key), most)
     }
 
     /// Writes a file, replacing what is there.
     pub(super) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let partial = self.path(PARTIAL).join(unique());
-        let written = within_parent(&partial, || fill(&partial, bytes)).and_then(|()| {
+        let written = within_parent(&partial, || {
+            self.check_inside(&partial)?;
+            fill(&partial, bytes)
+        })
+        .and_then(|()| {
             let path = self.path(key);
-            within_parent(&path, || fs::rename(&partial, &path))
+            within_parent(&path, || {
+                self.check_inside(&path)?;
+                fs::rename(&partial, &path)
+            })
         });
         if written.is_err() {
             // Nothing more can be done about it; whoever has the store for itself clears it.
             let _ = fs::remove_file(&partial);
         }
         written
+    }
+
+    /// That no link leads out of the folder on the way to a file.
+    fn check_inside(&self, path: &Path) -> io::Result<()> {
+        let (Some(parent), Ok(within)) = (path.parent(), path.strip_prefix(&self.root)) else {
+            return Ok(());
+        };
+        let expected = fs::canonicalize(&self.root)?.join(within);
+        if Some(fs::canonicalize(parent)?.as_path()) == expected.parent() {
+            Ok(())
+        } else {
+            Err(io::Error::other("a link leads out of the store"))
+        }
     }
 
     /// Removes what killed processes have left. Only for who has the store for itself.
@@ -95,65 +106,24 @@ fn fill(path: &Path, bytes: &[u8]) -> io::Result<()> {
     File::create_new(path)?.write_all(bytes)
 }
 
-impl ReadableStorageTraits for Folder {
-    fn get_partial_many<'a>(
-        &'a self,
-        key: &StoreKey,
-        byte_ranges: ByteRangeIterator<'a>,
-    ) -> Result<MaybeBytesIterator<'a>, StorageError> {
-        let Some(bytes) = self.read(key.as_str())? else {
-            return Ok(None);
-        };
-        let bytes = Bytes::from(bytes);
-        Ok(Some(Box::new(byte_ranges.map(move |range| {
-            let range = range.to_range_usize(bytes.len() as u64);
-            if range.start <= range.end && range.end <= bytes.len() {
-                Ok(bytes.slice(range))
-            } else {
-                Err(StorageError::Other("a range beyond the end".to_owned()))
-            }
-        }))))
-    }
-
-    fn size_key(&self, key: &StoreKey) -> Result<Option<u64>, StorageError> {
-        match fs::metadata(self.path(key.as_str())) {
-            Ok(metadata) => Ok(Some(metadata.len())),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error.into()),
+/// A whole file of at most so many bytes, if it is there. What is no file, such as a pipe, is not opened.
+pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than it can be");
+    match fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            return Err(io::Error::new(ErrorKind::InvalidData, "it is no file"));
         }
+        Ok(found) if found.len() > most => return Err(too_long()),
+        Ok(_) => {}
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error),
     }
-
-    fn supports_get_partial(&self) -> bool {
-        false
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(too_long());
     }
-}
-
-impl WritableStorageTraits for Folder {
-    fn set(&self, key: &StoreKey, value: Bytes) -> Result<(), StorageError> {
-        Ok(self.write(key.as_str(), &value)?)
-    }
-
-    fn set_partial_many(&self, _: &StoreKey, _: OffsetBytesIterator) -> Result<(), StorageError> {
-        Err(StorageError::Unsupported(
-            "files are written whole".to_owned(),
-        ))
-    }
-
-    fn erase(&self, _: &StoreKey) -> Result<(), StorageError> {
-        Err(StorageError::Unsupported(
-            "nothing is erased from a store".to_owned(),
-        ))
-    }
-
-    fn erase_prefix(&self, _: &StorePrefix) -> Result<(), StorageError> {
-        Err(StorageError::Unsupported(
-            "nothing is erased from a store".to_owned(),
-        ))
-    }
-
-    fn supports_set_partial(&self) -> bool {
-        false
-    }
+    Ok(Some(bytes))
 }
 
 #[cfg(test)]
@@ -169,7 +139,10 @@ mod tests {
         fs::write(&leftover, "half").expect("a file");
         folder.write("a/c/0/0", b"one").expect("written");
         folder.write("a/c/0/0", b"two").expect("replaced");
-        assert_eq!(folder.read("a/c/0/0").expect("read"), Some(b"two".to_vec()));
+        assert_eq!(
+            folder.read("a/c/0/0", 3).expect("read"),
+            Some(b"two".to_vec())
+        );
         let partial = || fs::read_dir(root.join(PARTIAL)).map(Iterator::count).ok();
         assert_eq!(partial(), Some(1), "only what another has left");
         folder.clear();
@@ -178,12 +151,38 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)]
+    fn no_link_is_followed_out_of_the_folder_and_only_files_are_read() {
+        use std::os::unix::fs::symlink;
+        let root = std::env::temp_dir().join(format!("onset-folder-{}", unique()));
+        let outside = std::env::temp_dir().join(format!("onset-outside-{}", unique()));
+        fs::create_dir_all(root.join("a")).expect("a folder");
+        fs::create_dir_all(outside.join("0")).expect("a folder");
+        symlink(&outside, root.join("a/c")).expect("a link");
+        let folder = Folder::new(&root);
+        assert!(folder.write("a/c/0/0", b"one").is_err());
+        assert!(folder.write("a/c/new", b"one").is_err());
+        assert_eq!(
+            fs::read_dir(outside.join("0")).expect("a folder").count(),
+            0
+        );
+        folder.write("a/d/0", b"one").expect("written");
+        assert!(folder.read("a/d/0", 2).is_err(), "too long");
+        assert!(folder.read("a/d", 100).is_err(), "a folder");
+        symlink("/dev/zero", root.join("a/zero")).expect("a link");
+        assert!(folder.read("a/zero", 100).is_err(), "a device");
+        for folder in [root, outside] {
+            fs::remove_dir_all(folder).expect("removable");
+        }
+    }
+
+    #[test]
     fn a_failed_write_leaves_nothing_and_what_was_there() {
         let root = std::env::temp_dir().join(format!("onset-folder-{}", unique()));
         let folder = Folder::new(&root);
         folder.write("a", b"one").expect("written");
         assert!(folder.write("a/b", b"two").is_err(), "a file is in the way");
-        assert_eq!(folder.read("a").expect("read"), Some(b"one".to_vec()));
+        assert_eq!(folder.read("a", 3).expect("read"), Some(b"one".to_vec()));
         assert_eq!(
             fs::read_dir(root.join(PARTIAL)).map(Iterator::count).ok(),
             Some(0)

@@ -43,6 +43,8 @@ pub struct Field {
 pub struct Layout {
     /// Attributes of the whole.
     pub attributes: Map<String, Value>,
+    /// What the numbers are of: each chunk says it, so that one of another map is noticed.
+    pub identity: String,
     /// The dimensions, slowest first.
     pub dimensions: Vec<Dimension>,
     /// States of a tile along each dimension.
@@ -57,9 +59,29 @@ pub struct Layout {
 const COMPONENT: &str = "component";
 /// The attribute by which a store of ours is known; its value is the version of this layout of files.
 pub(super) const FORMAT: &str = "onset_format";
-const FORMAT_VERSION: u32 = 1;
+pub(super) const FORMAT_VERSION: u32 = 2;
+/// The attribute that tells what the numbers are of.
+pub(super) const IDENTITY: &str = "onset_identity";
+/// What it means that an attribute is another one.
+pub(super) const MEANINGS: [(&str, &str); 4] = [
+    (
+        LIBRARY,
+        "the library of its material is another one, by its SHA-256; was it compiled anew?",
+    ),
+    ("onset_version", "it was begun by another version of onset"),
+    (
+        "onset_build",
+        "it was begun by another build of onset, whose numbers may differ",
+    ),
+    (
+        "onset_lanes",
+        "it was begun on a processor with other vectors, whose numbers differ in their last digits",
+    ),
+];
+/// The attribute with the SHA-256 of the library that the study loads.
+pub(crate) const LIBRARY: &str = "material_library_sha256";
 /// Compression of chunks: the fastest; higher levels gain a few percent on measured numbers and cost several times more.
-const GZIP_LEVEL: u32 = 1;
+pub(super) const GZIP_LEVEL: u32 = 1;
 
 impl Layout {
     /// How the states are cut into tiles.
@@ -103,6 +125,7 @@ impl Layout {
         let arrays: Map<String, Value> = self.arrays().into_iter().collect();
         let mut attributes = Map::from_iter([(FORMAT.to_owned(), json!(FORMAT_VERSION))]);
         attributes.extend(self.attributes.clone());
+        attributes.insert(IDENTITY.to_owned(), json!(self.identity));
         json!({
             "zarr_format": 3,
             "node_type": "group",
@@ -174,7 +197,7 @@ fn coordinates(dimension: &Dimension) -> Value {
 }
 
 /// The metadata of an array. The checksum comes last, and so covers the bytes as they lie on the disk.
-fn array(
+pub(super) fn array(
     shape: &[usize],
     chunk: &[usize],
     names: &[&str],

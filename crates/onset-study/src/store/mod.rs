@@ -4,14 +4,17 @@
 //! a [`ResultStore`] writes the values of all fields on one tile, that of the first field last, which is what says that the
 //! tile is done. [`ZarrStore`] is one in Zarr v3, a folder that xarray opens.
 
+mod chunk;
 mod error;
 mod folder;
 mod layout;
 mod occupancy;
+mod replace;
 mod tiling;
 mod zarr;
 
 pub use error::StoreError;
+pub(crate) use layout::LIBRARY;
 pub use layout::{Dimension, Field, Kind, Layout};
 pub use tiling::{Tile, Tiling};
 pub(crate) use tiling::{ravel, unravel};

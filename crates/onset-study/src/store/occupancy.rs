@@ -5,6 +5,10 @@
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How long a store may be had by one for itself.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A lock on a store, until dropped.
 #[derive(Debug)]
@@ -24,13 +28,18 @@ pub(super) enum Claim {
 }
 
 impl Occupancy {
-    /// Shares the store with others; waits while someone has it for itself. Where the file system knows no locks, the store
-    /// is shared all the same.
-    pub(super) fn shared(metadata: &Path) -> io::Result<Self> {
+    /// Shares the store with others. Who of ours has it for itself clears or replaces it, in a moment, which is waited for; `None`
+    /// where somebody keeps it longer. Where the file system knows no locks, the store is shared all the same.
+    pub(super) fn shared(metadata: &Path) -> io::Result<Option<Self>> {
         let file = File::open(metadata)?;
-        // An error says that there are no locks.
-        let _ = file.lock_shared();
-        Ok(Self { _file: file })
+        let begin = Instant::now();
+        while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
+            if begin.elapsed() > PATIENCE {
+                return Ok(None);
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok(Some(Self { _file: file }))
     }
 
     /// Tries to have the store for itself.

@@ -1,37 +1,105 @@
 //! The store in Zarr v3: one array a field, one chunk a tile, no shards, so that nobody ever writes to a file of another.
+//!
+//! What is read is not trusted: metadata must be what onset writes, and chunks say themselves where they belong.
 
-use super::folder::{Folder, unique};
-use super::layout::FORMAT;
+use super::chunk::{self, Label};
+use super::folder::{self, Folder};
+use super::layout::{self, FORMAT, FORMAT_VERSION, IDENTITY};
 use super::occupancy::{Claim, Occupancy};
+use super::replace::Contents;
 use super::{Column, Layout, ResultStore, StoreError, Tile, Tiling};
+use crate::output::STAGE;
+use onset_umat::PrivateFolder;
 use serde_json::{Map, Value};
-use std::ffi::OsString;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use zarrs::array::{Array, ArrayError, ArrayMetadata, CodecOptions};
-use zarrs::storage::StorageError;
 
 /// The file of the metadata of a store, and of each array in it.
-const METADATA: &str = "zarr.json";
+pub(super) const METADATA: &str = "zarr.json";
+/// The most bytes of metadata that are read; those of a study with long texts have some ten thousand.
+const MOST_METADATA: u64 = 16 << 20;
+/// The most values in a chunk: a tile of the largest edge, with three components.
+const MOST_VALUES: usize = 4 << 20;
 
-/// A field or a coordinate.
-#[derive(Debug)]
-struct Named {
+/// An array as its metadata tell.
+#[derive(Clone, Debug)]
+struct Array {
     name: String,
-    array: Array<Folder>,
+    shape: Vec<usize>,
+    chunk: Vec<usize>,
+    is_flags: bool,
+    is_coordinate: bool,
+}
+
+impl Array {
+    /// The array that metadata tell of, if they are such as onset writes.
+    fn of(name: &str, metadata: &Value) -> Option<Self> {
+        let sizes = |value: &Value| -> Option<Vec<usize>> {
+            let size = |value: &Value| {
+                usize::try_from(value.as_u64()?)
+                    .ok()
+                    .filter(|size| *size > 0)
+            };
+            value.as_array()?.iter().map(size).collect()
+        };
+        let shape = sizes(&metadata["shape"])?;
+        let chunk = sizes(&metadata["chunk_grid"]["configuration"]["chunk_shape"])?;
+        let names = metadata["dimension_names"].as_array()?.iter();
+        let names: Vec<&str> = names.map(Value::as_str).collect::<Option<_>>()?;
+        let kind = metadata["data_type"].as_str()?;
+        let values = chunk
+            .iter()
+            .try_fold(1_usize, |all, size| all.checked_mul(*size))?;
+        let is_coordinate = names == [name];
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_.".contains(letter);
+        let is_sound = name.chars().all(is_plain)
+            && name.starts_with(|letter: char| letter.is_ascii_alphanumeric())
+            && ["int8", "float64"].contains(&kind)
+            && (1..=4).contains(&shape.len())
+            && shape.len() == chunk.len()
+            && shape.len() == names.len()
+            && values <= MOST_VALUES;
+        let (fill, attributes) = (&metadata["fill_value"], &metadata["attributes"]);
+        let written = layout::array(
+            &shape,
+            &chunk,
+            &names,
+            kind,
+            fill.clone(),
+            attributes.clone(),
+        );
+        (is_sound && written == *metadata).then(|| Self {
+            name: name.to_owned(),
+            is_flags: kind == "int8",
+            shape,
+            chunk,
+            is_coordinate,
+        })
+    }
+
+    /// The path of a chunk in the store.
+    fn key(&self, chunk: &[usize]) -> String {
+        let numbers: Vec<String> = chunk.iter().map(usize::to_string).collect();
+        format!("{}/c/{}", self.name, numbers.join("/"))
+    }
+
+    /// Values in a chunk.
+    fn values(&self) -> usize {
+        self.chunk.iter().product()
+    }
 }
 
 /// A store in a folder.
 #[derive(Debug)]
 pub struct ZarrStore {
     path: PathBuf,
-    folder: Arc<Folder>,
+    folder: Folder,
     attributes: Map<String, Value>,
+    identity: String,
     tiling: Tiling,
     /// The first says that a tile is done.
-    fields: Vec<Named>,
+    fields: Vec<Array>,
     /// Of who writes.
     occupancy: Option<Occupancy>,
 }
@@ -42,34 +110,34 @@ impl ZarrStore {
     /// # Errors
     /// [`StoreError`] when something is there already, or it cannot be written.
     pub fn create(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
+        let place = &place(path)?;
         if let Some(group) = examine(path)? {
             return Err(Self::of_group(path, &group)?.in_the_way());
         }
-        let building = sibling(path, "creating");
+        refuse_current_folder(path, place)?;
+        let writing = StoreError::writing(path);
+        let folder = parent(place);
+        fs::create_dir_all(folder).map_err(&writing)?;
+        let stage = PrivateFolder::new(folder, STAGE).map_err(&writing)?;
+        let building = stage.path().join("store");
         let made = build(&building, layout).and_then(|()| {
             // Shared from its first moment, so that nobody clears it in between.
             let occupancy = Occupancy::shared(&building.join(METADATA))?;
             // Whoever comes first makes the store; the folders of the others are in its way.
-            fs::rename(&building, path)?;
+            fs::rename(&building, place)?;
             Ok(occupancy)
         });
-        let made = match made {
+        match made {
             Ok(occupancy) => {
                 let mut store = Self::of_group(path, &layout.group())?;
-                store.occupancy = Some(occupancy);
+                store.occupancy = occupancy;
                 Ok(store)
             }
-            Err(error) => {
-                // What is left of it is cleared by whoever opens the store.
-                let _ = fs::remove_dir_all(&building);
-                match examine(path)? {
-                    Some(group) => Err(Self::of_group(path, &group)?.in_the_way()),
-                    None => Err(StoreError::writing(path)(error)),
-                }
-            }
-        };
-        clear_siblings(path);
-        made
+            Err(error) => match examine(path)? {
+                Some(group) => Err(Self::of_group(path, &group)?.in_the_way()),
+                None => Err(writing(error)),
+            },
+        }
     }
 
     /// Goes on with a store of the same layout, or makes it.
@@ -83,31 +151,46 @@ impl ZarrStore {
         }
     }
 
-    /// Makes a store in the place of another, which is removed when the new one is there.
+    /// Makes a store in the place of another, which stays there until the new one is whole, and is then removed.
     ///
     /// # Errors
-    /// [`StoreError`] when what is there is not a store of ours, others write to it, or it cannot be written.
+    /// [`StoreError`] when what is there is not a store of ours or holds something that is not, others write to it, or it cannot be
+    /// written.
     pub fn replace(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
-        if examine(path)?.is_none() {
+        let place = &place(path)?;
+        let Some(group) = examine_any(path)? else {
             return Self::create(path, layout);
+        };
+        if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) {
+            return Err(StoreError::Link {
+                path: path.to_owned(),
+                target: place.clone(),
+            });
         }
+        refuse_current_folder(path, place)?;
         let writing = StoreError::writing(path);
-        let claim = Occupancy::alone(&path.join(METADATA)).map_err(&writing)?;
+        let claim = Occupancy::alone(&place.join(METADATA)).map_err(&writing)?;
         if matches!(claim, Claim::Shared) {
             return Err(StoreError::Occupied {
                 path: path.to_owned(),
             });
         }
-        let replaced = sibling(path, "replaced");
-        fs::rename(path, &replaced).map_err(&writing)?;
-        let made = Self::create(path, layout);
-        if made.is_err() {
-            fs::rename(&replaced, path).map_err(&writing)?;
-        } else {
-            // What cannot be removed now goes when the store is opened next.
-            let _ = fs::remove_dir_all(&replaced);
+        let contents = Contents::of(place, &group)
+            .map_err(StoreError::reading(path))?
+            .map_err(|stranger| StoreError::NotOurs { path: stranger })?;
+        let stage = PrivateFolder::new(parent(place), STAGE).map_err(&writing)?;
+        let building = stage.path().join("store");
+        build(&building, layout).map_err(&writing)?;
+        let occupancy = Occupancy::shared(&building.join(METADATA)).map_err(&writing)?;
+        exchange(&building, place).map_err(&writing)?;
+        if contents.remove(&building).is_err() {
+            // Somebody has put something there since: it is left where it can be found.
+            let left = format!("onset-left-{}", folder::unique());
+            fs::rename(&building, place.with_file_name(left)).map_err(&writing)?;
         }
-        made
+        let mut store = Self::of_group(path, &layout.group())?;
+        store.occupancy = occupancy;
+        Ok(store)
     }
 
     /// Opens a store to read it.
@@ -115,6 +198,7 @@ impl ZarrStore {
     /// # Errors
     /// [`StoreError`] when there is none, or it is damaged.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
+        place(path)?;
         let group = examine(path)?.ok_or_else(|| StoreError::Missing {
             path: path.to_owned(),
         })?;
@@ -136,27 +220,46 @@ impl ZarrStore {
         self.fields.iter().map(|field| field.name.as_str())
     }
 
-    /// How many tiles are done.
+    /// How many tiles are done. Only what is there is looked at, however many the metadata tell of.
     ///
     /// # Errors
     /// [`StoreError`] when that cannot be read.
     pub fn done(&self) -> Result<usize, StoreError> {
-        let mut done = 0;
-        for tile in 0..self.tiling.tiles() {
-            done += usize::from(self.is_done(tile)?);
+        let Some(mark) = self.fields.first() else {
+            return Ok(0);
+        };
+        let chunks = self.folder.path(&format!("{}/c", mark.name));
+        files_below(&chunks, &self.tiling.grid()).map_err(StoreError::reading(&chunks))
+    }
+
+    /// Checks that a store holds what a layout says, attributes apart.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] where it does not.
+    pub fn check(&self, layout: &Layout) -> Result<(), StoreError> {
+        let group = examine(&self.path)?.unwrap_or_default();
+        let expected = layout.group();
+        let arrays = |group: &Value| group["consolidated_metadata"].clone();
+        if arrays(&group) != arrays(&expected) || self.identity != layout.identity {
+            let reason = "its arrays are not those of its study".to_owned();
+            return Err(self.damaged(METADATA, reason));
         }
-        Ok(done)
+        self.check_coordinates(layout)
     }
 
     fn join(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
-        let occupancy =
-            Occupancy::shared(&path.join(METADATA)).map_err(StoreError::reading(path))?;
+        let place = &place(path)?;
+        let metadata = place.join(METADATA);
+        let occupancy = Occupancy::shared(&metadata).map_err(StoreError::reading(path))?;
+        let occupancy = occupancy.ok_or_else(|| StoreError::Locked {
+            path: path.to_owned(),
+        })?;
         let group = examine(path)?.ok_or_else(|| StoreError::Missing {
             path: path.to_owned(),
         })?;
         let expected = layout.group();
-        let found = fs::read(path.join(METADATA)).map_err(StoreError::reading(path))?;
-        if found != text(&expected).as_bytes() {
+        let found = folder::read(&metadata, MOST_METADATA).map_err(StoreError::reading(path))?;
+        if found.as_deref() != Some(text(&expected).as_bytes()) {
             return Err(StoreError::OtherStudy {
                 path: path.to_owned(),
                 difference: difference(&group, &expected),
@@ -164,31 +267,38 @@ impl ZarrStore {
         }
         let mut store = Self::of_group(path, &expected)?;
         store.check_arrays(layout)?;
+        store.check_coordinates(layout)?;
         store.occupancy = Some(occupancy);
-        clear_siblings(path);
+        // Clears what others have left beside it.
+        drop(PrivateFolder::new(parent(place), STAGE));
         Ok(store)
     }
 
-    /// Checks the metadata of each array, and the coordinates.
+    /// Checks the metadata of each array.
     fn check_arrays(&self, layout: &Layout) -> Result<(), StoreError> {
         for (name, metadata) in layout.arrays() {
             let key = format!("{name}/{METADATA}");
-            let path = self.folder.path(&key);
-            let found = self
-                .folder
-                .read(&key)
-                .map_err(StoreError::reading(&path))?
-                .unwrap_or_default();
-            if found != text(&metadata).as_bytes() {
-                let reason = "it does not say what onset has written".to_owned();
-                return Err(StoreError::Damaged { path, reason });
+            let found = self.folder.read(&key, MOST_METADATA);
+            let found = found.map_err(StoreError::reading(&self.folder.path(&key)))?;
+            if found.as_deref() != Some(text(&metadata).as_bytes()) {
+                return Err(self.damaged(&key, "it does not say what onset has written".to_owned()));
             }
         }
+        Ok(())
+    }
+
+    /// Checks the coordinates.
+    fn check_coordinates(&self, layout: &Layout) -> Result<(), StoreError> {
+        let arrays = layout.arrays();
         for (name, values) in layout.coordinates() {
-            let array = array(&self.folder, &name, layout)
-                .map_err(|error| self.damaged(&format!("{name}/{METADATA}"), error.to_string()))?;
-            let key = array.chunk_key(&[0]).as_str().to_owned();
-            if self.column(&array, &[0])? != Some(values) {
+            let metadata = arrays.iter().find(|(other, _)| *other == name);
+            let array = metadata.and_then(|(_, metadata)| Array::of(&name, metadata));
+            let found = match &array {
+                Some(array) => self.column(array, &[0])?,
+                None => None,
+            };
+            if found != Some(values) {
+                let key = format!("{name}/c/0");
                 return Err(self.damaged(&key, "it does not hold the coordinates".to_owned()));
             }
         }
@@ -213,32 +323,27 @@ impl ZarrStore {
             path: path.join(METADATA),
             reason,
         };
-        let folder = Arc::new(Folder::new(path));
         let arrays = group
             .pointer("/consolidated_metadata/metadata")
             .and_then(Value::as_object)
             .ok_or_else(|| damaged("it does not tell of the arrays".to_owned()))?;
         let mut fields = Vec::new();
         for (name, metadata) in arrays {
-            let is_coordinate =
-                metadata["dimension_names"] == Value::from([name.as_str()].as_slice());
-            if !is_coordinate {
-                let array = array_of(&folder, name, metadata)
-                    .map_err(|error| damaged(error.to_string()))?;
-                fields.push(Named {
-                    name: name.clone(),
-                    array,
-                });
+            let array = Array::of(name, metadata).ok_or_else(|| {
+                damaged("it tells of arrays that onset does not write".to_owned())
+            })?;
+            if !array.is_coordinate {
+                fields.push(array);
             }
         }
-        let tiling = fields
-            .first()
-            .and_then(|mark| tiling(&mark.array))
-            .ok_or_else(|| damaged("it does not tell of tiles".to_owned()))?;
+        let tiling =
+            tiling(&fields).ok_or_else(|| damaged("it does not tell of tiles".to_owned()))?;
         let attributes = group["attributes"].as_object().cloned().unwrap_or_default();
+        let identity = attributes.get(IDENTITY).and_then(Value::as_str);
         Ok(Self {
             path: path.to_owned(),
-            folder,
+            folder: Folder::new(path),
+            identity: identity.unwrap_or_default().to_owned(),
             attributes,
             tiling,
             fields,
@@ -253,51 +358,30 @@ impl ZarrStore {
         }
     }
 
-    /// The chunk of a tile in an array.
-    fn chunk(&self, array: &Array<Folder>, tile: usize) -> Vec<u64> {
-        let mut chunk: Vec<u64> = self
-            .tiling
-            .position(tile)
-            .iter()
-            .map(|index| *index as u64)
-            .collect();
-        chunk.resize(array.dimensionality(), 0);
-        chunk
+    /// The path of the chunk of a tile in an array.
+    fn chunk(&self, array: &Array, tile: usize) -> String {
+        let mut chunk = self.tiling.position(tile);
+        chunk.resize(array.shape.len(), 0);
+        array.key(&chunk)
     }
 
     /// The values of a chunk, those beyond the edge of the map included.
-    fn column(&self, array: &Array<Folder>, chunk: &[u64]) -> Result<Option<Column>, StoreError> {
-        let read = if is_flags(array) {
-            array
-                .retrieve_chunk_if_exists::<Vec<i8>>(chunk)
-                .map(|values| values.map(Column::Flags))
-        } else {
-            array
-                .retrieve_chunk_if_exists::<Vec<f64>>(chunk)
-                .map(|values| values.map(Column::Numbers))
-        };
-        read.map_err(|error| self.failure("read", array, chunk, error))
+    fn column(&self, array: &Array, chunk: &[usize]) -> Result<Option<Column>, StoreError> {
+        self.values(array, &array.key(chunk))
     }
 
-    fn failure(
-        &self,
-        action: &'static str,
-        array: &Array<Folder>,
-        chunk: &[u64],
-        error: ArrayError,
-    ) -> StoreError {
-        let path = self.folder.path(array.chunk_key(chunk).as_str());
-        match error {
-            ArrayError::StorageError(StorageError::IOError(error)) => StoreError::Machine {
-                action,
-                path,
-                source: io::Error::new(error.kind(), error),
-            },
-            other => StoreError::Damaged {
-                path,
-                reason: other.to_string(),
-            },
-        }
+    fn values(&self, array: &Array, key: &str) -> Result<Option<Column>, StoreError> {
+        let size = if array.is_flags { 1 } else { 8 };
+        let read = self.folder.read(key, chunk::largest(size * array.values()));
+        let Some(bytes) = read.map_err(StoreError::reading(&self.folder.path(key)))? else {
+            return Ok(None);
+        };
+        let label = Label {
+            key,
+            identity: &self.identity,
+        };
+        let column = chunk::decode(&bytes, array.is_flags, array.values(), label);
+        column.map(Some).map_err(|reason| self.damaged(key, reason))
     }
 }
 
@@ -325,36 +409,34 @@ impl ResultStore for ZarrStore {
         let Some(mark) = self.fields.first() else {
             return Ok(false);
         };
-        let chunk = self.chunk(&mark.array, tile);
-        let path = self.folder.path(mark.array.chunk_key(&chunk).as_str());
+        let path = self.folder.path(&self.chunk(mark, tile));
         fs::exists(&path).map_err(StoreError::reading(&path))
     }
 
     fn write(&self, tile: usize, columns: Vec<Column>) -> Result<(), StoreError> {
         let place = self.tiling.at(tile);
         // Chunks that hold nothing but the fill value are written too: of a tile that is done, a chunk that is absent is lost.
-        let options = CodecOptions::default()
-            .with_concurrent_target(1)
-            .with_store_empty_chunks(true);
         for (field, column) in self.fields.iter().zip(columns).rev() {
-            let chunk = self.chunk(&field.array, tile);
-            let written = match column {
-                Column::Flags(flags) => {
-                    let padded = self.padded(&place, &flags, -1);
-                    field.array.store_chunk_opt(&chunk, padded, &options)
-                }
+            let key = self.chunk(field, tile);
+            let padded = match column {
+                Column::Flags(flags) => Column::Flags(self.padded(&place, &flags, -1)),
                 Column::Numbers(numbers) => {
-                    let padded = self.padded(&place, &numbers, f64::NAN);
-                    field.array.store_chunk_opt(&chunk, padded, &options)
+                    Column::Numbers(self.padded(&place, &numbers, f64::NAN))
                 }
             };
-            written.map_err(|error| self.failure("write", &field.array, &chunk, error))?;
+            let label = Label {
+                key: &key,
+                identity: &self.identity,
+            };
+            chunk::encode(&padded, label)
+                .and_then(|bytes| self.folder.write(&key, &bytes))
+                .map_err(StoreError::writing(&self.folder.path(&key)))?;
         }
         Ok(())
     }
 
     fn read(&self, field: &str, tile: usize) -> Result<Option<Column>, StoreError> {
-        let Some(Named { array, .. }) = self.fields.iter().find(|named| named.name == field) else {
+        let Some(array) = self.fields.iter().find(|array| array.name == field) else {
             return Err(StoreError::NoField {
                 path: self.path.clone(),
                 field: field.to_owned(),
@@ -364,13 +446,9 @@ impl ResultStore for ZarrStore {
         if !self.is_done(tile)? {
             return Ok(None);
         }
-        let chunk = self.chunk(array, tile);
-        let Some(column) = self.column(array, &chunk)? else {
-            let key = array.chunk_key(&chunk);
-            return Err(self.damaged(
-                key.as_str(),
-                "it is missing, though its tile is done".to_owned(),
-            ));
+        let key = self.chunk(array, tile);
+        let Some(column) = self.values(array, &key)? else {
+            return Err(self.damaged(&key, "it is missing, though its tile is done".to_owned()));
         };
         let place = self.tiling.at(tile);
         Ok(Some(match column {
@@ -414,8 +492,83 @@ impl ZarrStore {
     }
 }
 
+/// Where a store is, links followed; where it will be, when nothing is there.
+fn place(path: &Path) -> Result<PathBuf, StoreError> {
+    if let Ok(place) = fs::canonicalize(path) {
+        return Ok(place);
+    }
+    let place = std::path::absolute(path).map_err(StoreError::reading(path))?;
+    recover(&place);
+    Ok(place)
+}
+
+/// The folder that a place is in.
+fn parent(place: &Path) -> &Path {
+    place.parent().unwrap_or(place)
+}
+
+/// No folder can be put in the place of the one that we, and who has called us, are in.
+fn refuse_current_folder(path: &Path, place: &Path) -> Result<(), StoreError> {
+    let current = std::env::current_dir().and_then(fs::canonicalize);
+    if current.is_ok_and(|current| current == place) || place.parent().is_none() {
+        return Err(StoreError::CurrentFolder {
+            path: path.to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Puts a folder in the place of another, and that one in its place: at once, where the system can.
+fn exchange(new: &Path, old: &Path) -> io::Result<()> {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        if renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE).is_ok() {
+            return Ok(());
+        }
+    }
+    let aside = aside(old);
+    fs::rename(old, &aside)?;
+    let renamed = fs::rename(new, old);
+    let (from, to) = match renamed {
+        Ok(()) => (&*aside, new),
+        Err(_) => (&*aside, old),
+    };
+    fs::rename(from, to)?;
+    renamed
+}
+
+/// Where a store waits that is being replaced, where that takes two steps.
+fn aside(place: &Path) -> PathBuf {
+    use sha2::{Digest, Sha256};
+    let name = place.file_name().unwrap_or_default();
+    let sum = format!("{:x}", Sha256::digest(name.as_encoded_bytes()));
+    place.with_file_name(format!(".onset-replaced-{}", &sum[..32]))
+}
+
+/// Puts a store back that was being replaced when the process was killed between two steps.
+fn recover(place: &Path) {
+    if fs::symlink_metadata(place).is_err() {
+        // Usually there is none.
+        let _ = fs::rename(aside(place), place);
+    }
+}
+
 /// The metadata of the store at a place; `None` where there is nothing, or an empty folder.
 fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
+    let group = examine_any(path)?;
+    match group.as_ref().map(|group| &group["attributes"][FORMAT]) {
+        Some(format) if *format != FORMAT_VERSION => Err(StoreError::Format {
+            path: path.to_owned(),
+            found: format.to_string().chars().take(20).collect(),
+            expected: FORMAT_VERSION,
+        }),
+        _ => Ok(group),
+    }
+}
+
+/// The same for a store of any version.
+fn examine_any(path: &Path) -> Result<Option<Value>, StoreError> {
     let reading = StoreError::reading(path);
     let nothing =
         |error: &io::Error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
@@ -431,25 +584,23 @@ fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
         return Err(not_a_store());
     }
     let metadata = path.join(METADATA);
-    let bytes = match fs::read(&metadata) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            if [".zgroup", ".zarray", ".zmetadata"]
-                .iter()
-                .any(|name| path.join(name).exists())
-            {
-                return Err(StoreError::Foreign {
-                    path: path.to_owned(),
-                });
-            }
-            let is_empty = fs::read_dir(path).map_err(&reading)?.next().is_none();
-            return if is_empty {
-                Ok(None)
-            } else {
-                Err(not_a_store())
-            };
+    let Some(bytes) =
+        folder::read(&metadata, MOST_METADATA).map_err(StoreError::reading(&metadata))?
+    else {
+        if [".zgroup", ".zarray", ".zmetadata"]
+            .iter()
+            .any(|name| path.join(name).exists())
+        {
+            return Err(StoreError::Foreign {
+                path: path.to_owned(),
+            });
         }
-        Err(error) => return Err(StoreError::reading(&metadata)(error)),
+        let is_empty = fs::read_dir(path).map_err(&reading)?.next().is_none();
+        return if is_empty {
+            Ok(None)
+        } else {
+            Err(not_a_store())
+        };
     };
     let group: Value = serde_json::from_slice(&bytes).map_err(|error| StoreError::Damaged {
         path: metadata,
@@ -465,100 +616,70 @@ fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
 
 /// Writes a store without tiles.
 fn build(path: &Path, layout: &Layout) -> io::Result<()> {
-    let folder = Arc::new(Folder::new(path));
+    let folder = Folder::new(path);
+    fs::create_dir_all(path)?;
     for (name, metadata) in layout.arrays() {
         folder.write(&format!("{name}/{METADATA}"), text(&metadata).as_bytes())?;
     }
     for (name, column) in layout.coordinates() {
-        let array = array(&folder, &name, layout).map_err(io::Error::other)?;
-        match column {
-            Column::Flags(flags) => array.store_chunk(&[0], flags),
-            Column::Numbers(numbers) => array.store_chunk(&[0], numbers),
-        }
-        .map_err(|error| match error {
-            ArrayError::StorageError(StorageError::IOError(error)) => {
-                io::Error::new(error.kind(), error)
-            }
-            other => io::Error::other(other),
-        })?;
+        let key = format!("{name}/c/0");
+        let label = Label {
+            key: &key,
+            identity: &layout.identity,
+        };
+        folder.write(&key, &chunk::encode(&column, label)?)?;
     }
     folder.write(METADATA, text(&layout.group()).as_bytes())?;
     folder.clear();
     Ok(())
 }
 
-/// The array of a name in a layout.
-fn array(folder: &Arc<Folder>, name: &str, layout: &Layout) -> Result<Array<Folder>, ArrayError> {
-    let metadata = layout.arrays().into_iter().find(|(other, _)| other == name);
-    array_of(
-        folder,
-        name,
-        &metadata.map(|(_, metadata)| metadata).unwrap_or_default(),
-    )
-}
-
-fn array_of(
-    folder: &Arc<Folder>,
-    name: &str,
-    metadata: &Value,
-) -> Result<Array<Folder>, ArrayError> {
-    let metadata: ArrayMetadata = serde_json::from_value(metadata.clone())
-        .map_err(|error| ArrayError::Other(format!("array {name}: {error}")))?;
-    Array::new_with_metadata(folder.clone(), &format!("/{name}"), metadata)
-        .map_err(|error| ArrayError::Other(format!("array {name}: {error}")))
-}
-
-fn is_flags(array: &Array<Folder>) -> bool {
-    *array.data_type() == zarrs::array::data_type::int8()
-}
-
-/// The tiles that the chunks of an array are.
-fn tiling(array: &Array<Folder>) -> Option<Tiling> {
-    let first = vec![0; array.dimensionality()];
-    let tile = array.chunk_shape_usize(&first).ok()?;
-    let shape = array
-        .shape()
-        .iter()
-        .map(|states| *states as usize)
-        .collect();
-    Some(Tiling { shape, tile })
-}
-
-/// A place beside a path for what is not yet or no longer at it.
-fn sibling(path: &Path, what: &str) -> PathBuf {
-    let mut name = siblings(path, what);
-    name.push(unique());
-    path.with_file_name(name)
-}
-
-fn siblings(path: &Path, what: &str) -> OsString {
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{what}-"));
-    name
-}
-
-/// Removes what processes that were killed while they made or replaced a store have left beside it. Whoever is still making
-/// one finds that the store is there already.
-fn clear_siblings(path: &Path) {
-    let folder = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty());
-    let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
-        return;
+/// The tiles that the chunks of fields are: the same of all of them.
+fn tiling(fields: &[Array]) -> Option<Tiling> {
+    let mark = fields.first()?;
+    let dimensions = mark.shape.len();
+    let is_alike = |field: &Array| {
+        let vector = field
+            .shape
+            .get(dimensions..)
+            .is_some_and(|more| more.len() <= 1);
+        vector
+            && field.shape[..dimensions] == mark.shape
+            && field.chunk[..dimensions] == mark.chunk
+            && field.shape[dimensions..] == field.chunk[dimensions..]
     };
-    let prefixes = ["creating", "replaced"].map(|what| siblings(path, what));
-    for entry in entries.flatten() {
+    let is_countable = mark
+        .shape
+        .iter()
+        .try_fold(1_usize, |all, size| all.checked_mul(*size));
+    (mark.is_flags && fields.iter().all(is_alike) && is_countable.is_some()).then(|| Tiling {
+        shape: mark.shape.clone(),
+        tile: mark.chunk.clone(),
+    })
+}
+
+/// How many files are in folders of folders whose names are numbers below given ones.
+fn files_below(folder: &Path, grid: &[usize]) -> io::Result<usize> {
+    let Some((end, deeper)) = grid.split_first() else {
+        return Ok(1);
+    };
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(0),
+        entries => entries?,
+    };
+    let mut files = 0;
+    for entry in entries {
+        let entry = entry?;
         let name = entry.file_name();
-        let is_left = prefixes.iter().any(|prefix| {
-            name.as_encoded_bytes()
-                .starts_with(prefix.as_encoded_bytes())
+        let number = name.to_str().and_then(|name| {
+            let number = name.parse::<usize>().ok()?;
+            (number.to_string() == name).then_some(number)
         });
-        if is_left && path.join(METADATA).exists() {
-            // What cannot be removed does no harm.
-            let _ = fs::remove_dir_all(entry.path());
+        if number.is_some_and(|number| number < *end) {
+            files += files_below(&entry.path(), deeper)?;
         }
     }
+    Ok(files)
 }
 
 /// The text of metadata. The order of keys is that of the layout, so that the same layout is the same bytes.
@@ -573,10 +694,14 @@ fn difference(found: &Value, expected: &Value) -> String {
     let differing = expected
         .iter()
         .find(|(name, value)| found.get(*name) != Some(value));
+    let stored = |name: &str| found.get(name).and_then(Value::as_str).unwrap_or("none");
     match differing {
         Some((name, Value::String(asked))) => {
-            let stored = found.get(name).and_then(Value::as_str).unwrap_or_default();
-            line_difference(name, stored, asked)
+            let stored = stored(name);
+            match layout::MEANINGS.iter().find(|(known, _)| known == name) {
+                Some((_, meaning)) => format!("{meaning} (`{stored}` there, `{asked}` here)"),
+                None => line_difference(name, stored, asked),
+            }
         }
         Some((name, asked)) => {
             let stored = found.get(name).unwrap_or(&Value::Null);

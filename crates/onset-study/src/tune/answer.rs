@@ -3,14 +3,15 @@
 use super::TuneQuestion;
 use crate::answers::{ProblemError, notes};
 use crate::compare::{Measured, outcome};
+use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::output::{Files, text};
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
-use std::path::Path;
 
 /// The relative frequency above which no wave counts as spurious.
 const STRONG: f64 = 0.1;
@@ -225,29 +226,21 @@ impl TuneAnswer {
                     m.courant,
                     m.dispersion_at(8.0)
                 ),
-                Err(why) => format!(
-                    ",,,,,,,,\"{}\"",
-                    why.replace('"', "\"\"").replace('\n', " ")
-                ),
+                Err(why) => format!(",,,,,,,,{}", csv::text(why)),
             };
             text.push_str(&format!("{:.16e},{cells}\n", one.value));
         }
         text
     }
 
-    /// Writes `tune.csv`, `tune.svg` and `tune.png`, and the folder if it is missing; their paths.
+    /// The answer as `tune.csv`, `tune.svg` and `tune.png`.
     ///
     /// # Errors
-    /// [`FigureError`] with the path that could not be written.
-    pub fn write(&self, folder: &Path) -> Result<Vec<String>, FigureError> {
-        let figures = self.figure().write(folder, "tune")?;
-        let path = folder.join("tune.csv");
-        std::fs::write(&path, self.csv()).map_err(|source| FigureError::Write {
-            path: path.clone(),
-            source,
-        })?;
-        let paths = std::iter::once(&path).chain(&figures);
-        Ok(paths.map(|path| path.display().to_string()).collect())
+    /// [`FigureError`] when the figure is too large.
+    pub fn files(&self) -> Result<Files, FigureError> {
+        let mut files = vec![text("tune.csv", self.csv())];
+        files.extend(self.figure().files("tune")?);
+        Ok(files)
     }
 }
 

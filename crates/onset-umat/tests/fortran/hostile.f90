@@ -7,13 +7,21 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   character(len=80), intent(in) :: cmname
   double precision, intent(inout) :: stress(ntens), statev(*), ddsdde(ntens, ntens), sse, spd, scd, rpl, pnewdt
   double precision, intent(inout) :: ddsddt(ntens), drplde(ntens), drpldt
-  double precision, intent(in) :: stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*)
-  double precision, intent(in) :: props(*), coords(3), drot(3, 3), celent, dfgrd0(3, 3), dfgrd1(3, 3)
+  double precision :: dstran(ntens), props(*)
+  double precision, intent(in) :: stran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*)
+  double precision, intent(in) :: coords(3), drot(3, 3), celent, dfgrd0(3, 3), dfgrd1(3, 3)
   double precision, save :: calls = 0.0d0
   double precision, volatile :: spin
   double precision :: seen(30)
   double precision, pointer :: nowhere
+  double precision, allocatable :: large(:)
   integer :: i
+  interface
+    function fork() bind(c)
+      use iso_c_binding, only: c_int
+      integer(c_int) :: fork
+    end function fork
+  end interface
 
   ddsdde = 0.0d0
   ddsdde(1:3, 1:3) = props(1)
@@ -63,9 +71,44 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   case (13)
     write (*, '(a)', advance='no') repeat('x', 200000)
     flush (6)
+  case (14)
+    ! Beyond the end of STRESS, and of others as the first state variable says.
+    call beyond(stress, 6 + 1)
+  case (15)
+    call beyond(ddsdde, 42 + 1)
+  case (16)
+    call beyond(stress, 0)
+  case (17)
+    call beyond(ddsddt, 6 + 2)
+  case (18)
+    ! More memory than there is.
+    allocate (large(100000000_8*int(abs(props(4)), 8)))
+    large = calls
+    stress(1) = stress(1) + large(1) - calls
+  case (19)
+    ! A child that goes on for ever.
+    if (fork() == 0) then
+      spin = 1.0d0
+      do while (spin > 0.0d0)
+        spin = 1.0d0
+      end do
+    end if
+  case (20)
+    print '(a)', achar(27)//'[2J'//achar(27)//']0;owned'//achar(7)//'red'
+    error stop 'end'
+  case (21)
+    ! Changes what it should only read.
+    call beyond(props, 1)
+    call beyond(dstran, 1)
   end select
 
 contains
+
+  subroutine beyond(array, n)
+    double precision :: array(*)
+    integer, intent(in) :: n
+    array(n) = 1.5d0
+  end subroutine beyond
 
   function handed()
     double precision :: handed(30)

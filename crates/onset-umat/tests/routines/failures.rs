@@ -102,6 +102,129 @@ fn writing_behind_the_state_variables_is_noticed() {
 }
 
 #[test]
+fn writing_beyond_the_ends_of_an_argument_is_noticed_and_told_with_its_name() {
+    for (flaw, expected) in [
+        (14, "STRESS"),
+        (15, "DDSDDE"),
+        (16, "STRESS"),
+        (17, "DDSDDT"),
+    ] {
+        let umat = hostile(flaw);
+        for _ in 0..2 {
+            match asked(&umat) {
+                Err(UmatError::Overrun { argument, .. }) => assert_eq!(argument, expected),
+                other => panic!("{other:?}"),
+            }
+        }
+        let message = umat
+            .response(&general())
+            .expect_err("an overrun")
+            .to_string();
+        assert!(
+            message.contains(&format!("ends of {expected}")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn what_a_umat_writes_to_arguments_that_it_should_only_read_is_gone_at_the_next_call() {
+    let umat = hostile(21);
+    let quiet = hostile(0);
+    for _ in 0..3 {
+        assert_eq!(asked(&umat), asked(&quiet));
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn memory_is_limited() {
+    let with = |hundred_millions: f64, memory_limit: u64| {
+        let umat = Umat::new(UmatSettings {
+            properties: vec![10.0, 4.0, 18.0, hundred_millions],
+            memory_limit,
+            ..flawed(18)
+        });
+        asked(&umat.expect("a UMAT"))
+    };
+    // 0.8 GB.
+    assert!(with(1.0, 2 << 30).is_ok());
+    for result in [with(1.0, 1 << 29), with(100.0, 2 << 30)] {
+        match &result {
+            Err(UmatError::Ended { .. }) => {
+                let message = result.expect_err("an end").to_string();
+                assert!(message.contains("material.memory-limit"), "{message}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Whoever starts processes can wait without using processor time; who computes for ever in a child is ended by the system.
+#[test]
+#[cfg(target_os = "linux")]
+fn what_a_umat_has_started_ends_with_it() {
+    let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("forks.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    let umat = Umat::new(UmatSettings {
+        library: own.clone(),
+        ..flawed(19)
+    })
+    .expect("a UMAT");
+    for started in 2..5 {
+        assert!(asked(&umat).is_ok());
+        assert_eq!(processes(&own), started);
+    }
+    drop(umat);
+    // Killed processes without a parent are there until the system has waited for them.
+    for _ in 0..200 {
+        if processes(&own) == 0 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("{} processes are left", processes(&own));
+}
+
+#[test]
+fn what_a_umat_prints_cannot_command_a_terminal() {
+    let (_, output) = ended(&hostile(20));
+    assert!(output.starts_with("red\n"), "{output:?}");
+    assert!(
+        output
+            .chars()
+            .all(|letter| letter == '\n' || !letter.is_control()),
+        "{output:?}"
+    );
+}
+
+#[test]
+fn a_library_that_is_compiled_anew_while_it_is_used_is_refused() {
+    let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("anew.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    let umat = Umat::new(UmatSettings {
+        library: own.clone(),
+        ..flawed(11)
+    })
+    .expect("a UMAT");
+    let first = onset_umat::fingerprint(&own).expect("a sum");
+    assert_eq!(umat.settings().fingerprint, Some(first.clone()));
+    // Another file in its place, as a linker makes it; the process that has the first goes on with it.
+    std::fs::remove_file(&own).expect("removed");
+    std::fs::copy(library(&["fortran/blatz_ko.f90"]), &own).expect("a copy");
+    let stretched = |stretch| vec![Matrix3::from_diagonal_element(stretch)];
+    assert!(umat.along(stretched(1.1)).is_ok());
+    assert!(umat.along(stretched(3.0)).is_err(), "its process has ended");
+    match umat.along(stretched(1.1)) {
+        Err(UmatError::Changed { wanted, found, .. }) => {
+            assert_eq!(wanted, first);
+            assert_ne!(found, first);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
 fn a_wish_for_smaller_increments_is_told() {
     match asked(&hostile(8)) {
         Err(UmatError::SmallerIncrement {

@@ -5,8 +5,11 @@ use super::super::key::key;
 use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
-use onset_umat::{Umat, UmatSettings};
+use onset_umat::{Umat, UmatError, UmatSettings, fingerprint};
 use std::time::Duration;
+
+/// The key of the library, without its section.
+pub(in crate::settings) const LIBRARY: &str = "library";
 
 pub(super) const MODEL: OwnModel = OwnModel {
     name: "umat",
@@ -34,21 +37,26 @@ pub(super) const MODEL: OwnModel = OwnModel {
             Kind::Whole(1, 86_400),
             "seconds that the subroutine may take for a state, 10 when left out",
         ),
+        key(
+            "material.memory-limit",
+            Kind::Whole(64, 1 << 24),
+            "memory that the subroutine may take, in MiB, 4096 when left out",
+        ),
     ],
-    required: &["library"],
+    required: &[LIBRARY],
     takes_any_parameter: false,
     check,
     build,
 };
 
 fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
-    settings.require("library").map(|_| ())
+    settings.require(LIBRARY).map(|_| ())
 }
 
 impl MaterialSettings {
     /// What the user material is made of, when the model is one.
     pub fn umat(&self) -> Option<UmatSettings> {
-        let (Model::Own(model), Some(Value::Word(library))) = (self.model, self.given("library"))
+        let (Model::Own(model), Some(Value::Word(library))) = (self.model, self.given(LIBRARY))
         else {
             return None;
         };
@@ -69,12 +77,40 @@ impl MaterialSettings {
         if let Some(seconds) = number("time-limit") {
             umat.time_limit = Duration::from_secs_f64(seconds);
         }
+        if let Some(mebibytes) = number("memory-limit") {
+            umat.memory_limit = mebibytes as u64 * (1 << 20);
+        }
+        umat.fingerprint = self.fingerprint().map(str::to_owned);
         Some(umat)
+    }
+
+    /// The same, when its library may be loaded.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when it may not.
+    pub fn umat_permitted(&self) -> Result<Option<UmatSettings>, MaterialError> {
+        let refused = |error: SettingError| MaterialError::External {
+            message: error.to_string(),
+        };
+        self.permitted().map_err(refused)?;
+        Ok(self.umat())
     }
 }
 
+/// The SHA-256 of the library of a user material.
+pub(in crate::settings) fn sum(umat: UmatSettings) -> Result<String, MaterialError> {
+    if !umat.library.is_file() {
+        return Err(UmatError::NoLibrary { path: umat.library }.into());
+    }
+    fingerprint(&umat.library).map_err(|error| {
+        let path = umat.library.clone();
+        let message = error.to_string();
+        UmatError::Load { path, message }.into()
+    })
+}
+
 fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError> {
-    match settings.umat() {
+    match settings.umat_permitted()? {
         Some(umat) => Ok(Box::new(Umat::new(umat)?)),
         None => Err(MaterialError::External {
             message: "material.library is missing".to_owned(),

@@ -247,7 +247,7 @@ impl Study {
                 self.origin_of("discretization.spacing")
             }
             MethodError::Material(MaterialError::External { .. }) => {
-                let origins = ["material.energy", "material.library", "material.model"];
+                let origins = ["material.energy", "material.model"];
                 let mut origins = origins.map(|name| self.origin_of(name)).into_iter();
                 let set = origins.find(|origin| *origin != self.origins.file);
                 set.unwrap_or_else(|| self.origins.file.clone())
@@ -280,9 +280,11 @@ impl Study {
     }
 }
 
-/// Builds material and method.
+/// Builds material and method; a library is not loaded to see whether a study is valid.
 fn built(settings: &Settings) -> Result<(), MethodError> {
-    settings.material.build()?;
+    if !settings.material.is_library() {
+        settings.material.build()?;
+    }
     match settings.dimension() {
         1 => Discretized::<1>::new(settings).map(drop),
         2 => Discretized::<2>::new(settings).map(drop),

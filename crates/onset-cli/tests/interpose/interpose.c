@@ -1,0 +1,165 @@
+/* For tests: ends a process, or fills its disk, at one of the calls with which it changes files. Loaded before the C library.
+ *
+ * ONSET_POINT  which call, counted from 1; none when it is not set
+ * ONSET_MODE   before: killed before the call; after: killed after it; cut: killed when a write has half been done;
+ *              full: from this call on there is no room on the disk
+ * ONSET_COUNT  a file for the number of calls
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+static long calls, point;
+static char mode;
+
+static __attribute__((constructor)) void begin(void) {
+  const char *text = getenv("ONSET_POINT");
+  point = text ? atol(text) : 0;
+  text = getenv("ONSET_MODE");
+  mode = text ? text[0] : 'n';
+}
+
+static __attribute__((destructor)) void end(void) {
+  const char *path = getenv("ONSET_COUNT");
+  if (!path) return;
+  char text[32];
+  int length = snprintf(text, sizeof text, "%ld", calls);
+  int file = syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (file >= 0) {
+    syscall(SYS_write, file, text, length);
+    syscall(SYS_close, file);
+  }
+}
+
+static void die(void) {
+  syscall(SYS_kill, getpid(), SIGKILL);
+  for (;;) pause();
+}
+
+/* Whether the call is the one at which something happens. */
+static int enter(void) {
+  long now = __atomic_add_fetch(&calls, 1, __ATOMIC_SEQ_CST);
+  if (point && now == point && mode == 'b') die();
+  return point && now == point;
+}
+
+static void leave(int is_the_one) {
+  if (is_the_one && (mode == 'a' || mode == 'c')) die();
+}
+
+static int is_full(void) {
+  return point && mode == 'f' && __atomic_load_n(&calls, __ATOMIC_SEQ_CST) >= point;
+}
+
+#define REAL(type, name, ...) type (*real)(__VA_ARGS__) = (type (*)(__VA_ARGS__))dlsym(RTLD_NEXT, name)
+
+/* Calls that need no room. */
+#define FREE(name, parameters, arguments, ...)        \
+  int name parameters {                               \
+    REAL(int, #name, __VA_ARGS__);                    \
+    int here = enter();                               \
+    int result = real arguments;                      \
+    int error = errno;                                \
+    leave(here);                                      \
+    errno = error;                                    \
+    return result;                                    \
+  }
+
+/* Calls that need room. */
+#define NEEDY(name, parameters, arguments, ...)       \
+  int name parameters {                               \
+    REAL(int, #name, __VA_ARGS__);                    \
+    int here = enter();                               \
+    if (is_full()) {                                  \
+      errno = ENOSPC;                                 \
+      return -1;                                      \
+    }                                                 \
+    int result = real arguments;                      \
+    int error = errno;                                \
+    leave(here);                                      \
+    errno = error;                                    \
+    return result;                                    \
+  }
+
+FREE(rename, (const char *a, const char *b), (a, b), const char *, const char *)
+FREE(unlink, (const char *a), (a), const char *)
+FREE(unlinkat, (int d, const char *a, int f), (d, a, f), int, const char *, int)
+FREE(rmdir, (const char *a), (a), const char *)
+FREE(chmod, (const char *a, mode_t m), (a, m), const char *, mode_t)
+FREE(fchmod, (int f, mode_t m), (f, m), int, mode_t)
+NEEDY(mkdir, (const char *a, mode_t m), (a, m), const char *, mode_t)
+NEEDY(fsync, (int f), (f), int)
+NEEDY(fdatasync, (int f), (f), int)
+
+static int opened(const char *name, int folder, const char *path, int flags, mode_t rights, int is_at) {
+  int changes = (flags & (O_CREAT | O_TRUNC)) != 0;
+  int here = changes ? enter() : 0;
+  if (changes && is_full()) {
+    errno = ENOSPC;
+    return -1;
+  }
+  int result;
+  if (is_at) {
+    REAL(int, name, int, const char *, int, ...);
+    result = real(folder, path, flags, rights);
+  } else {
+    REAL(int, name, const char *, int, ...);
+    result = real(path, flags, rights);
+  }
+  int error = errno;
+  leave(here);
+  errno = error;
+  return result;
+}
+
+#define RIGHTS                                            \
+  mode_t rights = 0;                                      \
+  if (flags & (O_CREAT | __O_TMPFILE)) {                  \
+    va_list more;                                         \
+    va_start(more, flags);                                \
+    rights = va_arg(more, mode_t);                        \
+    va_end(more);                                         \
+  }
+
+int open(const char *path, int flags, ...) {
+  RIGHTS
+  return opened("open", 0, path, flags, rights, 0);
+}
+int open64(const char *path, int flags, ...) {
+  RIGHTS
+  return opened("open64", 0, path, flags, rights, 0);
+}
+int openat(int folder, const char *path, int flags, ...) {
+  RIGHTS
+  return opened("openat", folder, path, flags, rights, 1);
+}
+int openat64(int folder, const char *path, int flags, ...) {
+  RIGHTS
+  return opened("openat64", folder, path, flags, rights, 1);
+}
+
+ssize_t write(int file, const void *bytes, size_t count) {
+  REAL(ssize_t, "write", int, const void *, size_t);
+  struct stat found;
+  if (fstat(file, &found) != 0 || !S_ISREG(found.st_mode)) return real(file, bytes, count);
+  int here = enter();
+  if (is_full()) {
+    errno = ENOSPC;
+    return -1;
+  }
+  ssize_t result = real(file, bytes, here && mode == 'c' ? count / 2 : count);
+  int error = errno;
+  leave(here);
+  errno = error;
+  return result;
+}

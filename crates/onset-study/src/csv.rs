@@ -1,0 +1,30 @@
+//! Cells of tables.
+
+/// A text as a cell, in quotes where it must be. What a spreadsheet would take for a formula begins with an apostrophe.
+pub(crate) fn text(text: &str) -> String {
+    let line = text.replace(['\n', '\r'], " ");
+    let is_formula = line.trim_start().starts_with([
+        '=', '+', '-', '@', '\t', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}',
+    ]);
+    let safe = if is_formula { format!("'{line}") } else { line };
+    if is_formula || safe.contains(['"', ',', ';', '\t']) {
+        format!("\"{}\"", safe.replace('"', "\"\""))
+    } else {
+        safe
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::text;
+
+    #[test]
+    fn no_cell_is_a_formula_and_none_ends_before_its_end() {
+        assert_eq!(text("SPH"), "SPH");
+        assert_eq!(text("a, \"b\"\nc"), "\"a, \"\"b\"\" c\"");
+        for start in ["=", "+", "-", "@", "\t=", " =", "\n=", "\r="] {
+            let cell = text(&format!("{start}cmd|' /C calc'!A0"));
+            assert!(cell.starts_with("\"'"), "{cell}");
+        }
+    }
+}

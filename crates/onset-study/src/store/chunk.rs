@@ -1,0 +1,178 @@
+//! A chunk as it lies on the disk: values in little-endian order, compressed by gzip, and a CRC-32C of that.
+//!
+//! The header of a gzip stream has room for a name and a comment, which readers of Zarr pass over. There a chunk says where it
+//! belongs and to which map, so that one in the place of another is noticed.
+
+use super::Column;
+use super::layout::GZIP_LEVEL;
+use flate2::Compression;
+use flate2::GzBuilder;
+use flate2::bufread::GzDecoder;
+use std::io::{self, Read, Write};
+
+/// Where a chunk belongs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Label<'a> {
+    /// Its path in the store.
+    pub(super) key: &'a str,
+    /// What its numbers are of (see [`Layout::identity`](super::Layout)).
+    pub(super) identity: &'a str,
+}
+
+/// Bytes of the checksum.
+const CHECKSUM: usize = 4;
+
+/// The bytes of a chunk.
+pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
+    let raw: Vec<u8> = match values {
+        Column::Flags(flags) => flags.iter().map(|flag| flag.to_le_bytes()[0]).collect(),
+        Column::Numbers(numbers) => numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect(),
+    };
+    let header = GzBuilder::new().filename(label.key).comment(label.identity);
+    let mut gzip = header.write(Vec::new(), Compression::new(GZIP_LEVEL));
+    gzip.write_all(&raw)?;
+    let mut bytes = gzip.finish()?;
+    bytes.extend(crc32c::crc32c(&bytes).to_le_bytes());
+    Ok(bytes)
+}
+
+/// The most bytes that a chunk of so many bytes of values has: what cannot be compressed grows by some bytes a block.
+pub(super) fn largest(raw: usize) -> u64 {
+    (raw + raw / 64 + 4096) as u64
+}
+
+/// The values of a chunk, which are so many flags or numbers.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub(super) fn decode(
+    bytes: &[u8],
+    is_flags: bool,
+    count: usize,
+    label: Label<'_>,
+) -> Result<Column, String> {
+    let size = bytes.len().checked_sub(CHECKSUM);
+    let (body, sum) = bytes.split_at(size.ok_or("it is cut short: it has no checksum")?);
+    if sum != crc32c::crc32c(body).to_le_bytes() {
+        return Err("its checksum is not that of what it holds".to_owned());
+    }
+    let expected = if is_flags { count } else { 8 * count };
+    let mut gzip = GzDecoder::new(body);
+    check(&gzip, label)?;
+    let mut raw = Vec::new();
+    // One byte more than there may be: whatever it claims, no more than that is ever unpacked.
+    let read = Read::by_ref(&mut gzip)
+        .take(expected as u64 + 1)
+        .read_to_end(&mut raw);
+    read.map_err(|error| format!("it cannot be unpacked: {error}"))?;
+    if raw.len() != expected || !gzip.into_inner().is_empty() {
+        return Err(format!("it does not hold {expected} bytes of values"));
+    }
+    Ok(if is_flags {
+        Column::Flags(
+            raw.into_iter()
+                .map(|byte| i8::from_le_bytes([byte]))
+                .collect(),
+        )
+    } else {
+        let number = |chunk: &[u8]| {
+            let mut bytes = [0; 8];
+            bytes.copy_from_slice(chunk);
+            f64::from_le_bytes(bytes)
+        };
+        Column::Numbers(raw.chunks_exact(8).map(number).collect())
+    })
+}
+
+/// Whether a chunk is what its place says.
+fn check(gzip: &GzDecoder<&[u8]>, label: Label<'_>) -> Result<(), String> {
+    let word =
+        |bytes: Option<&[u8]>| String::from_utf8_lossy(bytes.unwrap_or_default()).into_owned();
+    let header = gzip.header().ok_or("it is not compressed by gzip")?;
+    let (key, identity) = (word(header.filename()), word(header.comment()));
+    if key != label.key {
+        return Err(format!(
+            "it says that it is `{}`, another chunk",
+            plain(&key)
+        ));
+    }
+    if identity != label.identity {
+        return Err("it says that it belongs to another map".to_owned());
+    }
+    Ok(())
+}
+
+fn plain(text: &str) -> String {
+    text.chars()
+        .filter(|letter| !letter.is_control())
+        .take(80)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LABEL: Label<'_> = Label {
+        key: "verdict/c/0/3",
+        identity: "0123",
+    };
+
+    #[test]
+    fn what_was_written_is_read_and_in_the_place_of_another_it_is_not() {
+        let flags = Column::Flags(vec![-1, 0, 1, 127, -128]);
+        let numbers = Column::Numbers(vec![0.1, -0.0, f64::INFINITY, 1e-310]);
+        for (column, is_flags, count) in [(flags, true, 5), (numbers, false, 4)] {
+            let bytes = encode(&column, LABEL).expect("bytes");
+            assert_eq!(decode(&bytes, is_flags, count, LABEL), Ok(column));
+            let others = [
+                Label {
+                    key: "verdict/c/3/0",
+                    ..LABEL
+                },
+                Label {
+                    identity: "4567",
+                    ..LABEL
+                },
+            ];
+            for other in others {
+                let error = decode(&bytes, is_flags, count, other).expect_err("another");
+                assert!(error.contains("another"), "{error}");
+            }
+            for wrong in [0, 1, count - 1, count + 1, 1 << 40] {
+                assert!(decode(&bytes, is_flags, wrong, LABEL).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn no_byte_can_be_changed_and_no_end_be_cut_off() {
+        let column = Column::Numbers((0..100).map(f64::from).collect());
+        let bytes = encode(&column, LABEL).expect("bytes");
+        for n in 0..bytes.len() {
+            assert!(decode(&bytes[..n], false, 100, LABEL).is_err(), "{n}");
+            let mut flipped = bytes.clone();
+            flipped[n] ^= 0x10;
+            assert!(decode(&flipped, false, 100, LABEL).is_err(), "{n}");
+        }
+    }
+
+    /// With a checksum and a label that are right: as somebody makes it who means harm.
+    #[test]
+    fn a_chunk_that_claims_to_hold_more_is_not_unpacked() {
+        let zeros = Column::Flags(vec![0; 1 << 26]);
+        let bytes = encode(&zeros, LABEL).expect("bytes");
+        assert!(bytes.len() < 1 << 20);
+        assert!(decode(&bytes, true, 64, LABEL).is_err());
+        // A second stream behind the first, which some readers would go on with.
+        let column = Column::Flags(vec![7; 64]);
+        let mut twice = encode(&column, LABEL).expect("bytes");
+        twice.truncate(twice.len() - CHECKSUM);
+        twice.extend_from_within(..);
+        twice.extend(crc32c::crc32c(&twice).to_le_bytes());
+        assert!(decode(&twice, true, 64, LABEL).is_err());
+    }
+}

@@ -1,0 +1,106 @@
+//! The removal of a store: of what onset has written there, and of nothing else.
+
+use super::folder::PARTIAL;
+use super::zarr::METADATA;
+use serde_json::Value;
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What is at a place of a store.
+enum Place {
+    File,
+    Folder(Vec<(PathBuf, Place)>),
+}
+
+/// The folders and files of a store, by the metadata of the whole.
+pub(super) struct Contents(Vec<(PathBuf, Place)>);
+
+impl Contents {
+    /// Looks at everything in a store whose metadata are given. An error within is the first thing that is not ours.
+    pub(super) fn of(store: &Path, group: &Value) -> io::Result<Result<Self, PathBuf>> {
+        let arrays = group.pointer("/consolidated_metadata/metadata");
+        let arrays = arrays.and_then(Value::as_object);
+        let depth = |name: &OsStr| {
+            let array = arrays?.get(name.to_str()?)?;
+            Some(array["shape"].as_array()?.len())
+        };
+        let root = |name: &OsStr| match name.to_str() {
+            Some(METADATA) => Some(Rule::File),
+            Some(PARTIAL) => Some(Rule::Partial),
+            _ => depth(name).map(Rule::Array),
+        };
+        Ok(look(store, &root)?.map(Self))
+    }
+
+    /// Removes what was seen, links and newer things apart.
+    pub(super) fn remove(self, store: &Path) -> io::Result<()> {
+        remove(store, self.0)
+    }
+}
+
+/// What may be at a place.
+#[derive(Clone, Copy)]
+enum Rule {
+    File,
+    /// Files that are being written.
+    Partial,
+    /// An array of so many dimensions.
+    Array(usize),
+    /// Folders of chunks, so many above each other, then chunks.
+    Chunks(usize),
+}
+
+impl Rule {
+    /// The rule for an entry of a folder under this rule.
+    fn of_entry(self, name: &OsStr) -> Option<Self> {
+        let name = name.to_str()?;
+        let is_number = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+        match self {
+            Self::File => None,
+            Self::Partial => Some(Self::File),
+            Self::Array(_) if name == METADATA => Some(Self::File),
+            Self::Array(dimensions) if name == "c" => Some(Self::Chunks(dimensions)),
+            Self::Chunks(1) if is_number => Some(Self::File),
+            Self::Chunks(depth) if is_number && depth > 1 => Some(Self::Chunks(depth - 1)),
+            Self::Array(_) | Self::Chunks(_) => None,
+        }
+    }
+}
+
+type Entries = Vec<(PathBuf, Place)>;
+
+fn look(
+    folder: &Path,
+    rule: &dyn Fn(&OsStr) -> Option<Rule>,
+) -> io::Result<Result<Entries, PathBuf>> {
+    let mut entries = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let (path, kind) = (entry.path(), entry.file_type()?);
+        let place = match rule(&entry.file_name()) {
+            Some(Rule::File) if kind.is_file() => Place::File,
+            Some(inner @ (Rule::Partial | Rule::Array(_) | Rule::Chunks(_))) if kind.is_dir() => {
+                match look(&path, &|name| inner.of_entry(name))? {
+                    Ok(entries) => Place::Folder(entries),
+                    Err(stranger) => return Ok(Err(stranger)),
+                }
+            }
+            _ => return Ok(Err(path)),
+        };
+        entries.push((PathBuf::from(entry.file_name()), place));
+    }
+    Ok(Ok(entries))
+}
+
+fn remove(folder: &Path, entries: Entries) -> io::Result<()> {
+    for (name, place) in entries {
+        let path = folder.join(name);
+        match place {
+            Place::File => fs::remove_file(&path)?,
+            Place::Folder(entries) => remove(&path, entries)?,
+        }
+    }
+    fs::remove_dir(folder)
+}

@@ -1,0 +1,118 @@
+//! The arguments of a routine that are numbers of double precision: one block of memory, in which numbers that belong to nobody
+//! stand before, between and behind the arguments, to notice who goes there.
+
+use std::ops::Range;
+
+/// Numbers between two arguments.
+const MARGIN: usize = 64;
+
+/// What stands between arguments: a NaN that no computation makes.
+const NOBODY: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
+
+/// The names of the arguments, in the order of the block.
+pub const NAMES: [&str; 25] = [
+    "STRESS", "STATEV", "DDSDDE", "SSE", "SPD", "SCD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT",
+    "PNEWDT", "STRAN", "DSTRAN", "TIME", "DTIME", "TEMP", "DTEMP", "PREDEF", "DPRED", "PROPS",
+    "COORDS", "DROT", "CELENT", "DFGRD0", "DFGRD1",
+];
+
+/// Some arguments by name, with their values.
+#[derive(Debug)]
+pub struct Arguments {
+    numbers: Vec<f64>,
+    /// The place of each among [`NAMES`], and where it stands.
+    places: Vec<(usize, Range<usize>)>,
+}
+
+impl Arguments {
+    /// The block of some arguments.
+    pub fn of(arguments: &[(&str, &[f64])]) -> Self {
+        let size = arguments.iter().map(|(_, values)| values.len() + MARGIN);
+        let mut numbers = Vec::with_capacity(MARGIN + size.sum::<usize>());
+        numbers.extend([NOBODY; MARGIN]);
+        let mut places = Vec::with_capacity(arguments.len());
+        for (name, values) in arguments {
+            let start = numbers.len();
+            numbers.extend_from_slice(values);
+            places.push((place(name), start..numbers.len()));
+            numbers.extend([NOBODY; MARGIN]);
+        }
+        Self { numbers, places }
+    }
+
+    fn range(&self, name: &str) -> Range<usize> {
+        let wanted = place(name);
+        let found = self.places.iter().find(|(place, _)| *place == wanted);
+        found.map_or(0..0, |(_, range)| range.clone())
+    }
+
+    /// The values of an argument.
+    pub fn values(&self, name: &str) -> &[f64] {
+        &self.numbers[self.range(name)]
+    }
+
+    /// The first number of the block. Valid until the block is used otherwise.
+    pub fn start(&mut self) -> *mut f64 {
+        self.numbers.as_mut_ptr()
+    }
+
+    /// How many numbers of the block stand before an argument.
+    pub fn offset(&self, name: &str) -> usize {
+        self.range(name).start
+    }
+
+    /// The place among [`NAMES`] of the argument that was written beyond its ends.
+    pub fn overrun(&self) -> Option<usize> {
+        let is_changed = |n: &usize| self.numbers[*n].to_bits() != NOBODY.to_bits();
+        let margin = |start: usize| start..start + MARGIN;
+        let (first, _) = self.places.first()?;
+        if margin(0).any(|n| is_changed(&n)) {
+            return Some(*first);
+        }
+        let mut behind = self.places.iter().enumerate();
+        behind.find_map(|(index, (place, range))| {
+            let changed = margin(range.end).find(is_changed)?;
+            // Who is nearer to the next argument came from there.
+            let next = self.places.get(index + 1).map(|(next, _)| *next);
+            let is_near = changed < range.end + MARGIN / 2;
+            Some(if is_near {
+                *place
+            } else {
+                next.unwrap_or(*place)
+            })
+        })
+    }
+}
+
+fn place(name: &str) -> usize {
+    let found = NAMES.iter().position(|known| *known == name);
+    found.unwrap_or(NAMES.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_beside_an_argument_is_watched_and_none_in_it() {
+        let all: Vec<(&str, &[f64])> = NAMES.iter().map(|name| (*name, &[1.0, 2.0][..])).collect();
+        let size = Arguments::of(&all).numbers.len();
+        for n in 0..size {
+            let mut block = Arguments::of(&all);
+            assert_eq!(block.overrun(), None);
+            block.numbers[n] = 0.5;
+            let inside = NAMES.iter().any(|name| block.range(name).contains(&n));
+            assert_eq!(block.overrun().is_none(), inside, "{n}");
+        }
+        let mut block = Arguments::of(&all);
+        for (place, name) in NAMES.iter().enumerate() {
+            assert_eq!(block.values(name), [1.0, 2.0]);
+            let end = block.range(name).end;
+            for n in [end, end + 20, block.range(name).start - 1] {
+                block.numbers[n] = 0.5;
+                assert_eq!(block.overrun(), Some(place), "{name}");
+                block.numbers[n] = NOBODY;
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Text of others, made fit for a terminal.
+
+/// A text without what terminals obey: escape sequences, and all control characters but line feed and tab.
+///
+/// ```
+/// assert_eq!(onset_umat::readable("\u{1b}[2J\u{1b}[31mred\n"), "red\n");
+/// ```
+pub fn readable(text: &str) -> String {
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(letter) = rest.next() {
+        match letter {
+            '\u{1b}' => {
+                // Letters between 0x20 and 0x2f only say which kind of sequence it is.
+                let kind = rest.find(|letter| !(' '..='/').contains(letter));
+                skip(kind, &mut rest);
+            }
+            // The same introducers as one character.
+            '\u{9b}' => skip(Some('['), &mut rest),
+            '\u{90}' | '\u{98}' | '\u{9d}' | '\u{9e}' | '\u{9f}' => skip(Some(']'), &mut rest),
+            '\n' | '\t' => kept.push(letter),
+            // Those that turn the direction of writing show a text as another one.
+            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {}
+            other if other.is_control() => {}
+            other => kept.push(other),
+        }
+    }
+    kept
+}
+
+/// Passes over the rest of a sequence of a kind.
+fn skip(kind: Option<char>, rest: &mut std::iter::Peekable<std::str::Chars<'_>>) {
+    match kind {
+        // A control sequence ends with a letter from @ to ~.
+        Some('[') => {
+            while rest
+                .next_if(|letter| (' '..='?').contains(letter))
+                .is_some()
+            {}
+        }
+        // A string, such as the title of a window, ends with a bell or with a string terminator.
+        Some(']' | 'P' | 'X' | '^' | '_') => {
+            while let Some(letter) = rest.next() {
+                match letter {
+                    '\u{7}' | '\u{9c}' => return,
+                    '\u{1b}' if rest.peek() == Some(&'\\') => break,
+                    _ => {}
+                }
+            }
+        }
+        _ => return,
+    }
+    rest.next();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::readable;
+
+    #[test]
+    fn nothing_that_a_terminal_obeys_is_left() {
+        for (text, expected) in [
+            ("plain\n\ttext ü", "plain\n\ttext ü"),
+            ("\u{1b}[2J\u{1b}[1;31mred\u{1b}[0m!", "red!"),
+            ("\u{1b}]0;title\u{7}a\u{1b}]52;c;Y2F0\u{1b}\\b", "ab"),
+            ("a\u{9b}31mb\u{9d}0;x\u{9c}c", "abc"),
+            ("\u{1b}(Ba\u{1b}cb\u{1b}Pq\u{1b}\\c", "abc"),
+            ("over\rwritten\u{8}\u{8}\u{0}\u{7f}", "overwritten"),
+            ("cut \u{1b}", "cut "),
+            ("cut \u{1b}[12", "cut "),
+            ("cut \u{1b}]0;never ended", "cut "),
+            ("a\u{202e}b", "ab"),
+        ] {
+            assert_eq!(readable(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn of_any_letters_no_control_character_survives() {
+        let letters: Vec<char> = "\u{1b}[]\\m;0(\u{7}\u{9b}\u{9c}ab\n".chars().collect();
+        for case in 0..letters.len().pow(4) {
+            let text: String = (0..4)
+                .map(|n| letters[case / letters.len().pow(n) % letters.len()])
+                .collect();
+            let shown = readable(&text);
+            assert!(
+                shown.chars().all(|c| c == '\n' || !c.is_control()),
+                "{text:?}"
+            );
+        }
+    }
+}
