@@ -5,12 +5,8 @@
 
 #[path = "../../../onset/tests/shared/hunt.rs"]
 mod hunt;
-#[path = "../../../onset/tests/shared/random.rs"]
-#[allow(dead_code, reason = "rotations are for others")]
-mod random;
 
 use hunt::hunted;
-use random::Random;
 use serde_json::Value;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, Output};
@@ -122,6 +118,19 @@ const FORMULAS: &[&str] = &[
 ];
 
 const LAWS: &[&str] = &["mu", "kappa", "lambda", "alpha2", "k1", "k2", "j_m", "c1"];
+
+/// Numbers spread evenly over `(-1, 1)`: SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
 
 /// A source of choices.
 struct Source {
@@ -370,7 +379,7 @@ fn every_command_line_ends_in_time_within_its_memory_and_with_a_documented_code(
     let faults: Vec<String> = std::thread::scope(|scope| {
         let worker = |number: usize| {
             let mut source = Source {
-                random: Random::new(seed.wrapping_mul(1_000).wrapping_add(number as u64)),
+                random: Random(seed.wrapping_mul(1_000).wrapping_add(number as u64)),
                 keys: known.clone(),
             };
             move || {
@@ -396,4 +405,132 @@ fn every_command_line_ends_in_time_within_its_memory_and_with_a_documented_code(
         faults.len(),
         faults.join("\n")
     );
+}
+
+fn answered(line: &str) -> Value {
+    let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+    let output = limited(&words);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "{line}: {:?} {stderr}",
+        output.status
+    );
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits() {
+    for shear in ["1000", "-5000", "1000.5"] {
+        let answer = answered(&format!(
+            "state --json --deformation-gradient=1,{shear},0,1 --set discretization.frame=eulerian"
+        ));
+        assert!(answer["verdict"].is_string());
+    }
+}
+
+#[test]
+fn work_that_would_not_end_is_refused_or_given_up() {
+    let oblique = "--set discretization.arrangement=oblique --set discretization.vectors=";
+    for line in [
+        format!("state --stretch 1.1,1 {oblique}6986.29,1e5,3,1e100"),
+        format!(
+            "state --stretch 27.9,0.0038 {oblique}1e5,-2,2,1.5 --set material.model=saint-venant-kirchhoff --set discretization.method=conforming"
+        ),
+        format!(
+            "state --deformation-gradient=1,1e9,0,1 {oblique}1,0,0,1 --set discretization.frame=eulerian"
+        ),
+        "modes --set discretization.arrangement=simple-cubic --set discretization.cells=16"
+            .to_owned(),
+    ] {
+        let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        let output = limited(&words);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert!(!output.stderr.is_empty(), "{line}");
+    }
+    let steep = "notions --json --mode uniaxial --set material.model=ogden --set material.alpha2=3579.3 --set material.kappa=1e-3";
+    let answer = answered(steep);
+    let reasons: Vec<String> = answer["loadings"]
+        .as_array()
+        .expect("loadings")
+        .iter()
+        .flat_map(|loading| {
+            ["compression_end", "tension_end"].map(|end| loading[end]["reason"].to_string())
+        })
+        .collect();
+    assert!(
+        reasons.iter().any(|reason| reason.contains("given up")),
+        "{reasons:?}"
+    );
+}
+
+#[test]
+fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
+    let number =
+        |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
+    let oblique = |vectors: &str| {
+        answered(&format!(
+            "state --json --stretch 1.05,0.98 --set discretization.arrangement=oblique --set discretization.support=1.7 \
+             --set discretization.vectors={vectors}"
+        ))
+    };
+    let short = oblique("1,0,0,1");
+    for vectors in ["1,0,300,1", "7,1,-8,-1", "0,1,1,0"] {
+        let other = oblique(vectors);
+        assert_eq!(other["verdict"], short["verdict"], "{vectors}");
+        for name in ["minimum_scaled", "maximum_omega"] {
+            let [a, b] = [&other, &short].map(|answer| number(answer, name));
+            assert!(
+                (a - b).abs() < 1e-9 * (1.0 + b.abs()),
+                "{vectors} {name}: {a} {b}"
+            );
+        }
+    }
+    let law = "--set material.model=blatz-ko --set material.mu=";
+    for (arrangement, stretch) in [("hexagonal", "1.15,1"), ("simple-cubic", "1.1,1,0.95")] {
+        let line = |mu: &str, density: &str| {
+            answered(&format!(
+                "state --json --stretch {stretch} --set discretization.frame=eulerian --set discretization.arrangement={arrangement} \
+                 --set discretization.density={density} {law}{mu}"
+            ))
+        };
+        let plain = line("1", "1");
+        for (mu, density) in [
+            ("1", "1e-160"),
+            ("1e80", "1"),
+            ("1e-80", "1"),
+            ("1e155", "1"),
+            ("1e-100", "1e60"),
+        ] {
+            let other = line(mu, density);
+            assert_eq!(other["verdict"], plain["verdict"], "{mu} {density}");
+            let [a, b] = [&other, &plain].map(|answer| number(answer, "minimum_scaled"));
+            assert!(
+                (a - b).abs() < 1e-9 * b.abs(),
+                "{arrangement} {mu} {density}: {a} {b}"
+            );
+            let unit = (mu.parse::<f64>().expect("a number")
+                / density.parse::<f64>().expect("a number"))
+            .sqrt();
+            for name in ["maximum_omega", "growth_rate"] {
+                let [a, b] = [number(&other, name), number(&plain, name) * unit];
+                assert!(
+                    (a - b).abs() <= 1e-9 * b.abs(),
+                    "{arrangement} {mu} {density} {name}: {a} {b}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn more_threads_than_cores_have_use_for_are_refused() {
+    for (threads, code) in [("1", 0), ("100000", 2), ("many", 2)] {
+        let output = Command::new(env!("CARGO_BIN_EXE_onset"))
+            .args(["list", "kernels"])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .expect("the command starts");
+        assert_eq!(output.status.code(), Some(code), "{threads}");
+    }
 }

@@ -233,8 +233,16 @@ impl<const D: usize> BravaisLattice<D> {
             .sum()
     }
 
+    /// A matrix `M` with `M^T G M = 1` for the long-wave metric `G`, accurate also where `G` is nearly singular: `B^-T` of `G =
+    /// B B^T`.
+    fn inverse_root_of_metric(&self) -> Option<SMatrix<f64, D, D>> {
+        let Measure { vectors, weights } = &self.measure;
+        let root = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[(i, j)] * weights[j].sqrt());
+        inverse_of(&root).map(|inverse| inverse.transpose())
+    }
+
     /// Whether the lattice Laplacian is made of the primitive vectors themselves.
-    fn is_measured_by_own_vectors(&self) -> bool {
+    pub(crate) fn is_measured_by_own_vectors(&self) -> bool {
         self.measure.vectors == self.vectors
     }
 

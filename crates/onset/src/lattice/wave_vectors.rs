@@ -143,14 +143,17 @@ impl<const D: usize> WaveGrids<D> {
     /// For a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
         // The sums along mirror lines know the lattice Laplacian by the phases of the primitive vectors.
-        let mirrors = if lattice.is_measured_by_own_vectors() {
+        let is_own = lattice.is_measured_by_own_vectors();
+        let mirrors = if is_own {
             Mirror::all(&lattice)
         } else {
             Vec::new()
         };
+        let other = lattice.inverse_root_of_metric().filter(|_| !is_own);
         Self {
             lattice,
-            long_wave_map: inverse_square_root(&lattice.long_wave_metric()),
+            long_wave_map: other
+                .unwrap_or_else(|| inverse_square_root(&lattice.long_wave_metric())),
             made: Mutex::new(BTreeMap::new()),
             mirrors,
             mirrored: Mutex::new(BTreeMap::new()),

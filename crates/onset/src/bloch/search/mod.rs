@@ -12,7 +12,7 @@ use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
-use crate::continuum::Stiffness;
+use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
     BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, determinant, grid_coordinates,
@@ -30,6 +30,8 @@ const ROUNDING: f64 = 4.0;
 const ACCURATE: f64 = 1e-3;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
+/// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
+const ZERO: f64 = 1e-13;
 /// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
 const COARSE: usize = 6;
 const FINE: usize = 9;
@@ -290,15 +292,34 @@ impl<const D: usize> ZoneSearch<D> {
     pub(in crate::bloch) fn long_wave_mode(&self, stiffness: &Stiffness<D>) -> Mode<D> {
         // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
         let map = self.grids.long_wave_map();
-        let minimum = stiffness.with_directions_mapped(map).minimum_by_descent();
-        Mode {
-            wave_vector: (map * minimum.direction).normalize(),
+        let mapped = stiffness.with_directions_mapped(map).minimum_by_descent();
+        let mode = |minimum: &AcousticMinimum<D>, direction: SVector<f64, D>, scaled: f64| Mode {
+            wave_vector: direction.normalize(),
             is_long_wave: true,
             omega_squared: Complex::new(0.0, 0.0),
-            scaled: minimum.eigenvalue.re / self.speed_squared,
+            scaled,
             polarization: minimum
                 .polarization
                 .map(|component| Complex::new(component, 0.0)),
+        };
+        let softest = mapped.eigenvalue.re / self.speed_squared;
+        if self.reference().is_measured_by_own_vectors() {
+            return mode(&mapped, map * mapped.direction, softest);
+        }
+        // A metric of other coordinates can be so anisotropic that rounding decides the sign of the quotient: that is the sign of
+        // its numerator.
+        let plain = stiffness.minimum_by_descent();
+        let metric = self.reference().long_wave_metric();
+        let value = plain.eigenvalue.re / self.speed_squared;
+        let witness = value / plain.direction.dot(&(metric * plain.direction));
+        if value >= -ZERO {
+            let least = value.max(0.0) / metric.trace();
+            return mode(&mapped, map * mapped.direction, softest.max(least));
+        }
+        if witness < softest {
+            mode(&plain, plain.direction, witness)
+        } else {
+            mode(&mapped, map * mapped.direction, softest)
         }
     }
 
