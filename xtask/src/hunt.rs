@@ -16,7 +16,16 @@ struct Subject {
     cases: u64,
 }
 
-const SUBJECTS: &[Subject] = &[];
+const SUBJECTS: &[Subject] = &[
+    Subject {
+        name: "spectra",
+        claim: "no state of any method grows faster or is softer than the search over the zone says",
+        package: "onset",
+        program: "hunt",
+        test: "no_random_state_of_any_method",
+        cases: 200,
+    },
+];
 
 /// Runs one standing check, or all of them, in rounds with one seed after the other.
 pub fn run(arguments: &[String]) -> Result<(), String> {

@@ -38,7 +38,10 @@ fn assert_grows_as<const D: usize>(spectrum: &SpectrumSummary<D>, waves: &Waves<
     let found = waves.searched([256, 64, 16][D - 1], 20);
     let said = spectrum.growth_rate();
     assert!(found.growth.0 > least, "{found:?}");
-    assert!(said > found.growth.0 * (1.0 - 1e-4), "{said}, found {found:?}");
+    assert!(
+        said > found.growth.0 * (1.0 - 1e-4),
+        "{said}, found {found:?}"
+    );
     let own = waves.growth(&spectrum.fastest_growing.wave_vector);
     assert!((own - said).abs() < 1e-6 * said, "{own}, said {said}");
 }
@@ -51,7 +54,11 @@ fn a_chain_of_material_points_beside_the_middle_flutters() {
         ..MaterialPointChoices::default()
     });
     let material = law("neo-hooke");
-    let (spectrum, waves) = answer(&points.expect("points"), &*material, &stretched([1.3, 1.0, 1.0]));
+    let (spectrum, waves) = answer(
+        &points.expect("points"),
+        &*material,
+        &stretched([1.3, 1.0, 1.0]),
+    );
     assert!(spectrum.flutters);
     assert_grows_as(&spectrum, &waves, 1e-3);
 }
@@ -98,7 +105,10 @@ fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_sea
     assert_grows_as(&spectrum, &waves, 1e-3);
     let survey = SchemeSurvey::new(&sph, &*material).expect("a survey");
     let found = waves.searched(64, 20).scaled.0 / survey.speed_squared();
-    assert!(spectrum.softest.scaled <= found + 1e-9, "{spectrum:?}, found {found}");
+    assert!(
+        spectrum.softest.scaled <= found + 1e-9,
+        "{spectrum:?}, found {found}"
+    );
 }
 
 /// Two particles in a cell of the plane on springs with random constants, to each other and to the ground beneath the second one.
@@ -120,7 +130,11 @@ fn sprung(ground: f64) -> WaveSystem<2> {
     }
     // The internal displacement is unstable at k = 0.
     spring(home[0], home[1], ground);
-    WaveSystem::new(crystal.clone(), blocks.sum(&crystal), Mass::Lumped(vec![1.0, 1.0]))
+    WaveSystem::new(
+        crystal.clone(),
+        blocks.sum(&crystal),
+        Mass::Lumped(vec![1.0, 1.0]),
+    )
 }
 
 #[test]
@@ -166,16 +180,32 @@ fn the_search_says_the_same_whether_or_not_it_knows_that_a_cell_has_one_particle
                 ..MaterialPointChoices::default()
             });
             let f = stretched(stretches);
-            let system = points.expect("points").waves(&*material, &f).expect("waves");
+            let system = points
+                .expect("points")
+                .waves(&*material, &f)
+                .expect("waves");
             assert!(system.single().is_some());
             let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
             let one = search.summary_of(&system);
             let any = search.summary_of(&with_matrix_of_masses(&system));
-            assert_eq!(one.stability(), any.stability(), "{offset}: {one:?} {any:?}");
+            assert_eq!(
+                one.stability(),
+                any.stability(),
+                "{offset}: {one:?} {any:?}"
+            );
             let near = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (1.0 + a.abs());
-            assert!(near(one.softest.scaled, any.softest.scaled), "{one:?} {any:?}");
-            assert!(near(one.growth_rate(), any.growth_rate()), "{one:?} {any:?}");
-            assert!(near(one.maximum_omega, any.maximum_omega), "{one:?} {any:?}");
+            assert!(
+                near(one.softest.scaled, any.softest.scaled),
+                "{one:?} {any:?}"
+            );
+            assert!(
+                near(one.growth_rate(), any.growth_rate()),
+                "{one:?} {any:?}"
+            );
+            assert!(
+                near(one.maximum_omega, any.maximum_omega),
+                "{one:?} {any:?}"
+            );
         }
     }
 }

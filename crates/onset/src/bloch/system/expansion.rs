@@ -68,9 +68,7 @@ impl<const D: usize> WaveSystem<D> {
                 };
                 let size = self.size();
                 let divisors = DMatrix::from_fn(size, size, of_row);
-                MatrixExpansion::from_parts(|indices| {
-                    moved.part(indices).component_mul(&divisors)
-                })
+                MatrixExpansion::from_parts(|indices| moved.part(indices).component_mul(&divisors))
             }
             Mass::Consistent(mass) => {
                 // M D = N, differentiated.
@@ -116,9 +114,9 @@ impl<const D: usize> MatrixExpansion<D> {
         let from: [_; D] = std::array::from_fn(|a| &of.left * (&self.gradient[a] * column));
         let curvature = |a: usize, b: usize| {
             let own = (row * &self.hessian[a][b] * column)[(0, 0)];
-            let others = (0..of.values.len()).filter(|m| *m != number).map(|m| {
-                (to[a][m] * from[b][m] + to[b][m] * from[a][m]) / (value - of.values[m])
-            });
+            let others = (0..of.values.len())
+                .filter(|m| *m != number)
+                .map(|m| (to[a][m] * from[b][m] + to[b][m] * from[a][m]) / (value - of.values[m]));
             own + others.sum::<Complex>()
         };
         Taylor {

@@ -30,7 +30,12 @@ impl<const D: usize> WaveSystem<D> {
         let share = Complex::new(far / self.sites() as f64, 0.0);
         let moved = DMatrix::from_fn(self.size(), self.size(), |i, j| {
             let is_translation = i % D == j % D;
-            matrix[(i, j)] + if is_translation { share } else { Complex::default() }
+            matrix[(i, j)]
+                + if is_translation {
+                    share
+                } else {
+                    Complex::default()
+                }
         });
         let mut values = general_eigenvalues(moved, self.noise());
         values.sort_by(|a, b| b.re.total_cmp(&a.re));
