@@ -18,6 +18,14 @@ struct Subject {
 
 const SUBJECTS: &[Subject] = &[
     Subject {
+        name: "spectra",
+        claim: "no state of any method grows faster or is softer than the search over the zone says",
+        package: "onset",
+        program: "hunt",
+        test: "no_random_state_of_any_method",
+        cases: 200,
+    },
+    Subject {
         name: "formulas",
         claim: "formulas neither panic nor take long nor fill the memory",
         package: "onset",

@@ -142,7 +142,8 @@ pub struct DiscretizationAnswer {
     pub stable: bool,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
     pub minimum_omega_squared: ComplexNumber,
-    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit.
+    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit; where a mode grows at `k = 0`, so that this has no
+    /// minimum, the lowest `Re omega^2` over the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
     /// Reference wave vector of the fastest growing mode; of the softest mode when stable. Zero in the limit
     /// of long waves.

@@ -22,9 +22,9 @@ pub struct Mode<const D: usize> {
 /// The extremes of the spectrum over the zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumSummary<const D: usize> {
-    /// The mode with the smallest scaled measure `mu`: the softest one. Where a rigid translation is not free
-    /// (raw weights on a distorted lattice) the measure has no limit for long waves, and the modes below a
-    /// thousandth of the zone are left out.
+    /// The mode with the smallest scaled measure `mu`: the softest one. Where a mode grows at `k = 0` (a translation that strains the
+    /// body, with raw weights on a distorted lattice, or particles of a cell that part) `mu` has no minimum. Then this is the mode
+    /// with the smallest `Re omega^2`, scaled with the largest `c^2 |k|_h^2` of all wave vectors.
     pub softest: Mode<D>,
     /// The softest mode of the long-wave limit.
     pub long_wave: Mode<D>,

@@ -20,7 +20,7 @@ pub struct SurveyedState<const D: usize> {
     pub stability: Stability,
     /// The smallest acoustic eigenvalue of the material, which tells whether it is strongly elliptic.
     pub acoustic: AcousticMinimum<D>,
-    /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included.
+    /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
     pub scaled_minimum: f64,
     /// Its wave vector; the unit direction for long waves. 1/length.
     pub wave_vector: SVector<f64, D>,

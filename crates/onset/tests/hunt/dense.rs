@@ -6,6 +6,9 @@ use onset::lattice::{BravaisLattice, Crystal, Particle};
 
 /// Rounding of `omega^2` over its scale, and what it makes of the difference of two that coincide.
 const ROUNDING: f64 = 1e-12;
+/// A wave with `omega^2` so many times the scale has no mass: quotients of rounding errors, where the points of a quadrature see
+/// nothing of it.
+const MASSLESS: f64 = 1e8;
 
 /// `omega^2` of a wave vector.
 pub struct Waves<const D: usize> {
@@ -105,6 +108,9 @@ impl<const D: usize> Waves<D> {
     /// `omega^2`; of pairs that rounding may have made of a double one the real parts.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
         let matrix = (self.matrix)(k);
+        if matrix.norm() > MASSLESS * self.scale {
+            return Vec::new();
+        }
         let values = Schur::try_new(matrix, f64::EPSILON, 10_000).and_then(|s| s.eigenvalues());
         let Some(values) = values else {
             return Vec::new();
@@ -200,7 +206,7 @@ impl<const D: usize> Waves<D> {
     }
 }
 
-/// Downhill along axes and diagonals with shrinking steps.
+/// Downhill along the reciprocal vectors with shrinking steps.
 fn descended<const D: usize>(
     at: &dyn Fn(&SVector<f64, D>) -> f64,
     start: (f64, SVector<f64, D>),
@@ -209,18 +215,13 @@ fn descended<const D: usize>(
     let mut best = start;
     let mut size = 0.5;
     for _ in 0..100 {
-        if size < 2e-4 {
+        if size < 1e-3 {
             break;
         }
         let from = best;
-        for code in 0..3_usize.pow(D as u32) {
-            let mut rest = code;
-            let offset = SVector::<f64, D>::from_fn(|_, _| {
-                let digit = rest % 3;
-                rest /= 3;
-                digit as f64 - 1.0
-            });
-            let k = from.1 + steps * offset * size;
+        for direction in 0..2 * D {
+            let sign = if direction < D { 1.0 } else { -1.0 };
+            let k = from.1 + steps.column(direction % D) * (sign * size);
             let value = at(&k);
             if value < best.0 {
                 best = (value, k);

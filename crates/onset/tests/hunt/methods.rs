@@ -81,12 +81,10 @@ pub fn state<const D: usize>(random: &mut Random) -> DeformationGradient {
         }
     }
     if D > 1 && random.happens(0.3) {
-        let axis = if D == 2 {
-            Vector3::z() * random.number()
-        } else {
-            Vector3::from_fn(|_, _| random.number())
+        let rotation = match D {
+            2 => *Rotation3::new(Vector3::z() * (3.0 * random.number())).matrix(),
+            _ => random.rotation(),
         };
-        let rotation = Rotation3::new(axis * 3.0);
         matrix = SMatrix::from_fn(|i, j| rotation[(i, j)]) * matrix;
     }
     DeformationGradient::identity().with_leading(&matrix)

@@ -8,11 +8,14 @@ use onset::bloch::{SpectrumSummary, dynamical_matrix};
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::verdict::{SchemeSurvey, assess};
+use std::time::{Duration, Instant};
 
 /// Growth that counts, as a fraction of sound speed over spacing: below, a dense search does not tell it from rounding.
 const GROWTH: f64 = 1e-5;
 /// Differences that count, relative to the scale of what is compared.
 const DIFFERENCE: f64 = 1e-6;
+/// Answers that take longer are told.
+const LONG: Duration = Duration::from_secs(2);
 
 /// Points of the dense search along a reciprocal vector.
 fn points<const D: usize>() -> usize {
@@ -26,6 +29,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     let (seed, cases) = hunted(12);
     let mut wrong = Vec::new();
     let mut counts = [0; 3];
+    let mut time = Duration::ZERO;
     for case in 0..cases as u64 {
         let mut random = Random::new(seed + case);
         let dimension = random.one_of(&[1, 2, 2, 2, 2, 3]);
@@ -34,9 +38,13 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
             2 => checked::<2>(&mut random),
             _ => checked::<3>(&mut random),
         };
-        let Some((name, is_stable, complaints)) = complaints else {
+        let Some((name, is_stable, took, complaints)) = complaints else {
             continue;
         };
+        time += took;
+        if took > LONG {
+            eprintln!("seed {}: took {took:?}: {name}", seed + case);
+        }
         counts[if is_stable { 0 } else { 1 }] += 1;
         for complaint in complaints {
             let text = format!("seed {}: {complaint}\n    {name}", seed + case);
@@ -46,7 +54,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     }
     counts[2] = cases - counts[0] - counts[1];
     eprintln!(
-        "{} stable, {} unstable, {} without an answer; {} complaints",
+        "{time:?} in the search: {} stable, {} unstable, {} without an answer; {} complaints",
         counts[0],
         counts[1],
         counts[2],
@@ -56,14 +64,16 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
 }
 
 /// What is wrong with the answer for one random state; `None` where there is none.
-fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<String>)> {
+fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Duration, Vec<String>)> {
     let (name, drawn) = method::<D>(random)?;
     let (law, material) = material(random);
     let f = state::<D>(random);
     let name = format!("{law} at {:?}: {name}", f.leading::<D>());
+    let start = Instant::now();
     let (spectrum, speed, waves) = answered(&drawn, &*material, &f)?;
+    let took = start.elapsed();
     let complaints = compared(&spectrum, speed, &waves);
-    Some((name, spectrum.is_stable(), complaints))
+    Some((name, spectrum.is_stable(), took, complaints))
 }
 
 fn answered<const D: usize>(
@@ -97,7 +107,7 @@ fn compared<const D: usize>(
     speed: f64,
     waves: &Waves<D>,
 ) -> Vec<String> {
-    let found = waves.searched(points::<D>(), 20);
+    let found = waves.searched(points::<D>(), [20, 20, 6][D - 1]);
     let mut wrong = Vec::new();
     let (rate, k) = found.growth;
     let said = spectrum.growth_rate();
@@ -143,6 +153,9 @@ fn compared<const D: usize>(
     let (highest, told) = (-highest, spectrum.maximum_omega.powi(2));
     if told < highest * (1.0 - DIFFERENCE) - 1e-9 * waves.scale {
         wrong.push(format!("largest omega^2 {highest} at {k:?}, said {told}"));
+    }
+    if let Some(last) = wrong.last_mut() {
+        *last += &format!("\n    scale {:e}, c {speed}, {spectrum:?}", waves.scale);
     }
     wrong
 }

@@ -14,9 +14,7 @@ use super::{DynamicalMatrix, growth_rate};
 use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{
-    BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, determinant, grid_coordinates,
-};
+use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates};
 use crate::method::Method;
 use grid::{Grid, complex_growth};
 use mirrored::{Bottom, Mirrored, Request};
@@ -339,8 +337,9 @@ impl<const D: usize> ZoneSearch<D> {
     /// Growth rates of complex `omega^2` are flutter beyond this: a fraction of sound speed over the spacing of so many particles in
     /// a cell. 1/time.
     pub(in crate::bloch) fn flutter_threshold(&self, sites: usize) -> f64 {
-        let volume = determinant(self.reference().vectors()).abs() / sites as f64;
-        FLUTTER * self.speed_squared.sqrt() / volume.powf(1.0 / D as f64)
+        let side = self.reference().vectors().column(0).norm();
+        let spacing = side / (sites as f64).powf(1.0 / D as f64);
+        FLUTTER * self.speed_squared.sqrt() / spacing
     }
 
     /// The largest `|k|_h^2` of all wave vectors. 1/length^2.

@@ -18,14 +18,13 @@ use std::sync::Arc;
 
 /// Points of the grid per period of the fastest phase.
 const POINTS_PER_PERIOD: usize = 10;
-/// Scaled measures, and `omega^2` at `k = 0`, within this multiple of the rounding error count as zero.
-const ROUNDING: f64 = 4.0;
-/// How many wells of the grid are followed to their bottoms at most.
-const WELLS: usize = 24;
-/// How often boxes are divided; at most how many of them each time, and how many of the smallest ones are followed.
+/// What is within this multiple of the rounding error of sums counts as zero: force constants carry the rounding of the shape functions
+/// that they are made of, which is some times that of the sums.
+const ROUNDING: f64 = 16.0;
+/// The same for the limit of long waves, where the forces of particles that relax cancel others.
+const RELAXED: f64 = 64.0;
+/// How often boxes are divided.
 const DIVISIONS: usize = 2;
-const BOXES: usize = 48;
-const LEAVES: usize = 12;
 /// How many of the lowest branches may have a well between the points of the grid.
 const BRANCHES: usize = 3;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
@@ -91,6 +90,7 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
+    effort: Effort,
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid; `-k` has the same, conjugated.
     spectra: Vec<Vec<Complex>>,
@@ -99,29 +99,100 @@ struct Sweep<'a, const D: usize> {
     stiffness: Stiffness<D>,
 }
 
+/// How much is looked at, at most.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Wells of the grid that are followed to their bottoms.
+    wells: usize,
+    /// Boxes that are divided each time.
+    boxes: usize,
+    /// Of the smallest boxes those from which a bottom is sought.
+    leaves: usize,
+}
+
+impl Effort {
+    /// For small cells in the plane that is cheap; large cells have small zones, with little between the points of the grid.
+    fn of<const D: usize>(system: &WaveSystem<D>) -> Self {
+        let (wells, boxes, leaves) = match (D, system.size()) {
+            (3, 0..8) => (16, 16, 8),
+            (3, _) | (_, 16..) => (6, 8, 4),
+            _ => (24, 48, 12),
+        };
+        Self {
+            wells,
+            boxes,
+            leaves,
+        }
+    }
+}
+
 /// A box of wave vectors.
 struct Region<const D: usize> {
     center: SVector<f64, D>,
     /// The objective of the lowest branches in the middle.
     branches: Vec<f64>,
-    /// The branch that may get lowest in it, and how low by its slope.
+    /// The branch that may get lowest in it, how low by its slope, and how low it is expected to get.
     branch: usize,
     bound: f64,
+    expected: f64,
+}
+
+/// How far a branch may fall in a box, and how far it is expected to.
+#[derive(Clone, Copy)]
+struct Fall {
+    most: f64,
+    expected: f64,
 }
 
 impl<const D: usize> Region<D> {
     /// From how much each branch may fall.
-    fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> f64) -> Self {
+    fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> Fall) -> Self {
         let lowest = branches.iter().take(BRANCHES).enumerate();
-        let bounds = lowest.map(|(n, value)| (n, value - falls(n)));
-        let (branch, bound) = bounds
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((0, f64::INFINITY));
+        let bounds = lowest.map(|(n, value)| (n, value - falls(n).most, value - falls(n).expected));
+        let (branch, bound, expected) =
+            bounds
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((0, f64::INFINITY, f64::INFINITY));
         Self {
             center,
             branches,
             branch,
             bound,
+            expected,
+        }
+    }
+}
+
+impl Fall {
+    const NONE: Self = Self::of(0.0);
+
+    const fn of(change: f64) -> Self {
+        Self {
+            most: change,
+            expected: change,
+        }
+    }
+
+    /// Between the middles of steps to both sides, from the changes within these: of a parabola through the three points where that
+    /// is a valley, otherwise along a line.
+    fn between(ahead: f64, behind: f64) -> Self {
+        let steepest = ahead.abs().max(behind.abs());
+        let (slope, curvature) = (0.5 * (ahead - behind).abs(), ahead + behind);
+        let expected = if slope < HALF * curvature {
+            0.5 * slope * slope / curvature
+        } else {
+            HALF * steepest
+        };
+        Self {
+            most: HALF * steepest,
+            expected,
+        }
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self {
+            most: self.most.max(other.most),
+            expected: self.expected.max(other.expected),
         }
     }
 }
@@ -133,6 +204,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Self {
             search,
             system,
+            effort: Effort::of(system),
             spectra: half.map(|k| system.omega_squared(k)).collect(),
             waves,
             at_rest: system.omega_squared_at_rest(),
@@ -142,7 +214,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     fn summary(&self) -> SpectrumSummary<D> {
         let long_wave = self.search.long_wave_mode(&self.stiffness);
-        let tolerance = ROUNDING * self.system.long_wave_noise() / self.search.speed_squared();
+        let tolerance = RELAXED * self.system.long_wave_noise() / self.search.speed_squared();
         let rest = self.rest(long_wave.scaled);
         let grows_at_rest = rest.omega_squared.re < 0.0;
         let softest = self
@@ -273,9 +345,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|(k, spectrum)| self.branches(objective, k, spectrum))
             .collect();
         let mut ends: Vec<Candidate<D>> = Vec::new();
+        let margin = self.margin(objective);
         let to_beat = |ends: &[Candidate<D>]| match objective {
-            Objective::Gap => floor,
-            _ => ends.iter().map(|end| end.0).fold(floor, f64::min),
+            Objective::Gap => floor - margin,
+            _ => ends.iter().map(|end| end.0).fold(floor, f64::min) - margin,
         };
         for (value, relief, index) in self.wells(&branches) {
             if value - relief < to_beat(&ends) {
@@ -283,15 +356,29 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
         }
-        for region in self.regions(objective, branches, to_beat(&ends)) {
-            // A bottom that is known already is not sought again.
-            let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) < 1.0;
-            if region.bound < to_beat(&ends) && !(region.branch == 0 && ends.iter().any(is_near)) {
+        for region in self.regions(objective, branches, to_beat(&ends), &ends) {
+            if region.bound < to_beat(&ends) && !self.is_known(&region, &ends, 0.25) {
                 let start = (region.branches[region.branch], region.center);
                 ends.push(self.followed(objective, region.branch, start, to_beat(&ends)));
             }
         }
         ends
+    }
+
+    /// Differences of an objective that mean nothing: modes that no force answers have many wells of rounding.
+    fn margin(&self, objective: Objective) -> f64 {
+        let noise = ROUNDING * self.system.noise();
+        let scale = self.search.speed_squared() * self.search.largest_laplacian();
+        match objective {
+            Objective::Scaled => noise / scale,
+            Objective::Lowest | Objective::Highest => noise,
+            Objective::Growth => self.search.flutter_threshold(self.system.sites()),
+            Objective::Gap => {
+                let values = self.spectra.iter().flatten().chain(&self.at_rest);
+                let largest = values.map(|z| z.norm()).fold(0.0, f64::max);
+                noise * largest / (scale * scale)
+            }
+        }
     }
 
     /// The distinct wells of the grid, deepest first: value, how far the highest point around is above it, and where it is.
@@ -310,25 +397,41 @@ impl<'a, const D: usize> Sweep<'a, D> {
         wells.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Wells of the same depth are images of each other under the symmetry of the arrangement.
         wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
-        wells.truncate(WELLS);
+        wells.truncate(self.effort.wells);
         wells
     }
 
     /// Small boxes in which a branch may get below a value, by how it changes around them: found by division of those around the
-    /// points of the grid.
-    fn regions(&self, objective: Objective, branches: Vec<Vec<f64>>, below: f64) -> Vec<Region<D>> {
+    /// points of the grid, but for those of known bottoms.
+    fn regions(
+        &self,
+        objective: Objective,
+        branches: Vec<Vec<f64>>,
+        below: f64,
+        known: &[Candidate<D>],
+    ) -> Vec<Region<D>> {
         let (n, count) = (self.waves.resolution(), branches.len());
-        let fall = |index: usize, branch: usize| {
-            let around = neighbors::<D>(index, n, count).filter_map(|other| {
-                let change = branches[other].get(branch)? - branches[index][branch];
-                change.is_finite().then_some(HALF * change.abs())
+        let fall = |around: &[usize], index: usize, branch: usize| {
+            let change = |other: &usize| {
+                let change = branches[*other].get(branch)? - branches[index][branch];
+                change.is_finite().then_some(change)
+            };
+            let falls = around.iter().zip(around.iter().rev()).map(|pair| {
+                let [ahead, behind] = [change(pair.0), change(pair.1)];
+                let [ahead, behind] =
+                    [ahead.or(behind), behind.or(ahead)].map(|x| x.unwrap_or(0.0));
+                Fall::between(ahead, behind)
             });
-            around.fold(0.0, f64::max)
+            falls.fold(Fall::NONE, Fall::or)
         };
         let wave_vectors = half(&self.waves);
         let around = |index: usize| {
+            // Opposite neighbors are as far from the ends of the list.
+            let around: Vec<usize> = neighbors::<D>(index, n, count).collect();
             let own = branches[index].clone();
-            Region::new(wave_vectors[index], own, |branch| fall(index, branch))
+            Region::new(wave_vectors[index], own, |branch| {
+                fall(&around, index, branch)
+            })
         };
         let mut regions: Vec<Region<D>> = (1..count).map(around).collect();
         // What is around k = 0, no point tells.
@@ -337,18 +440,29 @@ impl<'a, const D: usize> Sweep<'a, D> {
             branches: Vec::new(),
             branch: 0,
             bound: f64::NEG_INFINITY,
+            expected: f64::NEG_INFINITY,
         });
         let mut step = self.search.reference().reciprocal() / n as f64;
+        let mut side = 1.0;
         for _ in 0..DIVISIONS {
-            chosen(&mut regions, below, BOXES);
+            regions.retain(|region| !self.is_known(region, known, side));
+            chosen(&mut regions, below, self.effort.boxes);
             regions = regions
                 .iter()
                 .flat_map(|region| self.divided(objective, region, &step))
                 .collect();
             step *= 0.5;
+            side *= 0.5;
         }
-        chosen(&mut regions, below, LEAVES);
+        regions.retain(|region| !self.is_known(region, known, side));
+        chosen(&mut regions, below, self.effort.leaves);
         regions
+    }
+
+    /// Whether a box with sides of so many steps of the grid is that of a bottom that is known.
+    fn is_known(&self, region: &Region<D>, known: &[Candidate<D>], side: f64) -> bool {
+        let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) <= side;
+        region.branch == 0 && !region.branches.is_empty() && known.iter().any(is_near)
     }
 
     /// The parts of a box with given sides.
@@ -377,7 +491,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let changes = values().map(|value| (value - middle).abs());
             changes.filter(|x| x.is_finite()).fold(0.0, f64::max)
         };
-        let falls: Vec<f64> = (0..BRANCHES).map(fall).collect();
+        let falls: Vec<Fall> = (0..BRANCHES).map(fall).map(Fall::of).collect();
         let part = |(k, branches)| Region::new(k, branches, |branch| falls[branch]);
         parts.into_iter().map(part).collect()
     }
@@ -403,10 +517,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
             let (bottom, is_settled) = self.search.newton(&taylor, start, floor);
             end = (self.value(objective, &bottom.1), bottom.1);
-            if is_settled && branch == 0 {
-                return end;
-            }
-            if branch > 0 && end.0 > floor {
+            if (is_settled && branch == 0) || end.0 >= floor {
                 return end;
             }
         }
@@ -501,7 +612,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 /// The boxes that may hold something lower, as many as there may be.
 fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize) {
     regions.retain(|region| region.bound < below);
-    regions.sort_by(|a, b| a.bound.total_cmp(&b.bound));
+    regions.sort_by(|a, b| a.expected.total_cmp(&b.expected));
     regions.truncate(most);
 }
 
@@ -519,8 +630,7 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     let (least, most) = match (D, system.size()) {
         (1, _) => (48, 192),
         (2, 0..16) => (30, 60),
-        (3, 0..8) => (18, 24),
-        (3, 8..16) => (12, 18),
+        (3, 0..8) => (18, 18),
         (2, 16..64) => (18, 24),
         _ => (12, 12),
     };
