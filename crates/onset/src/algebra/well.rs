@@ -64,6 +64,9 @@ pub(crate) fn settled_along<const D: usize>(
     steps: &[SVector<f64, D>],
 ) -> (f64, SVector<f64, D>) {
     let count = steps.len();
+    if count == 0 {
+        return start;
+    }
     let mut best = start;
     let mut size = 0.5;
     for _ in 0..ROUNDS {

@@ -17,6 +17,8 @@ const GRID: [usize; 3] = [96, 24, 12];
 const LONG: f64 = 1e-3;
 /// How many of the deepest wells are followed to their bottom, weak or not.
 const DEEPEST: usize = 4;
+/// Distance from a face, in steps of the grid, at which a descent may be stuck.
+const STUCK: f64 = 0.1;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
 
@@ -77,6 +79,7 @@ pub fn spurious_modes<const D: usize>(
     let weak = Weak {
         survey,
         zone: &zone,
+        faces: faces_of(&zone),
         stiffness: Stiffness::<D>::at(survey.material(), &DeformationGradient::identity())?,
     };
     let (weak_modes, slowest) = weak.modes(threshold, &zero);
@@ -111,6 +114,8 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
 struct Weak<'a, 's, const D: usize> {
     survey: &'a SchemeSurvey<'s, D>,
     zone: &'a BrillouinZone<D>,
+    /// The reciprocal vectors whose bisectors are faces of the zone, not only touch it.
+    faces: Vec<SVector<f64, D>>,
     stiffness: Stiffness<D>,
 }
 
@@ -208,17 +213,13 @@ impl<const D: usize> Weak<'_, '_, D> {
         let inside = settled(&at, start, steps);
         let folded = self.zone.folded(&inside.1);
         let distance = |g: &SVector<f64, D>| 0.5 * g.norm() - folded.dot(g) / g.norm();
-        let near: Vec<SVector<f64, D>> = self
-            .zone
-            .bounding_vectors()
-            .iter()
-            .filter(|g| distance(g) < size)
-            .copied()
-            .collect();
+        // A descent that is stuck at a kink is on it.
+        let is_near = |g: &&SVector<f64, D>| distance(g) < STUCK * size;
+        let near: Vec<SVector<f64, D>> = self.faces.iter().filter(is_near).copied().collect();
         let mut best = inside;
-        for faces in 1_usize..1 << near.len().min(8) {
-            let chosen: Vec<SVector<f64, D>> = (0..near.len().min(8))
-                .filter(|i| faces >> i & 1 == 1)
+        for which in 1_usize..1 << near.len() {
+            let chosen: Vec<SVector<f64, D>> = (0..near.len())
+                .filter(|i| which >> i & 1 == 1)
                 .map(|i| near[i])
                 .collect();
             let Some((place, tangents)) = stratum(&folded, &chosen) else {
@@ -255,6 +256,16 @@ impl<const D: usize> Weak<'_, '_, D> {
         };
         is_zero(a - b) || is_zero(a + b)
     }
+}
+
+/// The reciprocal vectors of the faces: half of each is nearer to zero than to any other reciprocal vector.
+fn faces_of<const D: usize>(zone: &BrillouinZone<D>) -> Vec<SVector<f64, D>> {
+    let all = zone.bounding_vectors();
+    let is_face = |g: &&SVector<f64, D>| {
+        let mut others = all.iter().filter(|other| *other != *g);
+        others.all(|other| 0.5 * g.dot(other) < (0.5 - ON_FACE) * other.norm_squared())
+    };
+    all.iter().filter(is_face).copied().collect()
 }
 
 /// Where several faces of the zone meet, `k.G = |G|^2/2`: the point nearest to a wave vector, and unit tangents. `None` where one

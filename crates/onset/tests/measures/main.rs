@@ -2,6 +2,7 @@
 
 mod fidelity;
 mod frequencies;
+mod growing_states;
 mod onsets;
 mod spurious;
 mod zero_energy;

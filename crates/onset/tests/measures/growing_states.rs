@@ -1,0 +1,69 @@
+//! Time steps of states that are unstable themselves.
+
+use nalgebra::{DMatrix, SVector};
+use onset::algebra::Complex;
+use onset::bloch::WaveSystem;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{Arrangement, Crystal};
+use onset::material::ModifiedMooneyRivlin;
+use onset::scheme::Scheme;
+use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
+use onset::scheme::stabilization::ArtificialViscosity;
+use onset::time_step::{Amplification, Integrator};
+use onset::verdict::SchemeSurvey;
+
+fn moduli(matrix: DMatrix<Complex>) -> Vec<f64> {
+    let values = matrix.schur().eigenvalues().expect("eigenvalues");
+    values.iter().map(|z| z.norm()).collect()
+}
+
+/// How many solutions of the equations of a wave grow, and how many of an integrator.
+fn growing(
+    waves: &WaveSystem<2>,
+    integrator: Integrator,
+    step: f64,
+    k: &SVector<f64, 2>,
+) -> (usize, usize) {
+    let exact = waves.frequencies(k).into_iter();
+    let exact = exact.filter(|omega| omega.im > 1e-7).count();
+    let matrix = Amplification::new(waves, k).matrix(integrator, step);
+    let discrete = moduli(matrix).into_iter();
+    (exact, discrete.filter(|z| *z > 1.0 + 1e-6).count())
+}
+
+#[test]
+fn the_damped_step_of_a_growing_state_is_that_of_its_waves_that_do_not_grow() {
+    let lattice = Arrangement::Hexagonal.lattice::<2>(1.0).expect("a lattice");
+    let choices = UpdatedSphChoices {
+        viscosity: Some(ArtificialViscosity {
+            alpha: 0.5,
+            ..ArtificialViscosity::default()
+        }),
+        ..UpdatedSphChoices::default()
+    };
+    let sph = UpdatedSph::new(Crystal::of_lattice(lattice), choices).expect("a method");
+    let law = ModifiedMooneyRivlin::default();
+    let survey = SchemeSurvey::new(&sph, &law).expect("a survey");
+    let state = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
+    assert!(survey.spectrum(&state).expect("a spectrum").growth_rate() > 0.0);
+    let waves = sph.waves(&law, &state).expect("waves");
+    let grid: Vec<SVector<f64, 2>> = (0..41 * 41)
+        .map(|n| {
+            let place = [f64::from(n / 41) / 41.0, f64::from(n % 41) / 41.0 + 0.003];
+            lattice.reciprocal() * SVector::from(place)
+        })
+        .collect();
+    for integrator in Integrator::ALL {
+        let step = survey
+            .critical_time_step(&state, integrator)
+            .expect("a step");
+        assert!(step > 0.1, "{integrator:?}: {step}");
+        // A little below no wave gains a growing solution; clearly above some do.
+        let gained = |step: f64| {
+            let counts = grid.iter().map(|k| growing(&waves, integrator, step, k));
+            counts.filter(|(exact, discrete)| discrete > exact).count()
+        };
+        assert_eq!(gained(0.99 * step), 0, "{integrator:?} at {step}");
+        assert!(gained(1.05 * step) > 0, "{integrator:?} at {step}");
+    }
+}
