@@ -339,6 +339,7 @@ fn a_state_on_a_kink_is_refused_and_beside_it_answered() {
     ]);
     let crossings = path["material_crossings"].as_array().expect("a list");
     let words = |crossing: &Value| format!("{} {}", crossing["from"], crossing["to"]);
+    assert_eq!(crossings.len(), 2);
     for crossing in crossings {
         assert!(words(crossing).contains("undefined"), "{crossing}");
         assert_close(number(crossing, "/stretch/1"), 0.5, 1e-12);

@@ -310,6 +310,9 @@ fn differs(a: &Jet<9, Interval>, b: &Jet<9, Interval>) -> Option<Trouble> {
     if apart(&a.value, &b.value) {
         return Some(Trouble::Jump);
     }
+    // A slope without bound has no tangent either.
     let mut slopes = a.gradient.iter().zip(&b.gradient);
-    slopes.any(|(a, b)| apart(a, b)).then_some(Trouble::Kink)
+    slopes
+        .any(|(a, b)| apart(a, b) || !(a.is_finite() && b.is_finite()))
+        .then_some(Trouble::Kink)
 }

@@ -22,6 +22,8 @@ pub struct SchemeSurvey<'a, const D: usize> {
     search: ZoneSearch<D>,
     /// The undeformed state, in which modes without energy are told from unstable ones.
     reference: WaveSystem<D>,
+    /// Whether all waves of the undeformed material have energy.
+    is_elliptic_at_rest: bool,
     speed_squared: f64,
 }
 
@@ -35,13 +37,14 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         material: &'a dyn Hyperelastic,
     ) -> Result<Self, MethodError> {
         let identity = DeformationGradient::identity();
-        let eigenvalue = Stiffness::<D>::at(material, &identity)?.maximum_eigenvalue();
-        let speed_squared = speed_squared_of(eigenvalue, scheme.density())?;
+        let stiffness = Stiffness::<D>::at(material, &identity)?;
+        let speed_squared = speed_squared_of(stiffness.maximum_eigenvalue(), scheme.density())?;
         Ok(Self {
             scheme,
             material,
             search: ZoneSearch::of_lattice(*scheme.crystal().lattice(), speed_squared),
             reference: scheme.waves(material, &identity)?,
+            is_elliptic_at_rest: stiffness.is_strongly_elliptic(),
             speed_squared,
         })
     }
@@ -165,10 +168,14 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         Ok((phase, spectrum.softest.scaled))
     }
 
-    /// Whether the softest mode has no energy, neither at the state nor at rest.
+    /// Whether the softest mode has no energy, neither at the state nor at rest, where those of the material have.
     fn has_zero_mode(&self, spectrum: &SpectrumSummary<D>) -> bool {
         let softest = &spectrum.softest;
-        if softest.is_long_wave || softest.scaled.abs() > spectrum.tolerance.max(ZERO) {
+        let is_material = !self.is_elliptic_at_rest;
+        if is_material
+            || softest.is_long_wave
+            || softest.scaled.abs() > spectrum.tolerance.max(ZERO)
+        {
             return false;
         }
         let k = &softest.wave_vector;

@@ -148,7 +148,7 @@ fn a_state_on_a_kink_or_a_jump_has_no_stress() {
         assert_eq!(found.map(|found| found.0), Some(expected), "{text}");
         // Beside it there is a stress, however near.
         assert_eq!(
-            trouble(&text, [2.0, 0.5 * (1.0 + 1e-12), 1.3]),
+            trouble(&text, [2.0, 0.5 * (1.0 + 1e-12), 1.0]),
             None,
             "{text}"
         );
