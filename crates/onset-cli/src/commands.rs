@@ -267,11 +267,9 @@ impl ProblemArguments {
             None => Default::default(),
         };
         let settings = Settings::of_file(&name, &text, &assignments, open);
-        let settings = settings.map_err(Failure::input)?;
-        Ok(Settings {
-            material: permitted(settings.material.clone(), &self.trust.trust())?,
-            ..settings
-        })
+        let mut settings = settings.map_err(Failure::input)?;
+        settings.material = permitted(settings.material, &self.trust.trust())?;
+        Ok(settings)
     }
 }
 
