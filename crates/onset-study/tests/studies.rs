@@ -1,7 +1,7 @@
 //! The studies that are kept in `studies/`, and the schema beside them.
 
 use onset_study::settings::{Quantity, Study, schema, study_keys};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
