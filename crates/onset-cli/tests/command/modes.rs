@@ -51,7 +51,7 @@ fn modes_are_exported_to_seed_a_simulation() {
     let answer = onset(&arguments);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(
-        answer.stdout.contains("wrote 17 files"),
+        answer.stdout.contains("wrote 37 files"),
         "{}",
         answer.stdout
     );
@@ -60,7 +60,7 @@ fn modes_are_exported_to_seed_a_simulation() {
     let vtk = std::fs::read_to_string(folder.join("mode-1.vtk")).expect("a file");
     assert!(vtk.contains("POINTS 64 double") && vtk.contains("VECTORS displacement double"));
     let page = std::fs::read_to_string(folder.join("modes.html")).expect("a file");
-    assert_eq!(page.matches("<figure>").count(), 7);
+    assert_eq!(page.matches("<figure>").count(), 17);
     std::fs::remove_dir_all(folder).expect("removed");
 }
 

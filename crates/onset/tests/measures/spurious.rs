@@ -69,10 +69,12 @@ fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners()
 }
 
 #[test]
-fn nodal_integration_on_cubes_has_seven_and_on_a_chain_one() {
+fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
+    // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and so on in turn, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
+    // 7. One, with the cosine -1: a = b = -0.786, 6. None: a = b = c = -0.898, 4.
     let cubes = method::<3>(nodal(Arrangement::SimpleCubic));
     let modes = found(&cubes, 0.5);
-    assert_eq!(zeros(&cubes, &modes).len(), 7);
+    assert_eq!(zeros(&cubes, &modes).len(), 17);
     assert!(modes.modes.iter().all(|mode| mode.nullity == 3));
     let chain = method::<1>(nodal(Arrangement::Chain));
     let modes = found(&chain, 0.5);

@@ -206,10 +206,17 @@ impl<'a, const D: usize> Search<'a, D> {
                 continue;
             }
             let is_last = self.spent > BUDGET;
-            if part.half.amax() <= NEWTON || is_last {
-                let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
+            let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
+            let is_small = part.half.amax() <= FOLLOWED[D - 1];
+            // Next to a line or surface there is nothing to be found before parts are small, and then it is known.
+            let is_beside = |root: &Root<D>| self.distance(&root.wave_vector, &center) <= radius;
+            let is_followed = self.continued.iter().any(is_beside);
+            if is_followed && is_small {
+                continue;
+            }
+            if !is_followed && (part.half.amax() <= NEWTON || is_last) {
                 let continues = self.sought(&center, 3.0 * radius);
-                if continues && part.half.amax() <= FOLLOWED[D - 1] {
+                if continues && is_small {
                     continue;
                 }
             }
@@ -373,7 +380,8 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// The connected lines and surfaces.
     fn components(&self) -> Vec<Vec<&Root<D>>> {
-        let near = 4.0 * FOLLOWED[D - 1];
+        // Points are as far apart as small parts are wide, several times.
+        let near = 6.0 * FOLLOWED[D - 1];
         let beside = |a: &Root<D>, b: &Root<D>| {
             let is_near = |difference: SVector<f64, D>| {
                 let x = self.fractional(&difference);
