@@ -21,7 +21,12 @@ use nalgebra::{SMatrix, SVector};
 /// It is the tangent of a material, or the long-wave limit of a discretization. The latter need
 /// not have the major symmetry `T_iJkL = T_kLiJ`; eigenvalues can then be complex.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stiffness<const D: usize>([[SMatrix<f64, D, D>; D]; D]);
+pub struct Stiffness<const D: usize>(
+    [[SMatrix<f64, D, D>; D]; D],
+    /// The largest component as given, the scale of its rounding: parts that cancel in acoustic tensors, such as those of a pressure,
+    /// leave theirs.
+    f64,
+);
 
 /// The smallest eigenvalue of the acoustic tensor over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,12 +144,17 @@ impl<const D: usize> Stiffness<D> {
     /// The stiffness with components `component(i, J, k, L)`, made symmetric in `J` and `L`, which
     /// leaves every acoustic tensor as it is.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
-        let block = |j: usize, l: usize| {
-            SMatrix::from_fn(|i, k| 0.5 * (component(i, j, k, l) + component(i, l, k, j)))
-        };
-        Self(std::array::from_fn(|j| {
-            std::array::from_fn(|l| block(j, l))
-        }))
+        let mut largest = 0.0_f64;
+        let blocks = std::array::from_fn(|j| {
+            std::array::from_fn(|l| {
+                SMatrix::from_fn(|i, k| {
+                    let [own, other] = [component(i, j, k, l), component(i, l, k, j)];
+                    largest = largest.max(own.abs()).max(other.abs());
+                    0.5 * (own + other)
+                })
+            })
+        });
+        Self(blocks, largest)
     }
 
     /// The part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D,
@@ -196,9 +206,8 @@ impl<const D: usize> Stiffness<D> {
             }
             sum
         };
-        Self(std::array::from_fn(|a| {
-            std::array::from_fn(|b| block(a, b))
-        }))
+        let blocks = std::array::from_fn(|a| std::array::from_fn(|b| block(a, b)));
+        Self(blocks, self.1 * m.norm_squared())
     }
 
     /// The smallest eigenvalue over all directions, with direction and polarization.
@@ -229,7 +238,8 @@ impl<const D: usize> Stiffness<D> {
     }
 
     fn divided(&self, scale: f64) -> Self {
-        Self(self.0.map(|row| row.map(|block| block / scale)))
+        let blocks = self.0.map(|row| row.map(|block| block / scale));
+        Self(blocks, self.1 / scale)
     }
 
     /// The same by a descent from the lowest of many directions: several times faster in two and three dimensions, for
@@ -258,7 +268,7 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: f64::NEG_INFINITY,
-            rounding: ROUNDING * scale,
+            rounding: ROUNDING * self.1,
         }
     }
 
@@ -282,8 +292,8 @@ impl<const D: usize> Stiffness<D> {
             eigenvalue,
             direction: oriented(direction),
             polarization,
-            bound: eigenvalue.re - ROUNDING * self.magnitude(),
-            rounding: ROUNDING * self.magnitude(),
+            bound: eigenvalue.re - ROUNDING * self.1,
+            rounding: ROUNDING * self.1,
         }
     }
 
@@ -303,7 +313,7 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: found.bound,
-            rounding: ROUNDING * self.magnitude(),
+            rounding: ROUNDING * self.1,
         }
     }
 
@@ -340,7 +350,7 @@ impl<const D: usize> Stiffness<D> {
     /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
         // Q -> -Q turns the largest eigenvalue into the smallest.
-        let negative = Self(self.0.map(|row| row.map(|block| -block)));
+        let negative = Self(self.0.map(|row| row.map(|block| -block)), self.1);
         -negative.minimum().eigenvalue.re
     }
 }

@@ -1,6 +1,7 @@
 //! Where a formula has a value, and where it has a stress.
 //!
-//! The operations are run with intervals, so that rounding is counted. A part that is not defined spoils what is made of it, but not a
+//! The operations are run with intervals, so that rounding is counted. On the edge of where a part is defined it has no derivative, so
+//! that it counts as not defined there. A part that is not defined spoils what is made of it, but not a
 //! branch that does not take it. Where a test does not tell its side, the formula is looked at with each: values that certainly
 //! differ are a jump, first derivatives that do a kink. Nothing that is not defined on both sides has a derivative there.
 
@@ -213,7 +214,7 @@ impl Real for Guarded {
         self.with(self.bounds.recip(), self.is_not_zero())
     }
     fn sqrt(self) -> Self {
-        self.with(self.bounds.sqrt(), self.bounds.low >= 0.0)
+        self.with(self.bounds.sqrt(), self.bounds.low > 0.0)
     }
     fn ln(self) -> Self {
         self.with(self.bounds.ln(), self.bounds.low > 0.0)
@@ -224,9 +225,7 @@ impl Real for Guarded {
         self.with(self.bounds.powi(exponent), is_defined)
     }
     fn powf(self, exponent: f64) -> Self {
-        let low = self.bounds.low;
-        let is_defined = low > 0.0 || (low == 0.0 && exponent > 0.0);
-        self.with(self.bounds.powf(exponent), is_defined)
+        self.with(self.bounds.powf(exponent), self.bounds.low > 0.0)
     }
 }
 

@@ -397,7 +397,10 @@ impl State {
         let minimum = Stiffness::<2>::of(&self.response).minimum();
         let spatial = |v: nalgebra::Vector2<f64>| Vector3::new(v[0], v[1], 0.0);
         let witness = wave(&spatial(minimum.direction), &spatial(minimum.polarization));
-        self.of(minimum.eigenvalue.re, witness)
+        Measure {
+            zero: minimum.rounding,
+            ..self.of(minimum.eigenvalue.re, witness)
+        }
     }
 
     fn hill(&self) -> Measure {

@@ -24,7 +24,7 @@ pub fn refusal(law: &FormulaLaw, f: &DeformationGradient) -> Option<StateError> 
     let error = |result: Result<(), MaterialError>| match result {
         Ok(()) => None,
         Err(MaterialError::Formula(error)) => Some(*error),
-        Err(other) => panic!("{other}"),
+        Err(other) => panic!("{other}: {law:?}"),
     };
     let refused = error(law.response(f).map(drop));
     assert_eq!(error(law.plane_tangent(f).map(drop)), refused);
@@ -75,6 +75,10 @@ fn a_part_that_is_not_defined_is_an_error_in_whatever_order_it_stands() {
         "1/ln(C12)",
         "tanh(1/C12)",
         "0/C12",
+        // On the edge of the domain.
+        "max(0, sqrt(E23))*max(0, sqrt(E23))",
+        "max(sqrt(E23), 0)*max(sqrt(E23), 0)",
+        "max(1, sqrt(C12))",
     ] {
         let text = format!("{RUBBER} + {part}");
         let found = trouble(&text, at).map(|(trouble, _)| trouble);
