@@ -305,7 +305,8 @@ fn diagram(
     if json {
         return print_json(&diagram);
     }
-    let [first, second, third] = &named(&written)[..] else {
+    let names = named(&written);
+    let [first, second, third] = &names[..] else {
         return Ok(ExitCode::SUCCESS);
     };
     print_text(&format!(

@@ -399,7 +399,7 @@ fn a_study_that_was_exchanged_in_a_store_is_noticed() {
         ("support = 1.9", "support = 1.8"),
         ("states = 36", "states = 37"),
         ("range = [0.2, 2.0]", "range = [0.2, 3.0]"),
-        ("36,", "65536,"),
+        ("36\n", "65536\n"),
     ] {
         edit(&place, "a.zarr", from, to);
         let answer = crate::onset(&["plot", &store, "--no-trace", "--out", &store]);

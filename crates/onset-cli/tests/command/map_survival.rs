@@ -116,7 +116,7 @@ fn the_line_that_goes_on_can_be_given_to_a_shell() {
     let folder = place.store("it's a $HOME; map");
     std::fs::create_dir(&folder).expect("a folder");
     std::fs::copy(&place.file, folder.join("-study (1).toml")).expect("a copy");
-    let set = "discretization.kernel=(1 - q/2)^4*(2*q + 1)";
+    let set = "discretization.support = 1.9";
     let child = command(&[
         "map",
         "--out",
