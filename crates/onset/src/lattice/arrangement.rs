@@ -168,11 +168,18 @@ impl Arrangement {
                     given: vectors.len(),
                 });
             }
-            // The volume of the cell over that of a box with the same edges.
+            // The volume of a cell of short vectors over that of a box with the same edges.
             let unit = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[D * j + i]);
-            let edges: f64 = unit.column_iter().map(|a| a.norm()).product();
-            let volume = super::determinant(&unit).abs() / edges;
-            if !(volume > 1e-9 && edges.is_finite()) {
+            let flatness = |m: &SMatrix<f64, D, D>| {
+                let edges: f64 = m.column_iter().map(|a| a.norm()).product();
+                super::determinant(m).abs() / edges
+            };
+            let short = match Reduced::of(&unit) {
+                // Of parallel vectors rounding makes ever shorter ones.
+                Err(_) if flatness(&unit) < 1e-15 => return Err(dependent()),
+                other => other?.vectors,
+            };
+            if flatness(&short).is_nan() || flatness(&short) <= 1e-9 {
                 return Err(dependent());
             }
         }

@@ -230,7 +230,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
         let of_sph = SchemeSurvey::new(&sph, &law)
             .and_then(|s| s.assess(&f))
             .expect("an answer");
-        for shear in [1.0, 4.0, -37.0, 1000.0, 20_000.0] {
+        for shear in [1.0, 4.0, -37.0, 1000.0] {
             let (f, law) = sheared(&law, small, shear);
             let context = format!("{small:?} {shear}");
             let found = assess(&method, &law, &f).expect("an answer");
@@ -261,7 +261,7 @@ fn a_shear_that_double_precision_does_not_tell_is_refused() {
             ..Discretization::default()
         })
         .expect("a method");
-        for shear in [1e6, 1e9, 1e15] {
+        for shear in [1.5e5, 4e5] {
             let f = DeformationGradient::plane_strain([[1.0, shear], [0.0, 1.0]], 1.0);
             let refused = assess(&method, &law, &f.expect("a state"));
             assert!(
@@ -478,7 +478,7 @@ fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units()
                     ..UpdatedSphChoices::default()
                 },
             );
-            let scheme = scheme.expect("a scheme");
+            let scheme = scheme?;
             assert_eq!(scheme.density(), density);
             let law = Times(&law, stress);
             SchemeSurvey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
@@ -486,7 +486,9 @@ fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units()
         let expected = answer([1.0; 3]).expect("an answer");
         for exponents in UNITS {
             let units = exponents.map(|exponent| 4_f64.powi(exponent));
-            if (units[0] / units[1]).log10().abs() > 195.0 {
+            if units[1].log10().abs() > 90.0 {
+                // Its cube would over- or underflow.
+                assert!(answer(units).is_err(), "{exponents:?}");
                 continue;
             }
             let found = answer(units).expect("an answer");

@@ -165,6 +165,13 @@ impl<const D: usize> UpdatedSph<D> {
     /// or when an artificial stress is asked for with a form that takes differences of stresses.
     pub fn new(crystal: Crystal<D>, choices: UpdatedSphChoices) -> Result<Self, MethodError> {
         assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
+        // The forces are divided by its square, their derivatives by its cube.
+        MethodError::require(
+            (1e-90..=1e90).contains(&choices.density),
+            "density",
+            choices.density,
+            "a number from 1e-90 to 1e90: choose another unit of mass",
+        )?;
         assert_coefficients(&[("velocity-smoothing", choices.velocity_smoothing)])?;
         choices
             .viscosity
