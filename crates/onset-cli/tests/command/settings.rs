@@ -113,7 +113,7 @@ fn every_choice_in_effect_is_told_and_no_other() {
             vec!["quadrature", "approximation", "frame", "horizon", "penalty"],
         ),
         (
-            "set method=peridynamics set bonds=correspondence set control=penalty",
+            "set method=peridynamics set bonds=correspondence set control=penalty set control-coefficient=0.5",
             vec![
                 "horizon",
                 "influence",
