@@ -179,7 +179,13 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
         ),
         false => (file.display().to_string(), std::fs::read_to_string(file)),
     };
-    let text = text.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
+    // A number in the place of a file is one of a list with a blank in it.
+    let hint = match name.parse::<f64>() {
+        Ok(_) => "\n  hint: numbers are written with commas between them, for example 1.2,0.9",
+        Err(_) => "",
+    };
+    let text =
+        text.map_err(|error| Failure::input(format!("cannot read {name}: {error}{hint}")))?;
     Ok((name, text))
 }
 

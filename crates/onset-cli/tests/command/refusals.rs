@@ -317,7 +317,13 @@ fn exactly_one_state_is_asked_about() {
         &["cannot be used with"],
     );
     assert_line_refused("state --stretch 1,1 --stretch 1,2", &["multiple times"]);
-    assert_line_refused("state --stretch 1.2 0.9", &["unexpected argument '0.9'"]);
+    assert_line_refused(
+        "state --stretch 1.2 0.9",
+        &[
+            "cannot read 0.9",
+            "commas between them, for example 1.2,0.9",
+        ],
+    );
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn every_choice_in_effect_is_told_and_no_other() {
             vec!["quadrature", "approximation", "frame", "horizon", "penalty"],
         ),
         (
-            "set method=peridynamics set bonds=correspondence set control=penalty",
+            "set method=peridynamics set bonds=correspondence set control=penalty set control-coefficient=0.5",
             vec![
                 "horizon",
                 "influence",
@@ -327,6 +327,8 @@ fn a_stressed_reference_is_told_in_every_answer() {
         vec![
             "tune",
             "discretization.stress-point-weight",
+            "--set",
+            "discretization.arrangement=chain",
             "--range",
             "0.4,0.6",
             "--quiet",
@@ -347,19 +349,21 @@ fn a_stressed_reference_is_told_in_every_answer() {
 #[test]
 fn bonds_say_that_they_take_of_the_law_its_modulus_only() {
     for line in [
-        "state --stretch 1.01,1",
-        "dispersion --stretch 1,1 --wave-vector 1,1",
-        "path --from 1,1 --to 1.05,1",
+        "state --stretch 1.01",
+        "dispersion --stretch 1 --wave-vector 1",
+        "path --from 1 --to 1.05",
         "modes",
     ] {
-        let bonds = onset_line(&format!("{line} set method=peridynamics"));
+        let bonds = onset_line(&format!(
+            "{line} set arrangement=chain set method=peridynamics"
+        ));
         assert!(
             bonds.stdout.contains("bulk modulus at F = 1"),
             "{line}: {}",
             bonds.stdout
         );
         let families = onset_line(&format!(
-            "{line} set method=peridynamics set bonds=correspondence"
+            "{line} set arrangement=chain set method=peridynamics set bonds=correspondence"
         ));
         assert!(
             !families.stdout.contains("note:"),

@@ -1,7 +1,7 @@
 //! A comparison: several methods for one material, from TOML.
 
 use super::key::key;
-use super::study::read;
+use super::study;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Trust, Value, unknown_key};
 use crate::compare::PANELS;
@@ -134,6 +134,20 @@ impl Comparison {
         text: &str,
         assignments: &[S],
     ) -> Result<Self, SettingError> {
+        Self::read(name, text, assignments, true)
+    }
+
+    /// Reads `[compare]` and `[[methods]]` of a study of which maps are asked: what its axes vary may stay open.
+    pub(super) fn check(name: &str, text: &str) -> Result<(), SettingError> {
+        Self::read::<&str>(name, text, &[], false).map(drop)
+    }
+
+    fn read<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+        settled: bool,
+    ) -> Result<Self, SettingError> {
         let file = File { name, text };
         let table = file.table()?;
         let mut comparison = Self {
@@ -182,13 +196,16 @@ impl Comparison {
         }
         comparison.common.material.check()?;
         if is_study {
-            let study = read(name, text)?;
+            let study = study::read(name, text)?;
             let common = &comparison.common;
-            study.check_nothing_is_left_open(|key| common.origin(key.name).is_some())?;
+            study
+                .check_nothing_is_left_open(|key| !settled || common.origin(key.name).is_some())?;
         }
         let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
         if is_study && methods.is_none() {
-            comparison.with_known_methods()?;
+            if settled {
+                comparison.with_known_methods()?;
+            }
             return Ok(comparison);
         }
         let Some((origin, items)) = methods else {
@@ -349,7 +366,7 @@ impl Comparison {
         for (key, origin) in own_keys {
             settings.check_read(key, origin, &[])?;
         }
-        settings.check_grid()?;
+        settings.check_values(&[])?;
         let name = name.ok_or_else(|| {
             SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
         })?;

@@ -86,7 +86,7 @@ impl Settings {
         for (name, origin) in self.set_keys() {
             self.check_read(name, origin.clone(), open)?;
         }
-        self.check_grid()
+        self.check_values(open)
     }
 
     /// The keys of the discretization that were set, with where, in the order of the table.
@@ -100,6 +100,31 @@ impl Settings {
         match name.strip_prefix("material.") {
             Some(own) if own != "model" => self.material.origin(own),
             _ => self.origins.get(name),
+        }
+    }
+
+    /// That what was set is what the method can have; `open` are keys that are about to be varied.
+    ///
+    /// # Errors
+    /// [`SettingError`] for an arrangement that is not that of a grid, and a control of strength zero.
+    pub(crate) fn check_values(&self, open: &[&str]) -> Result<(), SettingError> {
+        self.check_grid()?;
+        let (control, coefficient) = (
+            "discretization.control",
+            "discretization.control-coefficient",
+        );
+        let is_idle = self.method.control != Control::None
+            && self.method.control_coefficient == 0.0
+            && !open.contains(&coefficient);
+        match self.origins.get(control).filter(|_| is_idle) {
+            Some(origin) => Err(SettingError::new(
+                origin.clone(),
+                format!("`{control}` has no effect: {coefficient} is 0"),
+            )
+            .hint(format!(
+                "set {coefficient}, or leave `{control}` out; it is read with {coefficient} other than 0"
+            ))),
+            None => Ok(()),
         }
     }
 

@@ -8,8 +8,8 @@ mod problem;
 pub(super) use file::{STATES, read};
 
 use super::{
-    Axis, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Trust, Unmet,
-    Value,
+    Axis, Comparison, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings,
+    Trust, Unmet, Value,
 };
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use std::collections::BTreeMap;
@@ -39,6 +39,8 @@ pub struct Study {
     pub map: MapSettings,
     /// The file as read; after an override the study written out in full.
     pub text: String,
+    /// Whether the file asks for a comparison too.
+    has_methods: bool,
     origins: Origins,
 }
 
@@ -69,6 +71,9 @@ impl Study {
         let study = file::read(name, text)?;
         study.require_axes()?;
         study.check()?;
+        if study.has_methods {
+            Comparison::check(name, text)?;
+        }
         Ok(study)
     }
 

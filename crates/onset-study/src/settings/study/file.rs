@@ -36,6 +36,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
         axes: Vec::new(),
         map: MapSettings::default(),
         text: text.to_owned(),
+        has_methods: false,
         origins: Origins {
             file: file.at(0),
             keys: BTreeMap::new(),
@@ -63,7 +64,9 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
-            ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {}
+            ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {
+                study.has_methods = true;
+            }
             (other, _) => {
                 let known = SECTIONS.into_iter().chain(["title", "compare", "methods"]);
                 return Err(unknown_key(other, known, file.of(key)));

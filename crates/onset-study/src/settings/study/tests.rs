@@ -582,6 +582,7 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
         let default = match key.name {
             "discretization.points" => serde_json::json!([0.0, 0.0, 1.0]),
             "discretization.vectors" => serde_json::json!([1.0, 0.0, 0.0, 1.0]),
+            "discretization.control-coefficient" => 0.5.into(),
             _ => default,
         };
         let study = study(&format!("{model}{needed}{} = {default}\n{axes}", key.name));
