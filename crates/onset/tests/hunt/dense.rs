@@ -10,10 +10,13 @@ const ROUNDING: f64 = 1e-12;
 /// nothing of it.
 const MASSLESS: f64 = 1e8;
 
+/// The matrix of a wave vector.
+type MatrixAt<const D: usize> = dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>;
+
 /// `omega^2` of a wave vector.
 pub struct Waves<const D: usize> {
     pub lattice: BravaisLattice<D>,
-    matrix: Box<dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>>,
+    matrix: Box<MatrixAt<D>>,
     is_hermitian: bool,
     pub scale: f64,
 }

@@ -329,6 +329,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
         }
+        // Wells that open at k = 0 are narrow in angle: a ray along the softest long waves, on which points of the grid need not lie.
+        if matches!(objective, Objective::Scaled | Objective::Lowest) {
+            let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
+            let reciprocal = self.search.reference().reciprocal().column(0).norm();
+            let step = reciprocal / self.waves.resolution() as f64;
+            for k in [0.15, 0.35, 0.7, 1.2].map(|steps| along * (steps * step)) {
+                let start = (self.value(objective, &k), k);
+                ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+            }
+        }
         for region in self.regions(objective, branches, to_beat(&ends), &ends) {
             if region.bound < to_beat(&ends) && !self.is_known(&region, &ends, 0.25) {
                 let start = (region.branches[region.branch], region.center);
