@@ -10,10 +10,13 @@ const ROUNDING: f64 = 1e-12;
 /// nothing of it.
 const MASSLESS: f64 = 1e8;
 
+/// The matrix of a wave vector.
+type MatrixAt<const D: usize> = dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>;
+
 /// `omega^2` of a wave vector.
 pub struct Waves<const D: usize> {
     pub lattice: BravaisLattice<D>,
-    matrix: Box<dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>>,
+    matrix: Box<MatrixAt<D>>,
     is_hermitian: bool,
     pub scale: f64,
 }
@@ -115,20 +118,21 @@ impl<const D: usize> Waves<D> {
         let Some(values) = values else {
             return Vec::new();
         };
-        let real = |n: usize| {
+        let explained = |n: usize| {
             let others = (0..values.len()).filter(|m| *m != n);
             let distance = others
                 .map(|m| (values[m] - values[n]).norm())
                 .fold(f64::INFINITY, f64::min);
             let noise = ROUNDING * self.scale;
-            values[n].im.abs() <= noise + noise * self.scale / distance
+            (noise + noise * self.scale / distance).min(1e-6 * self.scale)
         };
-        (0..values.len())
-            .map(|n| match self.is_hermitian || real(n) {
-                true => Complex::new(values[n].re, 0.0),
-                false => values[n],
-            })
-            .collect()
+        let without_rounding = |n: usize| match values[n] {
+            _ if self.is_hermitian => Complex::new(values[n].re, 0.0),
+            value if value.norm() <= explained(n) => Complex::new(0.0, 0.0),
+            value if value.im.abs() <= explained(n) => Complex::new(value.re, 0.0),
+            value => value,
+        };
+        (0..values.len()).map(without_rounding).collect()
     }
 
     /// The largest growth rate at a wave vector.

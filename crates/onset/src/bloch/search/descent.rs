@@ -65,7 +65,10 @@ impl<const D: usize> ZoneSearch<D> {
         best: &mut Option<Candidate<D>>,
     ) {
         let to_beat = best.map_or(floor, |best| floor.min(best.0));
-        let (value, k) = self.descend(matrix, objective, start, to_beat);
+        // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
+        let is_growth = objective == Objective::Discriminant && !matrix.is_centrosymmetric();
+        let to_leave = if is_growth { f64::INFINITY } else { to_beat };
+        let (value, k) = self.descend(matrix, objective, start, to_leave);
         if !value.is_finite() || value > to_beat {
             return;
         }

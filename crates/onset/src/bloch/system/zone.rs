@@ -22,7 +22,7 @@ const POINTS_PER_PERIOD: usize = 10;
 /// that they are made of, which is some times that of the sums.
 const ROUNDING: f64 = 16.0;
 /// The same for the limit of long waves, where the forces of particles that relax cancel others.
-const RELAXED: f64 = 64.0;
+const RELAXED: f64 = 1024.0;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
@@ -114,9 +114,9 @@ impl Effort {
     /// For small cells in the plane that is cheap; large cells have small zones, with little between the points of the grid.
     fn of<const D: usize>(system: &WaveSystem<D>) -> Self {
         let (wells, boxes, leaves) = match (D, system.size()) {
-            (3, 0..8) => (16, 16, 8),
+            (3, 0..8) => (48, 16, 8),
             (3, _) | (_, 16..) => (6, 8, 4),
-            _ => (24, 48, 12),
+            _ => (32, 48, 12),
         };
         Self {
             wells,
@@ -356,6 +356,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
         }
+        // Wells that open at k = 0 are narrow in angle: a ray along the softest long waves, on which points of the grid need not lie.
+        if matches!(objective, Objective::Scaled | Objective::Lowest) {
+            let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
+            let reciprocal = self.search.reference().reciprocal().column(0).norm();
+            let step = reciprocal / self.waves.resolution() as f64;
+            for k in [0.15, 0.35, 0.7, 1.2].map(|steps| along * (steps * step)) {
+                let start = (self.value(objective, &k), k);
+                ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+            }
+        }
         for region in self.regions(objective, branches, to_beat(&ends), &ends) {
             if region.bound < to_beat(&ends) && !self.is_known(&region, &ends, 0.25) {
                 let start = (region.branches[region.branch], region.center);
@@ -515,7 +525,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let mut end = start;
         if objective != Objective::Gap {
             let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
-            let (bottom, is_settled) = self.search.newton(&taylor, start, floor);
+            // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
+            let to_beat = match objective {
+                Objective::Growth => f64::INFINITY,
+                _ => floor,
+            };
+            let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
             end = (self.value(objective, &bottom.1), bottom.1);
             if (is_settled && branch == 0) || end.0 >= floor {
                 return end;
