@@ -169,6 +169,7 @@ impl<const D: usize> Weak<'_, '_, D> {
         let steps = reciprocal / n as f64;
         let mut wells: Vec<usize> = (1..half)
             .filter(|index| is_well::<D>(&values, *index, n))
+            .filter(|index| !zero.has(&wave_vector(*index)))
             .collect();
         wells.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
         let limit = threshold * threshold;

@@ -68,7 +68,7 @@ impl Singular {
     /// What of a matrix is orthogonal to the range of the other vectors: changes of the soft vectors answer the rest.
     fn unanswered(&self, count: usize, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
         let range = self.left.columns(0, self.left.ncols() - count);
-        let answered = &range * range.ad_mul(&matrix);
+        let answered = range * range.ad_mul(&matrix);
         matrix - answered
     }
 }
