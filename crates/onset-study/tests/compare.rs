@@ -39,6 +39,7 @@ fn good() -> Measured {
 fn table(rows: Vec<(&str, Result<Measured, String>)>) -> Table {
     Table {
         title: String::new(),
+        notes: Vec::new(),
         material: "neo-hooke".to_owned(),
         dimension: 1,
         options: CompareSettings::default(),
@@ -46,6 +47,8 @@ fn table(rows: Vec<(&str, Result<Measured, String>)>) -> Table {
             .into_iter()
             .map(|(name, measured)| Row {
                 name: name.to_owned(),
+                settings: Settings::default().effective(),
+                notes: Vec::new(),
                 measured,
             })
             .collect(),
