@@ -80,7 +80,7 @@ impl Key {
         };
         // What is told is what the nearest case lacks.
         let lacks = |case: &&'static [Need]| case.iter().filter_map(of_need).collect::<Vec<_>>();
-        let nearest = self.read_with.iter().map(|case| lacks(case));
+        let nearest = self.read_with.iter().map(lacks);
         nearest.min_by_key(Vec::len)?.into_iter().next()
     }
 
