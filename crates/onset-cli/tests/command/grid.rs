@@ -99,7 +99,7 @@ fn every_combination_of_choices_has_an_answer_at_every_state() {
                 }
                 // With Lagrangian kernels the first of those 30 stands for all.
                 let is_lagrangian = number < total / 2;
-                if is_lagrangian && number % for_eulerian != 0 {
+                if is_lagrangian && !number.is_multiple_of(for_eulerian) {
                     continue;
                 }
                 let assignments = combination(number);

@@ -53,7 +53,7 @@ impl Need {
             (Value::Word(word), _) => word == written,
             (other, _) => other.to_string() == **written,
         };
-        self.values.iter().any(|written| is(written)) == self.one_of
+        self.values.iter().any(is) == self.one_of
     }
 }
 
@@ -80,7 +80,7 @@ impl Key {
         };
         // What is told is what the nearest case lacks.
         let lacks = |case: &&'static [Need]| case.iter().filter_map(of_need).collect::<Vec<_>>();
-        let nearest = self.read_with.iter().map(|case| lacks(&case));
+        let nearest = self.read_with.iter().map(lacks);
         nearest.min_by_key(Vec::len)?.into_iter().next()
     }
 
