@@ -11,7 +11,8 @@ use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method
 use onset::quadrature::Quadrature;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
 use onset::scheme::element::{
-    ElementChoices, ElementMass, ElementMesh, FiniteElements, Formulation as Elements, Integration,
+    ElementChoices, ElementMass, ElementMesh, FiniteElements, Formulation as Elements,
+    HourglassScale, Integration,
 };
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{
@@ -269,6 +270,7 @@ fn elements<const D: usize>(random: &mut Random) -> Option<Named<D>> {
                 0.0
             },
             hourglass_viscosity: 0.0,
+            hourglass_scale: HourglassScale::Gradients,
             mass: random.one_of(&[ElementMass::Lumped, ElementMass::Consistent]),
         },
         ..ElementChoices::default()
