@@ -128,12 +128,13 @@ fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict
 
 #[test]
 fn a_certified_map_contradicts_neither_its_verdicts_nor_its_numbers() {
-    for adaptive in [false, true] {
+    for refined in ["adaptive = false", "adaptive = true\nrefine-from = 8"] {
+        let adaptive = refined.starts_with("adaptive = true");
         let place = Place::new(&format!(
             "[discretization]\nframe = 'eulerian'\nlattice = 'regular'\nsupport = 1.9\n\
              [[axes]]\nquantity = 'stretch-1'\nrange = [0.2, 2.0]\nstates = 24\n\
              [[axes]]\nquantity = 'stretch-2'\nrange = [0.2, 2.0]\nstates = 20\n\
-             [map]\ncertify = true\nadaptive = {adaptive}\nrefine-from = 8\n"
+             [map]\ncertify = true\n{refined}\n"
         ));
         let map = place.document("a.zarr", "");
         let store = opened(&place, "a.zarr");

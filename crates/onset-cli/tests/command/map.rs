@@ -315,10 +315,13 @@ fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_one() {
     let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.5]\nstates = 16\n\
                  [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.5]\nstates = 15\n\
                  [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 9\n\
-                 [map]\ntile = 64\nrefine-from = 4\n";
+                 [map]\ntile = 64\n";
     let place = Place::new(study);
     place.computed("regular.zarr", "");
-    let document = place.document("adaptive.zarr", "--set map.adaptive=true");
+    let document = place.document(
+        "adaptive.zarr",
+        "--set map.adaptive=true --set map.refine-from=4",
+    );
     let verdicts = |name: &str| flags(&opened(&place, name), "verdict");
     assert_eq!(verdicts("adaptive.zarr"), verdicts("regular.zarr"));
     assert!(document["evaluated"].as_u64() < document["states"].as_u64());

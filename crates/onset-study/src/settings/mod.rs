@@ -533,11 +533,11 @@ mod tests {
     #[test]
     fn every_key_can_be_set_with_every_word_that_it_expects() {
         for key in KEYS.iter() {
-            let words = match (key.words(), key.kind) {
-                ([], Kind::Whole(..)) => &["2"],
-                ([], Kind::Switch) => &["true"],
-                ([], _) => &["1.5"],
-                (words, _) => words,
+            let words: Vec<String> = match (key.words(), key.kind) {
+                ([], Kind::Whole(least, _)) => vec![least.max(2).to_string()],
+                ([], Kind::Switch) => vec!["true".to_owned()],
+                ([], _) => vec!["1.5".to_owned()],
+                (words, _) => words.iter().map(|word| (*word).to_owned()).collect(),
             };
             for word in words {
                 let mut settings = Settings::default();

@@ -66,7 +66,7 @@ impl<const N: usize> Real for Dual<N> {
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)
     }
-    fn hull(self, _other: Self) -> Self {
+    fn blended(self, _threshold: f64, _below: Self, _above: Self) -> Self {
         Self {
             value: f64::NAN,
             gradient: [f64::NAN; N],

@@ -363,6 +363,9 @@ impl Real for Interval {
             high: self.high.max(other.high),
         }
     }
+    fn blended(self, _threshold: f64, below: Self, above: Self) -> Self {
+        below.hull(above)
+    }
     fn recip(self) -> Self {
         if self.low <= 0.0 && self.high >= 0.0 {
             return Self::ENTIRE;

@@ -77,10 +77,10 @@ pub trait Real:
         }
     }
 
-    /// A number that stands for both where a side is not decided: the smallest interval that holds two intervals. Of plain
-    /// numbers only one that is not a number has no side, and no formula has a value there.
+    /// A number that stands for both: the smallest interval that holds two intervals. Of plain numbers, which stand for
+    /// themselves alone, the number itself.
     fn hull(self, _other: Self) -> Self {
-        Self::constant(f64::NAN)
+        self
     }
 
     /// One formula below a threshold of this number, another at it and above; both where that is not decided, and no number where
@@ -106,9 +106,9 @@ pub trait Real:
     }
 
     /// What stands for the numbers of both sides where this number is on both: the hull of intervals, lane by lane the one
-    /// of its side.
-    fn blended(self, _threshold: f64, below: Self, above: Self) -> Self {
-        below.hull(above)
+    /// of its side. A plain number without a side is none, and no formula has a value there.
+    fn blended(self, _threshold: f64, _below: Self, _above: Self) -> Self {
+        Self::constant(f64::NAN)
     }
 
     /// Does work in the way that is best for such numbers: in the widest vectors of the machine for those with lanes.

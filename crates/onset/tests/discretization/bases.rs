@@ -245,7 +245,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
             let found = SchemeSurvey::new(&sph, &law)
                 .and_then(|s| s.assess(&f))
                 .expect("an answer");
-            assert_eq!(found.verdict, of_sph.verdict, "{context}");
+            // Not the verdicts: which modes have no energy is told in the state F = 1, which is another one of the sheared law.
             assert_same_spectrum(&of_sph.spectrum, &found.spectrum, &context);
         }
     }

@@ -141,9 +141,11 @@ fn the_summary_is_reached_and_not_only_bounded() {
             };
             let scaled =
                 d.omega_squared(&k)[0].re / (speed_squared * method.lattice().laplacian(&k));
+            // Where a translation has a negative omega^2 the measure has no minimum, and another number stands for it.
             prop_assert!(
-                (scaled - softest.scaled).abs()
-                    < 1e-6 * softest.scaled.abs().max(1.0) + 1e-3 * (1.0 - length)
+                !is_bounded(&d)
+                    || (scaled - softest.scaled).abs()
+                        < 1e-6 * softest.scaled.abs().max(1.0) + 1e-3 * (1.0 - length)
             );
             seen.set(seen.get() + usize::from(!softest.is_long_wave));
             Ok(())

@@ -161,13 +161,22 @@ impl<'a, const D: usize> Search<'a, D> {
         self.crystal.lattice().vectors().transpose() * k / TAU
     }
 
-    /// The distance of two wave vectors, of which opposite ones and those that differ by a reciprocal vector are the same.
-    fn distance(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
+    /// The way from one wave vector to another, of which opposite ones and those that differ by a reciprocal vector are the same.
+    fn way(&self, from: &SVector<f64, D>, to: &SVector<f64, D>) -> SVector<f64, D> {
         let nearest = |difference: SVector<f64, D>| {
             let x = self.fractional(&difference);
-            self.wave_vector(&x.map(|x| x - x.round())).norm()
+            self.wave_vector(&x.map(|x| x - x.round()))
         };
-        nearest(a - b).min(nearest(a + b))
+        let [ahead, opposite] = [nearest(to - from), nearest(-to - from)];
+        if opposite.norm() < ahead.norm() {
+            opposite
+        } else {
+            ahead
+        }
+    }
+
+    fn distance(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
+        self.way(a, b).norm()
     }
 
     /// The mode that all wave vectors have: `R` is analytic, so that three of them tell.
@@ -327,6 +336,19 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
+    /// Whether a root at which slopes vanish is one of a line or surface: where lines cross, they vanish in directions that no line
+    /// has. Between such a root and the next one of a line are others.
+    fn is_on_line(&self, root: &Root<D>) -> bool {
+        let ways = self.continued.iter();
+        let ways = ways.map(|other| self.way(&root.wave_vector, &other.wave_vector));
+        let nearest = ways.min_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let is_between = |way: &SVector<f64, D>| {
+            let halfway = root.wave_vector + way * 0.5;
+            self.rows.polished(&halfway, 0.25 * way.norm()).is_some()
+        };
+        !root.flat.is_empty() && nearest.as_ref().is_some_and(is_between)
+    }
+
     /// Modes at `k = 0` other than the translations, which only cells with several particles have.
     fn at_rest(&self) -> Option<ZeroMode<D>> {
         let zero = SVector::zeros();
@@ -353,7 +375,8 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// The others, shortest wave vectors first: each isolated one, and of lines and surfaces that are connected one.
     fn modes(&self, folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<ZeroMode<D>> {
-        let is_elsewhere = |root: &&Root<D>| root.wave_vector.norm() > 0.0;
+        let is_elsewhere =
+            |root: &&Root<D>| root.wave_vector.norm() > 0.0 && !self.is_on_line(root);
         let mode = |root: &Root<D>, extent| ZeroMode {
             wave_vector: root.wave_vector,
             extent,
