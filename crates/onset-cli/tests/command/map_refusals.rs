@@ -306,7 +306,9 @@ fn a_chunk_in_the_place_of_another_is_noticed() {
         ("stretch-1/c/0", "b.zarr", "stretch-1/c/0"),
     ] {
         let other = place.store(of).join(from);
-        let copy = |path: &Path| drop(fs::copy(&other, path).expect("a copy"));
+        let copy = |path: &Path| {
+            fs::copy(&other, path).expect("a copy");
+        };
         assert_damage_found(&place, name, copy, &["another"]);
         copy(&place.store("a.zarr").join(name));
         let store = place.store("a.zarr").display().to_string();
