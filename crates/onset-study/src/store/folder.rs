@@ -66,17 +66,25 @@ impl Folder {
         written
     }
 
-    /// That no link leads out of the folder on the way to a file.
+    /// That no link leads out of the folder on the way to a file, as far as that way is there.
     fn check_inside(&self, path: &Path) -> io::Result<()> {
-        let (Some(parent), Ok(within)) = (path.parent(), path.strip_prefix(&self.root)) else {
-            return Ok(());
+        let root = match fs::canonicalize(&self.root) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            root => root?,
         };
-        let expected = fs::canonicalize(&self.root)?.join(within);
-        if Some(fs::canonicalize(parent)?.as_path()) == expected.parent() {
-            Ok(())
-        } else {
-            Err(io::Error::other("a link leads out of the store"))
+        for folder in path.ancestors().skip(1) {
+            let Ok(within) = folder.strip_prefix(&self.root) else {
+                break;
+            };
+            match fs::canonicalize(folder) {
+                Ok(real) if real == root.join(within) => return Ok(()),
+                Ok(_) => return Err(io::Error::other("a link leads out of the store")),
+                // Still to be made.
+                Err(error) if error.kind() == ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
         }
+        Ok(())
     }
 
     /// Removes what killed processes have left. Only for who has the store for itself.
@@ -162,6 +170,8 @@ mod tests {
         let folder = Folder::new(&root);
         assert!(folder.write("a/c/0/0", b"one").is_err());
         assert!(folder.write("a/c/new", b"one").is_err());
+        assert!(folder.write("a/c/1/new", b"one").is_err());
+        assert_eq!(fs::read_dir(&outside).expect("a folder").count(), 1);
         assert_eq!(
             fs::read_dir(outside.join("0")).expect("a folder").count(),
             0
