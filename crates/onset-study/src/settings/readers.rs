@@ -110,7 +110,7 @@ fn values(key: &Key) -> Vec<String> {
     numbers.iter().map(|value| (*value).to_owned()).collect()
 }
 
-/// Frequencies of some waves at some states, and time steps.
+/// Frequencies of some waves at some states, without and with damping.
 fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
     fn of<const D: usize>(problem: &Problem) -> Result<Vec<f64>, String> {
         let told = |error: &dyn std::fmt::Display| error.to_string();
@@ -135,17 +135,12 @@ fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
                     None => {
                         let system = system.as_ref().map_err(|error| told(error))?;
                         let squares = system.omega_squared(&k);
-                        all.extend(squares.iter().flat_map(|z| [z.re, z.im]));
+                        let damped = system.frequencies(&k);
+                        let values = squares.iter().chain(&damped);
+                        all.extend(values.flat_map(|z| [z.re, z.im]));
                     }
                 }
             }
-            let steps = method.damped_time_steps(&*problem.material, &f);
-            all.extend(
-                steps
-                    .map_err(|error| told(&error))?
-                    .iter()
-                    .map(|step| step.1),
-            );
         }
         Ok(all)
     }
