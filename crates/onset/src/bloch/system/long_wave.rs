@@ -31,6 +31,8 @@ struct LongWave {
     translations: DMatrix<Complex>,
     /// `L` with `L^T R = 1`: the mean displacement, weighted with the masses.
     mean: DMatrix<Complex>,
+    /// The size of what `D0` is summed up from.
+    magnitude: f64,
 }
 
 impl LongWave {
@@ -40,7 +42,7 @@ impl LongWave {
         let [d0, _, _] = &self.orders;
         let mean = self.mean.transpose();
         // Forces that add up to zero make Y = L. In general S = D0 + R L^T has Y^T S = L^T.
-        let duals = if (&mean * d0).norm() <= FREE * d0.norm() {
+        let duals = if (&mean * d0).norm() <= FREE * self.magnitude {
             mean
         } else {
             &mean * inverse(d0 + &self.translations * &mean)
@@ -164,6 +166,7 @@ impl<const D: usize> WaveSystem<D> {
             orders,
             translations,
             mean,
+            magnitude: self.noise() / f64::EPSILON,
         }
     }
 }
