@@ -125,7 +125,9 @@ fn answer<const D: usize>(
     // stress, as on a kink, is a state like others.
     match method.assess(&*problem.material, from) {
         Err(error) if error.is_outside_domain() => {}
-        other => drop(other?),
+        other => {
+            other?;
+        }
     }
     let is_marginal = |f: &DeformationGradient| {
         let stiffness = Stiffness::<D>::at(&*problem.material, f);
