@@ -97,7 +97,7 @@ pub enum Trouble {
 /// let law = Formula::parse("I1 - 2*ln(J) - abs(J - 1)")?.with(&[])?;
 /// let f = DeformationGradient::from_stretches([2.0, 0.5, 1.0])?;
 /// let Err(MaterialError::Formula(error)) = law.response(&f) else { panic!("not differentiable") };
-/// assert_eq!((error.trouble, error.place.column), (Trouble::Kink, 15));
+/// assert_eq!((error.trouble, error.place.column), (Trouble::Kink, 16));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -93,8 +93,11 @@ impl Value {
     }
 }
 
+/// A value from numbers with their errors.
+type Function<'f> = dyn Fn(&[(f64, f64)]) -> Value + 'f;
+
 fn evaluated(tree: &Tree, leaf: &impl Fn(&str) -> f64) -> Value {
-    let with = |parts: &[&Tree], then: &dyn Fn(&[(f64, f64)]) -> Value| {
+    let with = |parts: &[&Tree], then: &Function<'_>| {
         let values: Vec<Value> = parts.iter().map(|part| evaluated(part, leaf)).collect();
         if values.contains(&Value::Unclear) {
             return Value::Unclear;

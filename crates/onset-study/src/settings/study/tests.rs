@@ -351,9 +351,11 @@ fn the_stride_of_refinement_fits_into_a_tile() {
     // Unless given, it is made to fit.
     assert_eq!(study(&format!("map.tile = 9\n{PLANE}")).map.refine_from, 8);
     assert_eq!(
-        study(&format!("map.tile = 9\nmap.refine-from = 4\n{PLANE}"))
-            .map
-            .refine_from,
+        study(&format!(
+            "map.tile = 9\nmap.refine-from = 4\nmap.adaptive = true\n{PLANE}"
+        ))
+        .map
+        .refine_from,
         4
     );
 }
