@@ -239,10 +239,19 @@ const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
 const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
 const UPDATED_SPH: Cases = &[&[is(METHOD, &["updated-sph"])]];
 const ARTIFICIALLY_STRESSED: Cases = &[&[is_not("discretization.artificial-stress", &["0"])]];
+const SMOOTHED: Cases = &[&[
+    is(METHOD, &["updated-sph"]),
+    is_not("discretization.velocity-smoothing", &["0"]),
+]];
 const ELEMENTS: Cases = &[&[is(METHOD, &["finite-elements"])]];
 /// Elements in which the gradient varies.
 const MULTILINEAR: Cases = &[&[is("discretization.mesh", &["quadrilaterals", "bricks"])]];
 const ONE_POINT: Cases = &[&[is("discretization.integration", &["one-point"])]];
+/// Elements whose hourglass modes are controlled.
+const HOURGLASS: Cases = &[
+    &[is_not("discretization.hourglass-stiffness", &["0"])],
+    &[is_not("discretization.hourglass-viscosity", &["0"])],
+];
 const CONFORMING: Cases = &[&[is(METHOD, &["conforming"])]];
 const PERIDYNAMICS: Cases = &[&[is(METHOD, &["peridynamics"])]];
 const BONDS: Cases = &[&[is("discretization.bonds", &["bond-based"])]];
@@ -268,7 +277,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Switch,
         "SPH: gradients corrected to be exact for linear fields (PySPH: false)",
     )
-    .only_with(MULTILINEAR),
+    .only_with(SPH),
     key(
         "discretization.momentum",
         Kind::Words(&["symmetric", "mean", "difference"]),
@@ -322,7 +331,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["everything", "positions"]),
         "updated SPH: what follows smoothed velocities: the whole motion, or positions only, as in PySPH",
     )
-    .only_with(UPDATED_SPH),
+    .only_with(SMOOTHED),
     key(
         "discretization.mesh",
         Kind::Words(&[
@@ -345,7 +354,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["full", "one-point"]),
         "finite elements: integration points",
     )
-    .only_with(ELEMENTS),
+    .only_with(MULTILINEAR),
     key(
         "discretization.hourglass-stiffness",
         Kind::Number("1"),
@@ -363,7 +372,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["gradients", "radioss"]),
         "finite elements: what the hourglass coefficients are multiplied with, gradients or sizes as in Radioss",
     )
-    .only_with(ONE_POINT),
+    .only_with(HOURGLASS),
     key(
         "discretization.mass",
         Kind::Words(&["lumped", "consistent"]),

@@ -39,6 +39,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &[],
             &["viscosity=0.5"],
             &["artificial-stress=0.3"],
+            &["velocity-smoothing=0.3"],
             &["cells=2", "perturbation=0.05"],
             &["arrangement=rectangular", "aspect=1.1"],
             &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
@@ -49,6 +50,11 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         &[
             &[],
             &["integration=one-point"],
+            &[
+                "mesh=bricks",
+                "integration=one-point",
+                "hourglass-stiffness=0.1",
+            ],
             &["mesh=triangles"],
             &["mesh=bars"],
         ],
