@@ -547,7 +547,11 @@ fn needed(key: &Key) -> String {
         "discretization.vectors" => "",
         _ => "discretization.vectors = [1, 0, 0, 1]\n",
     };
-    let mut lines: String = cases.first().into_iter().flatten().map(line).collect();
+    // Of several needs of one key the first, which is the narrower one.
+    let mut keys = std::collections::BTreeSet::new();
+    let needs = cases.first().into_iter().flatten();
+    let needs = needs.filter(|need| keys.insert(need.key));
+    let mut lines: String = needs.map(line).collect();
     if lines.contains("\"oblique\"") {
         lines.push_str(vectors);
     }
