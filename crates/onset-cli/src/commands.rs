@@ -192,12 +192,11 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
 /// Reads a study, changed by assignments, of which a library may be loaded if the user allows it.
 pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study, Failure> {
     let (name, text) = source(file)?;
-    let study = Study::parse(&name, &text)
+    let mut study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
-        .map_err(Failure::input)?
-        .allowing(trust);
-    let permitted = study.settings.material.permitted();
-    permitted.map_err(Failure::input).map(|()| study)
+        .map_err(Failure::input)?;
+    study.settings.material = permitted(study.settings.material, trust)?;
+    Ok(study)
 }
 
 impl TrustArguments {

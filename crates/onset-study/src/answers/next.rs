@@ -1,6 +1,7 @@
 //! Which command goes on from a verdict, with the settings at hand.
 
 use crate::settings::{Family, Key, Settings, Value};
+use crate::shell::quoted;
 use onset::verdict::Verdict;
 
 /// Commands that go on from a verdict.
@@ -45,12 +46,7 @@ fn assignments(settings: &Settings, without: Option<&str>) -> String {
                 .join(","),
             other => other.to_string(),
         };
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.,/=+".contains(c);
-        match text.chars().all(plain) {
-            true => format!(" --set {name}={text}"),
-            // A text with blanks or signs that a shell reads.
-            false => format!(" --set '{name}={}'", text.replace('\'', "'\\''")),
-        }
+        format!(" --set {}", quoted(format!("{name}={text}").as_ref()))
     };
     let effective = settings.effective();
     let chosen = effective

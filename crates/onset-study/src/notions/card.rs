@@ -1,8 +1,8 @@
 //! The safe range card of a law: where it is strongly elliptic, on one page.
 
 use super::figure::{held, stretches};
-use super::sentence::{heading, witness};
-use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question, told};
+use super::sentence::{heading, opening, witness};
+use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
 use crate::output::{Files, text};
@@ -246,12 +246,7 @@ impl CardAnswer {
 
 impl Display for CardAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
-        writeln!(
-            formatter,
-            "{}{}",
-            heading(&self.material),
-            told(&self.material.notes)
-        )?;
+        writeln!(formatter, "{}", opening(&self.material))?;
         let [low, high] = self.range;
         writeln!(
             formatter,

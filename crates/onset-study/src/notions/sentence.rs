@@ -9,12 +9,7 @@ const SAME: f64 = 1e-6;
 
 impl Display for NotionsAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
-        writeln!(
-            formatter,
-            "{}{}",
-            heading(&self.material),
-            told(&self.material.notes)
-        )?;
+        writeln!(formatter, "{}", opening(&self.material))?;
         let [low, high] = self.range;
         writeln!(formatter, "Stretches from {low} to {high}.")?;
         writeln!(formatter, "{}", polyconvexity(&self.polyconvexity))?;
@@ -86,6 +81,11 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
         false => "not isotropic",
     };
     format!("{} ({}), {symmetry}.", law.model, parameters.join(", "))
+}
+
+/// The heading with the notes on a law.
+pub(super) fn opening(law: &super::LawAnswer) -> String {
+    heading(law) + &told(&law.notes)
 }
 
 /// What is known about polyconvexity, in a line.

@@ -26,9 +26,16 @@ pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
 
 use crate::algebra::Complex;
+use nalgebra::SVector;
 
 /// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
 pub(crate) const ZERO_ENERGY: f64 = 1e-10;
+
+/// Whether `-k` stands for a wave vector and its opposite, which have the same waves: the one with a positive leading component.
+fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
+    let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());
+    leading.is_some_and(|x| *x < 0.0)
+}
 
 /// The growth rate of a mode, `-Im omega` of the growing root: `sqrt((|w| - Re w) / 2)` for `w = omega^2`.
 /// It is `sqrt(-omega^2)` for a negative and zero for a positive real `omega^2`. 1/time.

@@ -5,7 +5,7 @@
 //! forces are isotropic, and a short basis there, the same spectrum varies as that of any lattice. What is found is carried
 //! back.
 
-use super::{Mode, SpectrumSummary};
+use super::{Mode, SpectrumSummary, is_shown_reversed};
 use crate::lattice::{BravaisLattice, Reduced, determinant, inverse_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -81,8 +81,7 @@ impl<const D: usize> ShortRange<D> {
                 };
             }
             let k = folded(&k);
-            let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());
-            if leading.is_some_and(|x| *x < 0.0) {
+            if is_shown_reversed(&k) {
                 return Mode {
                     wave_vector: -k,
                     polarization: mode.polarization.map(|z| z.conj()),

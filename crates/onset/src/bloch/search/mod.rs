@@ -10,7 +10,7 @@ mod mirrored;
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
-use super::{DynamicalMatrix, growth_rate};
+use super::{DynamicalMatrix, growth_rate, is_shown_reversed};
 use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
@@ -262,10 +262,7 @@ impl<const D: usize> ZoneSearch<D> {
     pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
         // Of equivalent wave vectors the one in the zone is shown, of k and -k that with a positive leading component.
         let mut folded = if self.is_periodic { self.folded(k) } else { *k };
-        let leading = folded
-            .iter()
-            .find(|component| component.abs() > 1e-9 * folded.amax());
-        if leading.is_some_and(|component| *component < 0.0) {
+        if is_shown_reversed(&folded) {
             folded = -folded;
         }
         let k = &folded;
