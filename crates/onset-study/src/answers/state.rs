@@ -168,6 +168,10 @@ pub struct DiscretizationAnswer {
     /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
+    /// No scaled measure of any wave is below this; `null` where `minimum_scaled` is that of a search which nothing bounds.
+    pub minimum_scaled_bound: Option<f64>,
+    /// How the minimum was got: `bounded` or `searched`.
+    pub minimum_scaled_by: &'static str,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
     /// Smallest scaled measure of the long-wave limit.
@@ -307,6 +311,11 @@ fn discretization_answer<const D: usize>(
             .into_iter()
             .map(|(integrator, step)| (integrator.name(), step))
             .collect(),
+        minimum_scaled_bound: Some(spectrum.bound).filter(|bound| bound.is_finite()),
+        minimum_scaled_by: match spectrum.bound.is_finite() {
+            true => "bounded",
+            false => "searched",
+        },
         minimum_scaled_wave_vector: list(&finite_wave_vector(&spectrum.softest)),
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
@@ -392,7 +401,12 @@ impl std::fmt::Display for StateAnswer {
             },
         };
         line(&of("smallest omega^2"), omega_squared)?;
-        line(&of("scaled minimum"), told_of(d.minimum_scaled, 1.0))?;
+        let bound = match d.minimum_scaled_bound {
+            Some(bound) => format!("no wave below {}", told_of(bound, 1.0)),
+            None => "searched, not bounded".to_owned(),
+        };
+        let minimum = told_of(d.minimum_scaled, 1.0);
+        line(&of("scaled minimum"), format!("{minimum} ({bound})"))?;
         line(
             &of(if d.stable {
                 "softest wave vector"

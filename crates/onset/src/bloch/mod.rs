@@ -5,6 +5,7 @@
 //! are those of relative positions.
 
 mod assembly;
+mod bound;
 mod branches;
 mod dynamical_matrix;
 mod mirror;

@@ -36,6 +36,9 @@ pub struct SpectrumSummary<const D: usize> {
     pub maximum_omega: f64,
     /// `|scaled|` below this is zero to rounding.
     pub tolerance: f64,
+    /// No scaled measure of any wave vector, nor of the limit of long waves, is below this; minus infinity where `softest` is the
+    /// softest mode that a search has found, and nothing bounds the others.
+    pub bound: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutters: bool,
 }

@@ -225,6 +225,14 @@ impl<const D: usize> BravaisLattice<D> {
         self.measured(|a, weight| a * a.transpose() * weight)
     }
 
+    /// The vectors of the lattice Laplacian by their products with given wave vectors (columns), with their weights: `|k|_h^2 =
+    /// sum_i 4 w_i sin^2(k.a_i / 2)`.
+    pub(crate) fn measured_along(&self, waves: &SMatrix<f64, D, D>) -> Vec<([f64; D], f64)> {
+        let Measure { vectors, weights } = &self.measure;
+        let along = |i: usize| std::array::from_fn(|n| waves.column(n).dot(&vectors.column(i)));
+        (0..D).map(|i| (along(i), weights[i])).collect()
+    }
+
     /// A sum over the vectors and weights of the lattice Laplacian.
     fn measured<T: std::iter::Sum>(&self, term: impl Fn(SVector<f64, D>, f64) -> T) -> T {
         let Measure { vectors, weights } = &self.measure;

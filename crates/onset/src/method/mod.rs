@@ -327,6 +327,15 @@ pub enum MethodError {
         /// The linearization.
         linearization: &'static str,
     },
+    /// A consistent mass that vanishes for some waves, for which there is no equation of motion.
+    #[error(
+        "the consistent mass matrix is singular: the points of the quadrature see nothing of the wave with the phases {phases:?} \
+         from node to node\n  hint: choose discretization.grid-mass = \"lumped\", or more points in a cell"
+    )]
+    SingularMass {
+        /// The phases of the wave along the axes, over pi.
+        phases: Vec<u8>,
+    },
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,

@@ -181,7 +181,8 @@ pub fn assess<const D: usize>(
 ) -> Result<Assessment<D>, MethodError> {
     let continuum = MaterialAssessment::new(material, f)?;
     let search = zone_search(method, material, f)?;
-    let spectrum = finite(search.summary(&dynamical_matrix(method, material, f)?))?;
+    let matrix = dynamical_matrix(method, material, f)?;
+    let spectrum = finite(search.bounded_summary(&matrix))?;
 
     let softest = &spectrum.softest;
     let gradient_norm = gradient_norm_of(method, f, &search, softest)?;

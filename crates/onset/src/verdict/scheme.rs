@@ -123,7 +123,8 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
     /// [`MethodError`] when scheme or material cannot be evaluated there.
     pub fn assess(&self, f: &DeformationGradient) -> Result<Assessment<D>, MethodError> {
         let material = MaterialAssessment::<D>::new(self.material, f)?;
-        let spectrum = self.spectrum(f)?;
+        let system = self.scheme.waves(self.material, f)?;
+        let spectrum = finite(self.search.bounded_summary_of(&system))?;
         let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         let verdict = decided(
             material.ellipticity(),

@@ -14,6 +14,8 @@ use std::time::{Duration, Instant};
 const GROWTH: f64 = 1e-5;
 /// Differences that count, relative to the scale of what is compared.
 const DIFFERENCE: f64 = 1e-6;
+/// Rounding of an `omega^2` that three modes have in common, over the scale, where their vectors are nearly dependent.
+const DEFECTIVE: f64 = 1e-6;
 /// Answers that take longer are told.
 const LONG: Duration = Duration::from_secs(2);
 
@@ -29,6 +31,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     let (seed, cases) = hunted(12);
     let mut wrong = Vec::new();
     let mut counts = [0; 3];
+    let mut bounded = [0; 3];
     let mut time = Duration::ZERO;
     for case in 0..cases as u64 {
         let mut random = Random::new(seed + case);
@@ -38,7 +41,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
             2 => checked::<2>(&mut random),
             _ => checked::<3>(&mut random),
         };
-        let Some((name, is_stable, took, complaints)) = complaints else {
+        let Some((name, is_stable, took, complaints, gap)) = complaints else {
             continue;
         };
         time += took;
@@ -46,12 +49,19 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
             eprintln!("seed {}: took {took:?}: {name}", seed + case);
         }
         counts[if is_stable { 0 } else { 1 }] += 1;
+        bounded[0] += usize::from(gap.is_finite());
+        bounded[1] += usize::from(gap < 1e-6);
+        bounded[2] += usize::from(gap < 1e-3);
         for complaint in complaints {
             let text = format!("seed {}: {complaint}\n    {name}", seed + case);
             eprintln!("{text}");
             wrong.push(text);
         }
     }
+    eprintln!(
+        "{} bounded, of which {} to 1e-6 and {} to 1e-3 of the scale",
+        bounded[0], bounded[1], bounded[2]
+    );
     counts[2] = cases - counts[0] - counts[1];
     eprintln!(
         "{time:?} in the search: {} stable, {} unstable, {} without an answer; {} complaints",
@@ -64,7 +74,10 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
 }
 
 /// What is wrong with the answer for one random state; `None` where there is none.
-fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Duration, Vec<String>)> {
+#[allow(clippy::type_complexity)]
+fn checked<const D: usize>(
+    random: &mut Random,
+) -> Option<(String, bool, Duration, Vec<String>, f64)> {
     let (name, drawn) = method::<D>(random)?;
     let (law, material) = material(random);
     let f = state::<D>(random);
@@ -73,7 +86,9 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Duratio
     let (spectrum, speed, waves) = answered(&drawn, &*material, &f)?;
     let took = start.elapsed();
     let complaints = compared(&spectrum, speed, &waves);
-    Some((name, spectrum.is_stable(), took, complaints))
+    let softest = spectrum.softest.scaled;
+    let gap = (softest - spectrum.bound) / softest.abs().max(1.0);
+    Some((name, spectrum.is_stable(), took, complaints, gap))
 }
 
 fn answered<const D: usize>(
@@ -94,7 +109,7 @@ fn answered<const D: usize>(
         }
         Drawn::Scheme(scheme) => {
             let survey = SchemeSurvey::new(&**scheme, material).ok()?;
-            let spectrum = survey.spectrum(f).ok()?;
+            let spectrum = survey.assess(f).ok()?.spectrum;
             let system = scheme.waves(material, f).ok()?;
             let speed = survey.speed_squared().sqrt();
             Some((spectrum, speed, Waves::of_system(&system)))
@@ -137,11 +152,19 @@ fn compared<const D: usize>(
     }
     let (lowest, k) = found.lowest;
     let told = spectrum.lowest.omega_squared.re;
-    if lowest < -(GROWTH * speed).powi(2) && told > lowest + DIFFERENCE * lowest.abs() {
+    if lowest < -(GROWTH * speed).powi(2)
+        && told > lowest + DIFFERENCE * lowest.abs() + DEFECTIVE * waves.scale
+    {
         wrong.push(format!("omega^2 = {lowest:e} at {k:?}, said {told:e}"));
     }
     let (scaled, k) = found.scaled;
     let (scaled, told) = (scaled / (speed * speed), spectrum.softest.scaled);
+    if spectrum.bound > scaled.min(told) + 1e-9 * scaled.abs().max(1.0) {
+        let bound = spectrum.bound;
+        wrong.push(format!(
+            "bounded by {bound:e}, but {scaled:e} at {k:?}, said {told:e}"
+        ));
+    }
     // Where modes grow at k = 0 this has no minimum.
     let at_rest = waves.omega_squared(&nalgebra::SVector::zeros());
     let at_rest = at_rest.iter().map(|z| z.re).fold(0.0, f64::min);

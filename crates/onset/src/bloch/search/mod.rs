@@ -7,6 +7,7 @@ mod descent;
 mod grid;
 mod mirrored;
 
+use super::bound::{self, Measure, Question};
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
@@ -156,15 +157,24 @@ impl<const D: usize> ZoneSearch<D> {
         Some((range, search, matrix))
     }
 
-    /// The extremes of the spectrum.
+    /// The extremes of the spectrum, as a search finds them.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
+        self.found(matrix, false)
+    }
+
+    /// The same with a lower bound of the scaled measure, where the matrix is Hermitian and periodic.
+    pub fn bounded_summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
+        self.found(matrix, true)
+    }
+
+    fn found(&self, matrix: &DynamicalMatrix<D>, is_bounded: bool) -> SpectrumSummary<D> {
         let unit = matrix.moderate_unit();
         if unit != 1.0 {
-            let found = self.in_units(unit).summary(&matrix.over(unit));
+            let found = self.in_units(unit).found(&matrix.over(unit), is_bounded);
             return found.in_units(unit);
         }
         if let Some((range, search, matrix)) = self.short_ranged(matrix) {
-            let found = search.summary(&matrix);
+            let found = search.found(&matrix, is_bounded);
             return range.carried_back(&found, |k| self.folded(k));
         }
         let long_wave = self.long_wave_limit(matrix);
@@ -175,6 +185,10 @@ impl<const D: usize> ZoneSearch<D> {
             .bottom(self, matrix, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
+        let (softest, bound) = match is_bounded && self.is_periodic {
+            true => self.bounded(matrix, softest),
+            false => (softest, f64::NEG_INFINITY),
+        };
         // A translation that strains the body can have a negative omega^2 itself.
         let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
         let lowest = grows
@@ -202,8 +216,44 @@ impl<const D: usize> ZoneSearch<D> {
             fastest_growing,
             maximum_omega: highest.max(0.0).sqrt(),
             tolerance,
+            bound,
             flutters: fluttering.is_some(),
         }
+    }
+
+    /// The softest mode of the whole zone, of which one is known, and a lower bound of the scaled measure.
+    fn bounded(&self, matrix: &DynamicalMatrix<D>, known: Mode<D>) -> (Mode<D>, f64) {
+        let question = Question {
+            known: known.scaled,
+            gap: bound::GAP * known.scaled.abs().max(1.0) + self.tolerance(matrix),
+            budget: bound::BUDGET,
+            value: &|k| self.value_at(matrix, Objective::Scaled, k),
+            descended: &|(value, k)| {
+                let end = self.settled(matrix, Objective::Scaled, k, f64::INFINITY);
+                let lower = self.value_at(matrix, Objective::Scaled, &end);
+                if lower < value {
+                    (lower, end)
+                } else {
+                    (value, k)
+                }
+            },
+        };
+        let measure = Measure::Scaled(self.speed_squared);
+        let Some(covered) = bound::cover_matrix(matrix, measure, self.reference(), &question)
+        else {
+            return (known, f64::NEG_INFINITY);
+        };
+        let softest = match covered.wave_vector {
+            Some(direction) if covered.is_long_wave => Mode {
+                wave_vector: direction,
+                scaled: covered.lowest,
+                is_long_wave: true,
+                ..known
+            },
+            Some(k) => self.mode(matrix, &k),
+            None => known,
+        };
+        (softest, covered.bound)
     }
 
     /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
@@ -384,17 +434,20 @@ impl<const D: usize> ZoneSearch<D> {
         [0.15, 0.35, 0.7, 1.2].map(along).to_vec()
     }
 
-    /// The smallest scaled measure at the halves and thirds of reciprocal vectors, among which are X, M and K.
+    /// The smallest scaled measure at the points of high symmetry.
     fn symmetric_minimum(&self, matrix: &DynamicalMatrix<D>) -> f64 {
+        self.symmetric_points()
+            .map(|k| if self.is_periodic { k } else { self.folded(&k) })
+            .map(|k| self.value_at(matrix, Objective::Scaled, &k))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The halves and thirds of reciprocal vectors, among which are X, M and K.
+    pub(in crate::bloch) fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
         (1..4_usize.pow(D as u32))
-            .map(|index| SVector::from(grid_coordinates::<D>(index, 4).map(|n| fractions[n])))
-            .map(|fractional| {
-                let k = self.reference().reciprocal() * fractional;
-                let k = if self.is_periodic { k } else { self.folded(&k) };
-                self.value_at(matrix, Objective::Scaled, &k)
-            })
-            .fold(f64::INFINITY, f64::min)
+            .map(move |index| SVector::from(grid_coordinates::<D>(index, 4).map(|n| fractions[n])))
+            .map(|fractional| self.reference().reciprocal() * fractional)
     }
 
     /// The rigid translation, with the scaled measure of its neighborhood.

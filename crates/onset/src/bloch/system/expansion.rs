@@ -93,6 +93,29 @@ impl<const D: usize> WaveSystem<D> {
     }
 }
 
+impl<const D: usize> WaveSystem<D> {
+    /// `D(k)` with its first derivatives.
+    pub(super) fn slopes_at(
+        &self,
+        k: &SVector<f64, D>,
+    ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
+        let (mut value, mut slopes) = self.stiffness.slopes_at(k);
+        if let Some(drift) = &self.drift {
+            let (own, turned) = drift.slopes_at(k);
+            slopes = std::array::from_fn(|a| &slopes[a] * &own + &value * &turned[a]);
+            value *= own;
+        }
+        let divided = |matrix: DMatrix<Complex>| self.divided_by_mass(k, matrix);
+        let value = divided(value);
+        if let Mass::Consistent(mass) = &self.mass {
+            // M D = N, differentiated.
+            let (_, masses) = mass.slopes_at(k);
+            slopes = std::array::from_fn(|a| &slopes[a] - &masses[a] * &value);
+        }
+        (value, slopes.map(divided))
+    }
+}
+
 impl<const D: usize> MatrixExpansion<D> {
     fn part(&self, indices: &[usize]) -> &DMatrix<Complex> {
         match *indices {

@@ -7,6 +7,7 @@
 
 mod expansion;
 mod long_wave;
+mod pocket;
 mod spectrum;
 mod sum;
 mod zone;

@@ -131,6 +131,30 @@ impl<const D: usize> BlochSum<D> {
         })
     }
 
+    /// `S(k)` with its first derivatives by the components of the wave vector.
+    pub(super) fn slopes_at(
+        &self,
+        k: &SVector<f64, D>,
+    ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
+        let zeros = || DMatrix::zeros(self.size(), self.size());
+        let (mut value, mut slopes) = (zeros(), std::array::from_fn(|_| zeros()));
+        for term in &self.terms {
+            let (sine, cosine) = k.dot(&term.vector).sin_cos();
+            let phase = Complex::new(cosine, sine);
+            let (row, column) = (D * term.from, D * term.to.site);
+            for i in 0..D {
+                for j in 0..D {
+                    let entry = phase * term.block[(i, j)];
+                    value[(row + i, column + j)] += entry;
+                    for (a, slope) in slopes.iter_mut().enumerate() {
+                        slope[(row + i, column + j)] += entry * Complex::new(0.0, term.vector[a]);
+                    }
+                }
+            }
+        }
+        (value, slopes)
+    }
+
     /// `S(k)` with its derivatives by the components of the wave vector.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
         MatrixExpansion::from_parts(|indices| {

@@ -7,6 +7,7 @@
 
 use super::WaveSystem;
 use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
+use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
@@ -14,7 +15,7 @@ use crate::continuum::Stiffness;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Points of the grid per period of the fastest phase.
 const POINTS_PER_PERIOD: usize = 10;
@@ -23,6 +24,17 @@ const POINTS_PER_PERIOD: usize = 10;
 const ROUNDING: f64 = 16.0;
 /// The same for the limit of long waves, where the forces of particles that relax cancel others.
 const RELAXED: f64 = 1024.0;
+/// What is not told from the largest and the smallest frequency, over the scale of frequencies, and the part of the work for a bound that
+/// is done for them.
+const FREQUENCY_GAP: f64 = 4e-7;
+const FREQUENCY_SHARE: usize = 4;
+/// Differences of a bound from the smallest value, over the scale, from which the smallest value is searched too.
+const LOOSE: f64 = 1e-3;
+/// Pockets of complex `omega^2` that are foreseen, and how often each is looked at again from nearer.
+const POCKETS: usize = 256;
+const CLOSER: usize = 3;
+/// Scaled measures of long waves of this size may be rounding of a relaxation.
+const HARDLY: f64 = 1e-9;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
@@ -46,22 +58,31 @@ enum Objective {
     Highest,
     /// Minus the growth rate of complex `omega^2`.
     Growth,
-    /// The square of the difference of two neighboring `omega^2`, over a scale. Its real part is negative where they are a pair of
-    /// conjugate numbers and as smooth there as where they are real, so that small pockets of such pairs are seen from afar.
-    Gap,
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The extremes of the spectrum of a system; damping left out.
+    /// The extremes of the spectrum of a system; damping left out. With several particles in a cell and Hermitian equations they are
+    /// bounded ones.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
+        self.found_of(system, false)
+    }
+
+    /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
+    pub fn bounded_summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
+        self.found_of(system, true)
+    }
+
+    fn found_of(&self, system: &WaveSystem<D>, is_bounded: bool) -> SpectrumSummary<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
-            return self.in_units(unit).summary_of(&system).in_units(unit);
+            let found = self.in_units(unit).found_of(&system, is_bounded);
+            return found.in_units(unit);
         }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
-            let found = search.summary_of(&system);
+            let found = search.found_of(&system, is_bounded);
             return range.carried_back(&found, |k| self.folded(k));
         }
         match system.single() {
+            Some(matrix) if is_bounded => self.bounded_summary(&matrix),
             Some(matrix) => self.summary(&matrix),
             None => Sweep::new(self, system).summary(),
         }
@@ -92,8 +113,8 @@ struct Sweep<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
-    /// `omega^2` at half of the grid; `-k` has the same, conjugated.
-    spectra: Vec<Vec<Complex>>,
+    /// `omega^2` at half of the grid, once they are needed; `-k` has the same, conjugated.
+    spectra: OnceLock<Vec<Vec<Complex>>>,
     /// `omega^2` at `k = 0`, translations left out where they are free.
     at_rest: Vec<Complex>,
     stiffness: Stiffness<D>,
@@ -200,12 +221,11 @@ impl Fall {
 impl<'a, const D: usize> Sweep<'a, D> {
     fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>) -> Self {
         let waves = search.grid_of(resolution(system));
-        let half = half(&waves).iter();
         Self {
             search,
             system,
             effort: Effort::of(system),
-            spectra: half.map(|k| system.omega_squared(k)).collect(),
+            spectra: OnceLock::new(),
             waves,
             at_rest: system.omega_squared_at_rest(),
             stiffness: system.long_wave_stiffness(),
@@ -217,22 +237,43 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let tolerance = RELAXED * self.system.long_wave_noise() / self.search.speed_squared();
         let rest = self.rest(long_wave.scaled);
         let grows_at_rest = rest.omega_squared.re < 0.0;
-        let softest = self
-            .bottom(Objective::Scaled, long_wave.scaled)
+        let covered = match grows_at_rest {
+            false => self.covered(Objective::Scaled, long_wave.scaled, None),
+            true => None,
+        };
+        let softest = match &covered {
+            Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
+            None => self.bottom(Objective::Scaled, long_wave.scaled),
+        };
+        let softest = softest
             .filter(|(value, _)| *value < long_wave.scaled)
-            .map_or(long_wave, |(_, k)| self.mode(&k));
+            .map_or(long_wave, |(value, k)| match &covered {
+                Some(covered) if covered.is_long_wave => Mode {
+                    wave_vector: k,
+                    scaled: value,
+                    ..long_wave
+                },
+                _ => self.mode(&k),
+            });
         let lowest = (grows_at_rest || softest.scaled < -tolerance)
-            .then(|| self.bottom(Objective::Lowest, rest.omega_squared.re))
+            .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
             .unwrap_or(rest);
+        // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
+        let is_rounding =
+            softest.is_long_wave && softest.scaled > -HARDLY && lowest.omega_squared.re >= 0.0;
+        let tolerance = match is_rounding {
+            true => tolerance.max(-softest.scaled),
+            false => tolerance,
+        };
         let fluttering = self.flutter();
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
         let highest = self
-            .bottom(Objective::Highest, f64::INFINITY)
+            .lowest(Objective::Highest, f64::INFINITY, &softest)
             .map_or(0.0, |(value, _)| -value);
         let at_rest = self.at_rest.iter().map(|value| value.re);
         SpectrumSummary {
@@ -246,8 +287,139 @@ impl<'a, const D: usize> Sweep<'a, D> {
             fastest_growing,
             maximum_omega: at_rest.fold(highest, f64::max).max(0.0).sqrt(),
             tolerance,
+            bound: covered.map_or(f64::NEG_INFINITY, |covered| covered.bound),
             flutters: fluttering.is_some(),
         }
+    }
+
+    /// Wave vectors in pockets of complex `omega^2`, foreseen from the points of the grid and looked at again from where they are
+    /// foreseen, the fastest growing first.
+    fn pockets(&self) -> Vec<SVector<f64, D>> {
+        let steps = self.search.reference().reciprocal() / self.waves.resolution() as f64;
+        let threshold = self.search.flutter_threshold(self.system.sites());
+        let foreseen = |k: &SVector<f64, D>, steps: &SMatrix<f64, D, D>| {
+            self.system
+                .foreseen_growth(k, steps)
+                .filter(|(growth, _)| *growth > threshold)
+        };
+        let by_growth = |all: &mut Vec<Candidate<D>>, most: usize| {
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            all.truncate(most);
+        };
+        let points = half(&self.waves).iter().filter(|k| !self.is_long(k));
+        let mut all: Vec<Candidate<D>> = points.filter_map(|k| foreseen(k, &steps)).collect();
+        // Around k = 0, where branches meet that change with the direction, points are as near to each other as to it.
+        for share in [0.5, 0.2, 0.08] {
+            let nearer = steps * share;
+            let around = 3_usize.pow(D as u32) / 2 + 1..3_usize.pow(D as u32);
+            all.extend(around.filter_map(|place| {
+                let side = grid_coordinates::<D>(place, 3).map(|n| n as f64 - 1.0);
+                let k = nearer * SVector::from(side);
+                foreseen(&k, &(nearer * 0.7)).filter(|_| !self.is_long(&k))
+            }));
+        }
+        let (mut narrower, mut most) = (steps, POCKETS);
+        for _ in 0..CLOSER {
+            by_growth(&mut all, most);
+            narrower *= 0.3;
+            most /= 2;
+            let again = |(_, k): &Candidate<D>| foreseen(k, &narrower);
+            all = all.iter().filter_map(again).collect();
+        }
+        by_growth(&mut all, most / 2);
+        all.into_iter().map(|(_, k)| k).collect()
+    }
+
+    /// The omega^2 at half of the grid.
+    fn spectra(&self) -> &[Vec<Complex>] {
+        self.spectra.get_or_init(|| {
+            let half = half(&self.waves).iter();
+            half.map(|k| self.system.omega_squared(k)).collect()
+        })
+    }
+
+    /// The smallest value of an objective, where one is below a floor: with a bound where there is one, otherwise searched.
+    fn lowest(&self, objective: Objective, floor: f64, softest: &Mode<D>) -> Option<Candidate<D>> {
+        let start = match objective {
+            Objective::Lowest => Some(self.lowest_near(softest)),
+            _ => None,
+        };
+        match self.covered(objective, floor, start) {
+            Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
+            None => self.bottom(objective, floor),
+        }
+    }
+
+    /// The smallest `Re omega^2` downhill from the softest wave; where that is the limit of long waves, from waves along its direction.
+    fn lowest_near(&self, softest: &Mode<D>) -> Candidate<D> {
+        let k = softest.wave_vector;
+        let reciprocal = self.search.reference().reciprocal().column(0).norm();
+        let step = reciprocal / self.waves.resolution() as f64;
+        let starts = match softest.is_long_wave {
+            true => [0.15, 0.35, 0.7, 1.2]
+                .map(|steps| k * (steps * step))
+                .to_vec(),
+            false => vec![k],
+        };
+        let ends = starts.into_iter().map(|k| {
+            let start = (self.value(Objective::Lowest, &k), k);
+            self.followed(Objective::Lowest, 0, start, f64::INFINITY)
+        });
+        let lowest = ends.min_by(|a, b| a.0.total_cmp(&b.0));
+        lowest.unwrap_or((f64::INFINITY, k))
+    }
+
+    /// The smallest value of an objective, of which one below a floor may be known, and a bound of all its values; `None` where there is
+    /// no bound.
+    fn covered(
+        &self,
+        objective: Objective,
+        floor: f64,
+        start: Option<Candidate<D>>,
+    ) -> Option<Covered<D>> {
+        let speed_squared = self.search.speed_squared();
+        let measure = match objective {
+            Objective::Scaled => Measure::Scaled(speed_squared),
+            Objective::Lowest => Measure::Lowest,
+            Objective::Highest => Measure::Highest,
+            Objective::Growth => return None,
+        };
+        // A value that is attained, to begin with.
+        let corner = self.search.reference().reciprocal() * SVector::repeat(0.5);
+        let corner = (self.value(objective, &corner), corner);
+        let start = start.filter(|start| start.0 < corner.0).unwrap_or(corner);
+        let known = floor.min(start.0);
+        let (scale, gap, budget) = match objective {
+            Objective::Scaled => (known.abs().max(1.0), GAP, BUDGET),
+            _ => (
+                known
+                    .abs()
+                    .max(speed_squared * self.search.largest_laplacian()),
+                FREQUENCY_GAP,
+                BUDGET / FREQUENCY_SHARE,
+            ),
+        };
+        let question = Question {
+            known,
+            gap: gap * scale + self.margin(objective),
+            budget,
+            value: &|k| self.value(objective, k),
+            descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
+        };
+        let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
+        if covered.bound < covered.lowest - LOOSE * scale {
+            // Where the work for a bound is not enough, the wells of the grid are looked at too.
+            let lower = self.bottom(objective, covered.lowest);
+            if let Some((value, k)) = lower.filter(|(value, _)| *value < covered.lowest) {
+                covered.wave_vector = Some(k);
+                covered.is_long_wave = false;
+                covered.lowest = value;
+            }
+        }
+        if covered.wave_vector.is_none() && known < floor {
+            covered.wave_vector = Some(start.1);
+        }
+        Some(covered)
     }
 
     /// The fastest growing mode with a complex `omega^2`, if one grows noticeably.
@@ -256,10 +428,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return None;
         }
         let mut ends = self.bottoms(Objective::Growth, 0.0);
-        let pockets = self.bottoms(Objective::Gap, 0.0).into_iter();
         let step = 1.0 / self.waves.resolution() as f64;
         let opening = self.search.long_flutter(&self.stiffness, step);
-        for k in pockets.map(|(_, k)| k).chain(opening) {
+        for k in self.pockets().into_iter().chain(opening) {
             let value = self.value(Objective::Growth, &k);
             if value < 0.0 {
                 let deepest = ends.iter().map(|end| end.0).fold(0.0, f64::min);
@@ -288,19 +459,6 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Lowest => spectrum.iter().map(|z| z.re).collect(),
             Objective::Highest => spectrum.iter().map(|z| -z.re).collect(),
             Objective::Growth => complex_growth(spectrum).collect(),
-            Objective::Gap => (1..spectrum.len())
-                .map(|n| {
-                    let difference = spectrum[n] - spectrum[n - 1];
-                    // Acoustic branches meet at k = 0.
-                    let laplacian = if n < D {
-                        self.search.reference().laplacian(k)
-                    } else {
-                        self.search.largest_laplacian()
-                    };
-                    let scale = self.search.speed_squared() * laplacian;
-                    (difference * difference).re / (scale * scale)
-                })
-                .collect(),
         };
         values.sort_by(f64::total_cmp);
         if values.is_empty() {
@@ -336,20 +494,18 @@ impl<'a, const D: usize> Sweep<'a, D> {
         bottoms.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Bottoms that lie, or seemed to, below a floor and those found before; of gaps all those below the floor.
+    /// Bottoms that lie, or seemed to, below a floor and those found before.
     fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
         let wave_vectors = half(&self.waves);
         let branches: Vec<Vec<f64>> = wave_vectors
             .iter()
-            .zip(&self.spectra)
+            .zip(self.spectra())
             .map(|(k, spectrum)| self.branches(objective, k, spectrum))
             .collect();
         let mut ends: Vec<Candidate<D>> = Vec::new();
         let margin = self.margin(objective);
-        let to_beat = |ends: &[Candidate<D>]| match objective {
-            Objective::Gap => floor - margin,
-            _ => ends.iter().map(|end| end.0).fold(floor, f64::min) - margin,
-        };
+        let to_beat =
+            |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(floor, f64::min) - margin;
         for (value, relief, index) in self.wells(&branches) {
             if value - relief < to_beat(&ends) {
                 let start = (value, wave_vectors[index]);
@@ -364,6 +520,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
             for k in [0.15, 0.35, 0.7, 1.2].map(|steps| along * (steps * step)) {
                 let start = (self.value(objective, &k), k);
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+            }
+        }
+        // At points of high symmetry slopes vanish, and none of the grid need lie near.
+        for k in self.search.symmetric_points() {
+            let value = self.value(objective, &k);
+            if value < to_beat(&ends) {
+                ends.push(self.followed(objective, 0, (value, k), to_beat(&ends)));
             }
         }
         for region in self.regions(objective, branches, to_beat(&ends), &ends) {
@@ -383,11 +546,6 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Scaled => noise / scale,
             Objective::Lowest | Objective::Highest => noise,
             Objective::Growth => self.search.flutter_threshold(self.system.sites()),
-            Objective::Gap => {
-                let values = self.spectra.iter().flatten().chain(&self.at_rest);
-                let largest = values.map(|z| z.norm()).fold(0.0, f64::max);
-                noise * largest / (scale * scale)
-            }
         }
     }
 
@@ -522,19 +680,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
         start: Candidate<D>,
         floor: f64,
     ) -> Candidate<D> {
-        let mut end = start;
-        if objective != Objective::Gap {
-            let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
-            // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
-            let to_beat = match objective {
-                Objective::Growth => f64::INFINITY,
-                _ => floor,
-            };
-            let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
-            end = (self.value(objective, &bottom.1), bottom.1);
-            if (is_settled && branch == 0) || end.0 >= floor {
-                return end;
-            }
+        let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
+        // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
+        let to_beat = match objective {
+            Objective::Growth => f64::INFINITY,
+            _ => floor,
+        };
+        let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
+        let end = (self.value(objective, &bottom.1), bottom.1);
+        if (is_settled && branch == 0) || end.0 >= floor {
+            return end;
         }
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         settled(&|k| self.value(objective, k), end, &step)
@@ -564,7 +719,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
             Objective::Highest => value.map(|z| -z.re),
             Objective::Growth => value.growth().map(|x| -x),
-            Objective::Lowest | Objective::Gap => value.map(|z| z.re),
+            Objective::Lowest => value.map(|z| z.re),
         })
     }
 
