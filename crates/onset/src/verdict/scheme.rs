@@ -39,11 +39,13 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         let identity = DeformationGradient::identity();
         let stiffness = Stiffness::<D>::at(material, &identity)?;
         let speed_squared = speed_squared_of(stiffness.maximum_eigenvalue(), scheme.density())?;
+        let reference = scheme.waves(material, &identity)?;
+        reference.check_mass()?;
         Ok(Self {
             scheme,
             material,
             search: ZoneSearch::of_lattice(*scheme.crystal().lattice(), speed_squared),
-            reference: scheme.waves(material, &identity)?,
+            reference,
             is_elliptic_at_rest: stiffness.is_strongly_elliptic(),
             speed_squared,
         })

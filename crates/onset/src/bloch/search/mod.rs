@@ -328,9 +328,17 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The limit `k -> 0` of the scaled measure, minimized over all directions.
+    /// The limit `k -> 0` of the scaled measure, minimized over all directions; infinite where a translation costs energy, which leaves
+    /// no long waves to become soft.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
-        self.long_wave_mode(&matrix.long_wave_stiffness())
+        let limit = self.long_wave_mode(&matrix.long_wave_stiffness());
+        if self.rest(matrix, 0.0).omega_squared.re > matrix.noise() {
+            return Mode {
+                scaled: f64::INFINITY,
+                ..limit
+            };
+        }
+        limit
     }
 
     /// The softest long wave of a stiffness per density.

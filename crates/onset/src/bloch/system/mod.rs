@@ -16,9 +16,13 @@ pub use sum::{BlochBlocks, BlochSum};
 
 use super::short_range::ShortRange;
 use super::{DynamicalMatrix, dynamical_matrix::ForceConstants};
-use crate::algebra::{Complex, moderate_unit};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, moderate_unit};
 use crate::lattice::{Crystal, Particle, Reduced};
+use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// A mass below this fraction of that of a cell vanishes.
+const MASSLESS: f64 = 1e-9;
 
 /// The linearized equations of motion of a discretization at a homogeneous state.
 #[derive(Clone, Debug)]
@@ -115,6 +119,30 @@ impl<const D: usize> WaveSystem<D> {
     /// Whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.stiffness.magnitude().is_finite()
+    }
+
+    /// That a consistent mass does not vanish where particles alternate in sign, as it does with one point in the middle of a cell.
+    ///
+    /// # Errors
+    /// [`MethodError::SingularMass`] when it does: there is no equation of motion for such waves, and frequencies have no bound.
+    pub fn check_mass(&self) -> Result<(), MethodError> {
+        let Mass::Consistent(mass) = &self.mass else {
+            return Ok(());
+        };
+        let reciprocal = self.crystal.lattice().reciprocal();
+        for corner in 1..1_usize << D {
+            let phases: [u8; D] = std::array::from_fn(|i| (corner >> i & 1) as u8);
+            let k = reciprocal * SVector::from(phases.map(|phase| 0.5 * f64::from(phase)));
+            let own = mass.at(&k);
+            let values = own.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * self.size());
+            let least = values.map_or(f64::NAN, |eigen| eigen.eigenvalues.min());
+            if least <= MASSLESS * self.cell_mass() {
+                return Err(MethodError::SingularMass {
+                    phases: phases.to_vec(),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The mass matrix `M(k)`.

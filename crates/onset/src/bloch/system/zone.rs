@@ -30,8 +30,7 @@ const FREQUENCY_GAP: f64 = 4e-7;
 const FREQUENCY_SHARE: usize = 4;
 /// Differences of a bound from the smallest value, over the scale, from which the smallest value is searched too.
 const LOOSE: f64 = 1e-3;
-/// Pockets of complex `omega^2` that are foreseen, and how often each is looked at again from nearer.
-const POCKETS: usize = 256;
+/// How often a pocket that is foreseen is looked at again from nearer.
 const CLOSER: usize = 3;
 /// Scaled measures of long waves of this size may be rounding of a relaxation.
 const HARDLY: f64 = 1e-9;
@@ -129,20 +128,23 @@ struct Effort {
     boxes: usize,
     /// Of the smallest boxes those from which a bottom is sought.
     leaves: usize,
+    /// Pockets of complex `omega^2` that are foreseen and looked at again.
+    pockets: usize,
 }
 
 impl Effort {
     /// For small cells in the plane that is cheap; large cells have small zones, with little between the points of the grid.
     fn of<const D: usize>(system: &WaveSystem<D>) -> Self {
-        let (wells, boxes, leaves) = match (D, system.size()) {
-            (3, 0..8) => (48, 16, 8),
-            (3, _) | (_, 16..) => (6, 8, 4),
-            _ => (32, 48, 12),
+        let (wells, boxes, leaves, pockets) = match (D, system.size()) {
+            (3, 0..8) => (48, 16, 8, 256),
+            (3, _) | (_, 16..) => (6, 8, 4, 48),
+            _ => (32, 48, 12, 256),
         };
         Self {
             wells,
             boxes,
             leaves,
+            pockets,
         }
     }
 }
@@ -233,7 +235,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     fn summary(&self) -> SpectrumSummary<D> {
-        let long_wave = self.search.long_wave_mode(&self.stiffness);
+        let mut long_wave = self.search.long_wave_mode(&self.stiffness);
+        let least = self
+            .at_rest
+            .iter()
+            .map(|value| value.re)
+            .fold(f64::INFINITY, f64::min);
+        if self.system.rigid_translation().amax() > 0.0 && least > ROUNDING * self.system.noise() {
+            // A translation that costs energy leaves no long waves to become soft.
+            long_wave.scaled = f64::INFINITY;
+        }
         let tolerance = RELAXED * self.system.long_wave_noise() / self.search.speed_squared();
         let rest = self.rest(long_wave.scaled);
         let grows_at_rest = rest.omega_squared.re < 0.0;
@@ -318,7 +329,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 foreseen(&k, &(nearer * 0.7)).filter(|_| !self.is_long(&k))
             }));
         }
-        let (mut narrower, mut most) = (steps, POCKETS);
+        let (mut narrower, mut most) = (steps, self.effort.pockets);
         for _ in 0..CLOSER {
             by_growth(&mut all, most);
             narrower *= 0.3;
@@ -802,6 +813,7 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
         (2, 0..16) => (30, 60),
         (3, 0..8) => (18, 18),
         (2, 16..64) => (18, 24),
+        (3, 16..) => (6, 6),
         _ => (12, 12),
     };
     let points = POINTS_PER_PERIOD * reach;

@@ -25,8 +25,6 @@ use step::Step;
 
 /// Material points along each side of a cell beyond which a layout is refused.
 const MAXIMUM_PER_SIDE: usize = 8;
-/// A consistent mass below this fraction of the nodal one vanishes.
-const MASSLESS: f64 = 1e-9;
 /// Points closer than this to a face of a cell, in units of the grid spacing, are on it.
 const FACE: f64 = 1e-9;
 
@@ -180,37 +178,13 @@ impl<const D: usize> MaterialPoints<D> {
             }
             _ => grid.clone(),
         };
-        let own = Self {
+        Ok(Self {
             profile: choices.functions.profile(0.5 / choices.per_side as f64),
             choices,
             grid,
             points,
             crystal,
-        };
-        own.check_mass()?;
-        Ok(own)
-    }
-
-    /// A consistent mass may vanish where nodes alternate in sign: with one point in the middle of a cell it does.
-    fn check_mass(&self) -> Result<(), MethodError> {
-        let mass = match self.choices.formulation {
-            Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => mass,
-            Formulation::Particles { .. } => return Ok(()),
-        };
-        let Mass::Consistent(sum) = self.mass(mass) else {
-            return Ok(());
-        };
-        let reciprocal = self.grid.lattice().reciprocal();
-        for corner in 1..1_usize << D {
-            let phases: [u8; D] = std::array::from_fn(|i| (corner >> i & 1) as u8);
-            let k = reciprocal * SVector::from(phases.map(|phase| 0.5 * f64::from(phase)));
-            if sum.at(&k)[(0, 0)].re <= MASSLESS * self.nodal_mass() {
-                return Err(MethodError::SingularMass {
-                    phases: phases.to_vec(),
-                });
-            }
-        }
-        Ok(())
+        })
     }
 
     /// The choices that define it.
