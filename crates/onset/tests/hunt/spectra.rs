@@ -7,7 +7,7 @@ use crate::random::Random;
 use onset::bloch::{SpectrumSummary, dynamical_matrix};
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset::verdict::{SchemeSurvey, assess};
+use onset::verdict::{Survey, assess};
 use std::time::{Duration, Instant};
 
 /// Growth that counts, as a fraction of sound speed over spacing: below, a dense search does not tell it from rounding.
@@ -87,13 +87,13 @@ fn answered<const D: usize>(
             if !method.is_periodic() {
                 return None;
             }
-            let spectrum = assess(method, material, f).ok()?.spectrum;
-            let speed = onset::verdict::speed_squared(method, material).ok()?.sqrt();
+            let spectrum = assess(&**method, material, f).ok()?.spectrum;
+            let speed = onset::verdict::speed_squared(&**method, material).ok()?.sqrt();
             let matrix = dynamical_matrix(method, material, f).ok()?;
             Some((spectrum, speed, Waves::of_matrix(*method.lattice(), matrix)))
         }
         Drawn::Scheme(scheme) => {
-            let survey = SchemeSurvey::new(&**scheme, material).ok()?;
+            let survey = Survey::new(&**scheme, material).ok()?;
             let spectrum = survey.spectrum(f).ok()?;
             let system = scheme.waves(material, f).ok()?;
             let speed = survey.speed_squared().sqrt();
