@@ -1,9 +1,10 @@
-//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `schema` and `bench`.
+//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `schema`, `bench` and `timings`.
 
 mod bench;
 mod fortran;
 mod hunt;
 mod python;
+mod timings;
 
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
@@ -97,9 +98,10 @@ fn main() -> ExitCode {
         Some("bench") => reported(bench::run(
             std::env::args().nth(2).as_deref() == Some("--quick"),
         )),
+        Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }

@@ -3,13 +3,16 @@
 //! `cargo bench -p onset-study --bench map -- [lagrangian|eulerian] [--states N] [--seed S] [--repetitions N] [--out FILE]`:
 //! with `--out` the extremes of each state are also written, a line a state.
 
-use nalgebra::Vector2;
+use nalgebra::Vector3;
+use onset::analysis::{Analysis, analysis};
 use onset::kinematics::DeformationGradient;
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{Discretization, Frame, Method};
-use onset::verdict::{Survey, SurveyedState};
+use onset::method::{Frame, KernelMethodChoices};
+use onset::scheme::MethodChoices;
+use onset::verdict::SurveyedState;
 use rayon::prelude::*;
 use std::error::Error;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The range of both stretches.
@@ -32,7 +35,7 @@ struct Extremes {
     /// `min Re omega^2 / (c^2 |k|_h^2)`.
     minimum: f64,
     /// Its wave vector; the direction where it is the limit of long waves.
-    wave_vector: Vector2<f64>,
+    wave_vector: Vector3<f64>,
     /// `max Re omega^2`.
     largest: f64,
     /// The largest growth rate.
@@ -41,18 +44,18 @@ struct Extremes {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse()?;
-    let method = Method::<2>::new(Discretization {
+    let method = MethodChoices::Kernel(Box::new(KernelMethodChoices {
         frame: arguments.frame,
-        ..Discretization::default()
-    })?;
-    let material = Box::new(ModifiedMooneyRivlin::default());
-    let survey = Survey::new(method, material)?.for_many_states()?;
+        ..KernelMethodChoices::default()
+    }));
+    let material = Arc::new(ModifiedMooneyRivlin::default());
+    let survey = analysis(&method, material)?.for_many_states()?;
     let states = states(arguments.states, arguments.seed);
     let mut rates = Vec::new();
     let mut found = Vec::new();
     for _ in 0..arguments.repetitions {
         let start = Instant::now();
-        found = map(&survey, &states);
+        found = map(&*survey, &states);
         rates.push(states.len() as f64 / start.elapsed().as_secs_f64());
     }
     if let Some(path) = &arguments.out {
@@ -72,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The extremes of all states; `None` where the support is lost.
-fn map(survey: &Survey<2>, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
+fn map(survey: &dyn Analysis, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
     let extremes = |part: &[[f64; 2]]| -> Vec<Option<Extremes>> {
         let deformations = part
             .iter()
@@ -89,7 +92,7 @@ fn map(survey: &Survey<2>, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
 }
 
 impl Extremes {
-    fn of(state: &SurveyedState<2>) -> Self {
+    fn of(state: &SurveyedState<3>) -> Self {
         Self {
             minimum: state.scaled_minimum,
             wave_vector: state.wave_vector,

@@ -1,12 +1,11 @@
 //! The verdict on every state of a window with two axes.
 
-use crate::answers::{Problem, ProblemError, in_dimension_of};
+use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use onset::bloch::Stability;
 use onset::kinematics::DeformationGradient;
-use onset::method::Method;
-use onset::verdict::{Verdict, judge};
+use onset::verdict::Verdict;
 use rayon::prelude::*;
 
 /// What a state of a map is.
@@ -75,7 +74,7 @@ impl Domain {
     /// [`Class::Undefined`].
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
-        in_dimension_of!(problem, evaluated(study, &problem))
+        evaluated(study, &problem)
     }
 
     /// The map as a layer of a figure.
@@ -127,16 +126,15 @@ impl Domain {
 }
 
 /// All states, on all cores.
-fn evaluated<const D: usize>(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
-    let method = problem.method::<D>()?;
+fn evaluated(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
     let of_state = |index: usize| {
         let coordinates = study.coordinates(index);
         let f = study.deformation_at(&coordinates)?;
         if !study.varies_settings() {
-            return class(problem, &method, &f);
+            return class(problem, &f);
         }
         let problem = Problem::new(study.settings_at(&coordinates)?)?;
-        class(&problem, &problem.method::<D>()?, &f)
+        class(&problem, &f)
     };
     let classes = (0..study.states())
         .into_par_iter()
@@ -149,12 +147,8 @@ fn evaluated<const D: usize>(study: &Study, problem: &Problem) -> Result<Domain,
 }
 
 /// The class of one state.
-fn class<const D: usize>(
-    problem: &Problem,
-    method: &Method<D>,
-    f: &DeformationGradient,
-) -> Result<Class, ProblemError> {
-    match judge(method, &*problem.material, f) {
+fn class(problem: &Problem, f: &DeformationGradient) -> Result<Class, ProblemError> {
+    match problem.analysis.judge(f) {
         Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
         Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
         Err(error) if error.leaves_undefined() => Ok(Class::Undefined),

@@ -294,7 +294,7 @@ fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
         let modulus = onset::continuum::Stiffness::<1>::at(&*material, &rest)
             .expect("a tangent")
             .maximum_eigenvalue();
-        let measured = Measured::of_settings(&settings, &*material, &options).expect("a row");
+        let measured = Measured::of(&settings, material.into(), &options).expect("a row");
         let step = measured.critical_time_step * modulus.sqrt() / 0.5;
         assert!((measured.courant / step - 1.0).abs() < 1e-12);
         measured.neighbors

@@ -1,13 +1,13 @@
 //! What one state costs: the response of the material, the dynamical matrix, the search over the zone, directions in space.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use onset::bloch::dynamical_matrix;
+use onset::bloch::{ZoneSearch, dynamical_matrix};
 use onset::certificate::certify_in_space;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method};
-use onset::verdict::{assess, judge, zone_search};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, Method};
+use onset::verdict::{assess, judge, speed_squared};
 use std::hint::black_box;
 
 fn states(criterion: &mut Criterion) {
@@ -36,15 +36,16 @@ fn states(criterion: &mut Criterion) {
             Linearization::Paper,
         ),
     ] {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             frame,
             lattice,
             linearization,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = Method::<2>::new(discretization).expect("a method");
         let matrix = dynamical_matrix(&method, &material, &f).expect("a matrix");
-        let search = zone_search(&method, &material, &f).expect("a search");
+        let speed_squared = speed_squared(&method, &material).expect("a scale");
+        let search = ZoneSearch::new(&method, &f, speed_squared).expect("a search");
         let mut group = criterion.benchmark_group(name);
         group.bench_function("dynamical matrix", |bencher| {
             bencher.iter(|| dynamical_matrix(&method, &material, black_box(&f)));

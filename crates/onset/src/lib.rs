@@ -33,6 +33,7 @@
 //! material's parameters, densities in those of `density`.
 
 pub mod algebra;
+pub mod analysis;
 pub mod approximation;
 pub mod bloch;
 pub mod certificate;

@@ -22,6 +22,7 @@ mod map_python;
 mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
+mod methods;
 mod modes;
 mod notions;
 mod numbers;

@@ -2,8 +2,7 @@
 
 use super::state::list;
 use crate::number::{told, vector};
-use nalgebra::SVector;
-use onset::certificate::{Certainty, Certificate, SpaceCertificate, Witness};
+use onset::certificate::{Certainty, Certificate, Reason, SpaceCertificate, Witness};
 use serde::Serialize;
 use std::fmt;
 
@@ -55,8 +54,10 @@ pub struct WitnessAnswer {
 }
 
 impl CertificateAnswer {
-    pub(super) fn new<const D: usize>(
-        certificate: &Certificate<D>,
+    /// With as many components as there are dimensions.
+    pub(super) fn new(
+        dimension: usize,
+        certificate: &Certificate<3>,
         in_space: &SpaceCertificate,
         tolerance: f64,
         corrects_the_search: bool,
@@ -64,15 +65,15 @@ impl CertificateAnswer {
         Self {
             tolerance,
             corrects_the_search,
-            material: ProofAnswer::new(&certificate.material),
+            material: ProofAnswer::new(dimension, &certificate.material),
             material_in_space: ProofAnswer::in_space(in_space),
-            discretization: ProofAnswer::new(&certificate.discretization),
+            discretization: ProofAnswer::new(dimension, &certificate.discretization),
         }
     }
 }
 
 impl ProofAnswer {
-    fn new<const D: usize>(certainty: &Certainty<D>) -> Self {
+    fn new(dimension: usize, certainty: &Certainty<3>) -> Self {
         let nothing = Self {
             certainty: certainty.name(),
             bound: None,
@@ -87,11 +88,11 @@ impl ProofAnswer {
                 ..nothing
             },
             Certainty::RankDeficient { wave_vector } => Self {
-                zero_energy_wave_vector: Some(list::<D>(wave_vector)),
+                zero_energy_wave_vector: Some(list(dimension, wave_vector)),
                 ..nothing
             },
             Certainty::Unstable { witness } => Self {
-                witness: Some(WitnessAnswer::new(witness)),
+                witness: Some(WitnessAnswer::new(dimension, witness)),
                 ..nothing
             },
             Certainty::Undecided { measure, reason } => Self {
@@ -103,9 +104,9 @@ impl ProofAnswer {
     }
 
     fn in_space(certificate: &SpaceCertificate) -> Self {
-        let mut answer = Self::new(&certificate.certainty);
+        let mut answer = Self::new(3, &certificate.certainty);
         if let Some(witness) = &mut answer.witness {
-            witness.polarization = certificate.polarization.as_ref().map(list);
+            witness.polarization = certificate.polarization.map(|g| list(3, &g));
         }
         answer
     }
@@ -130,6 +131,9 @@ impl ProofAnswer {
             )
         } else {
             let reason = self.reason.unwrap_or("no reason");
+            if reason == Reason::Method.name() {
+                return format!("{certainty} ({reason}): its waves are searched, and not proved");
+            }
             match self.smallest_seen {
                 Some(seen) => {
                     format!(
@@ -144,10 +148,9 @@ impl ProofAnswer {
 }
 
 impl WitnessAnswer {
-    fn new<const D: usize>(witness: &Witness<D>) -> Self {
-        let wave_vector: &SVector<f64, D> = &witness.wave_vector;
+    fn new(dimension: usize, witness: &Witness<3>) -> Self {
         Self {
-            wave_vector: list(wave_vector),
+            wave_vector: list(dimension, &witness.wave_vector),
             measure: [witness.measure.low, witness.measure.high],
             polarization: None,
             growth_rate: witness.growth_rate,

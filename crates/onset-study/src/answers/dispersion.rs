@@ -1,20 +1,15 @@
 //! The answer to: how do waves travel through the particles, and through the continuum?
 
-use super::in_dimension_of;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::state::ComplexNumber;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
-use crate::methods::Discretized;
 use crate::number::{told_of, vector};
 use crate::settings::Effective;
-use nalgebra::{DMatrix, SMatrix, SVector};
-use onset::algebra::{Complex, eigenvalues};
-use onset::bloch::{DynamicalMatrix, WaveSystem, dynamical_matrix, growth_rate};
-use onset::continuum::Stiffness;
+use onset::algebra::Complex;
+use onset::analysis::PlaneWaves;
+use onset::bloch::growth_rate;
 use onset::kinematics::DeformationGradient;
-use onset::material::Hyperelastic;
-use onset::method::{CurrentLattice, Discretization, Frame, MethodError};
 use serde::Serialize;
 
 /// The waves of one wave vector.
@@ -81,7 +76,7 @@ impl Waves {
         strain: &Strain,
         wave_vector: &str,
     ) -> Result<Self, ProblemError> {
-        let waves = in_dimension_of!(problem, at_wave_vector(problem, &strain.0, wave_vector))?;
+        let waves = at_wave_vector(problem, &strain.0, wave_vector)?;
         Ok(Self {
             waves,
             notes: notes(&problem.settings, &*problem.material),
@@ -96,7 +91,7 @@ impl Diagram {
     /// # Errors
     /// [`ProblemError`] when the state cannot be evaluated.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, along_path(problem, &strain.0))
+        along_path(problem, &strain.0)
     }
 
     /// What the diagram is of, with what a reader must know.
@@ -223,114 +218,46 @@ fn signed_frequency(omega_squared: Complex) -> f64 {
     }
 }
 
-fn at_wave_vector<const D: usize>(
+fn at_wave_vector(
     problem: &Problem,
     f: &DeformationGradient,
     text: &str,
 ) -> Result<DispersionAnswer, ProblemError> {
     let components = numbers("--wave-vector", text)?;
-    if components.len() != D {
+    if components.len() != problem.dimension() {
         return Err(ProblemError::Numbers {
             what: "--wave-vector",
             given: components.len(),
-            expected: D.to_string(),
+            expected: problem.dimension().to_string(),
         });
     }
-    let k = SVector::<f64, D>::from_fn(|i, _| components[i]);
-    let value = k.amax() * problem.settings.discretization.spacing;
+    let largest = components
+        .iter()
+        .fold(0.0, |most: f64, x| most.max(x.abs()));
+    let value = largest * problem.settings.discretization.spacing;
     if value > 1e6 {
         return Err(ProblemError::WaveVector { value });
     }
-    Ok(waves::<D>(problem, f)?(&k))
+    Ok(answer(&*problem.analysis.waves(f)?, &components))
 }
 
-/// The dynamical matrix of any discretization.
-enum Matrix<const D: usize> {
-    Kernel(Box<DynamicalMatrix<D>>),
-    Scheme(Box<WaveSystem<D>>),
-}
-
-impl<const D: usize> Matrix<D> {
-    fn new(
-        method: &Discretized<D>,
-        material: &dyn Hyperelastic,
-        f: &DeformationGradient,
-    ) -> Result<Self, MethodError> {
-        Ok(match method {
-            Discretized::Kernel(method) => {
-                Self::Kernel(Box::new(dynamical_matrix(method, material, f)?))
-            }
-            Discretized::Scheme(scheme) => Self::Scheme(Box::new(scheme.waves(material, f)?)),
-        })
-    }
-
-    /// `D(k)` and its eigenvalues.
-    fn at(&self, k: &SVector<f64, D>) -> (DMatrix<Complex>, Vec<Complex>) {
-        match self {
-            Self::Kernel(matrix) => {
-                let d = matrix.at(k);
-                let dynamic = DMatrix::from_fn(D, D, |i, j| d[(i, j)]);
-                (dynamic, matrix.omega_squared(k).to_vec())
-            }
-            Self::Scheme(system) => (system.dynamical_matrix_at(k), system.omega_squared(k)),
-        }
+fn answer(waves: &dyn PlaneWaves, k: &[f64]) -> DispersionAnswer {
+    let omega_squared = waves.omega_squared(k);
+    let matrix = waves.dynamical_matrix_at(k);
+    DispersionAnswer {
+        wave_vector: k.to_vec(),
+        omega_squared: omega_squared.into_iter().map(ComplexNumber::from).collect(),
+        continuum_omega_squared: waves.continuum_omega_squared(k),
+        dynamical_matrix: matrix
+            .row_iter()
+            .map(|row| row.iter().map(|entry| (*entry).into()).collect())
+            .collect(),
     }
 }
 
-fn waves<const D: usize>(
-    problem: &Problem,
-    f: &DeformationGradient,
-) -> Result<impl Fn(&SVector<f64, D>) -> DispersionAnswer, ProblemError> {
-    let method = Discretized::<D>::new(&problem.settings)?;
-    let matrix = Matrix::new(&method, &*problem.material, f)?;
-    let response = problem.material.response(f).map_err(MethodError::from)?;
-    let stiffness = Stiffness::<D>::of(&response);
-    let Discretization {
-        density,
-        frame,
-        lattice,
-        ..
-    } = problem.settings.discretization;
-    let is_kernel = method.kernel().is_some();
-    // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial,
-    // and that of the reference F^T k.
-    let to_reference = match (frame, lattice) {
-        (Frame::Eulerian, CurrentLattice::Regular) if is_kernel => f.leading::<D>().transpose(),
-        _ => SMatrix::identity(),
-    };
-    Ok(move |k: &SVector<f64, D>| {
-        let (d, omega_squared) = matrix.at(k);
-        let continuum = stiffness
-            .acoustic_tensor(&(to_reference * k))
-            .map(|entry| Complex::new(entry / density, 0.0));
-        DispersionAnswer {
-            wave_vector: k.iter().copied().collect(),
-            omega_squared: omega_squared.into_iter().map(ComplexNumber::from).collect(),
-            continuum_omega_squared: eigenvalues(&continuum, 0.0)
-                .iter()
-                .map(|value| value.re)
-                .collect(),
-            dynamical_matrix: d
-                .row_iter()
-                .map(|row| row.iter().map(|entry| (*entry).into()).collect())
-                .collect(),
-        }
-    })
-}
-
-fn along_path<const D: usize>(
-    problem: &Problem,
-    f: &DeformationGradient,
-) -> Result<Diagram, ProblemError> {
-    let method = Discretized::<D>::new(&problem.settings)?;
-    let waves = waves::<D>(problem, f)?;
-    let corners: Vec<(&'static str, SVector<f64, D>)> = problem
-        .settings
-        .zone()
-        .zone_path::<D>()
-        .into_iter()
-        .map(|(name, fractional)| (name, method.lattice().reciprocal() * fractional))
-        .collect();
+fn along_path(problem: &Problem, f: &DeformationGradient) -> Result<Diagram, ProblemError> {
+    let waves = problem.analysis.waves(f)?;
+    let corners = problem.analysis.zone_path(problem.settings.zone());
     let mut diagram = Diagram {
         notes: notes(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
@@ -342,20 +269,23 @@ fn along_path<const D: usize>(
     for (n, (name, k)) in corners.iter().enumerate() {
         diagram.corners.push(Corner {
             name,
-            wave_vector: k.iter().copied().collect(),
+            wave_vector: k.clone(),
             length,
         });
         let Some((_, next)) = corners.get(n + 1) else {
-            diagram.samples.push(waves(k));
+            diagram.samples.push(answer(&*waves, k));
             diagram.lengths.push(length);
             break;
         };
+        let leg: Vec<f64> = k.iter().zip(next).map(|(k, next)| next - k).collect();
+        let size = leg.iter().map(|x| x * x).sum::<f64>().sqrt();
         for sample in 0..SAMPLES {
             let t = sample as f64 / SAMPLES as f64;
-            diagram.samples.push(waves(&(k + (next - k) * t)));
-            diagram.lengths.push(length + t * (next - k).norm());
+            let place: Vec<f64> = k.iter().zip(&leg).map(|(k, leg)| k + leg * t).collect();
+            diagram.samples.push(answer(&*waves, &place));
+            diagram.lengths.push(length + t * size);
         }
-        length += (next - k).norm();
+        length += size;
     }
     Ok(diagram)
 }

@@ -18,15 +18,3 @@ pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
 pub use summary::{AxisSummary, StudySummary};
-
-/// Calls a function that is generic in the dimension with the dimension of an arrangement.
-macro_rules! in_dimension_of {
-    ($problem:expr, $function:ident($($argument:expr),*)) => {
-        match $problem.settings.dimension() {
-            1 => $function::<1>($($argument),*),
-            2 => $function::<2>($($argument),*),
-            _ => $function::<3>($($argument),*),
-        }
-    };
-}
-pub(crate) use in_dimension_of;

@@ -5,7 +5,7 @@ use onset::bloch::Mode;
 use onset::verdict::Assessment;
 
 /// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
-pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode<D> {
+pub(super) fn critical_mode(assessment: &Assessment<3>) -> &Mode<3> {
     let spectrum = &assessment.spectrum;
     let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;
     if grows && !spectrum.is_stable() {
@@ -16,7 +16,7 @@ pub(super) fn critical_mode<const D: usize>(assessment: &Assessment<D>) -> &Mode
 }
 
 /// The wave vector, zero for the limit of long waves.
-pub(super) fn finite_wave_vector<const D: usize>(mode: &Mode<D>) -> SVector<f64, D> {
+pub(super) fn finite_wave_vector(mode: &Mode<3>) -> SVector<f64, 3> {
     if mode.is_long_wave {
         SVector::zeros()
     } else {

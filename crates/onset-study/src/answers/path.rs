@@ -1,16 +1,17 @@
 //! The answer to: where along this path is stability lost, and regained?
 
-use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
-use crate::methods::Discretized;
 use crate::number::{told, vector};
 use crate::settings::Effective;
-use onset::continuum::{Ellipticity, Stiffness};
+use nalgebra::SVector;
+use onset::analysis::scan_material_in;
+use onset::continuum::Ellipticity;
 use onset::kinematics::{DeformationGradient, StraightPath};
-use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
+use onset::method::MethodError;
+use onset::verdict::{Crossing, Onset, PathScan, Phase};
 use serde::Serialize;
 
 /// Everything about a straight path.
@@ -110,40 +111,42 @@ impl PathAnswer {
     /// # Errors
     /// [`ProblemError`] when the ends are the same or a state on the way cannot be evaluated.
     pub fn new(problem: &Problem, from: &Strain, to: &Strain) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, answer(problem, &from.0, &to.0))
+        answer(problem, &from.0, &to.0)
     }
 }
 
-fn answer<const D: usize>(
+fn answer(
     problem: &Problem,
     from: &DeformationGradient,
     to: &DeformationGradient,
 ) -> Result<PathAnswer, ProblemError> {
     let path = StraightPath::new(*from, *to)?;
-    let method = Discretized::<D>::new(&problem.settings)?;
+    let analysis = &*problem.analysis;
+    let dimension = analysis.dimension();
+    let list = |vector: &SVector<f64, 3>| list(dimension, vector);
     // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
     // stress, as on a kink, is a state like others.
-    match method.assess(&*problem.material, from) {
+    match analysis.assess(from) {
         Err(error) if error.is_outside_domain() => {}
         other => {
             other?;
         }
     }
     let is_marginal = |f: &DeformationGradient| {
-        let stiffness = Stiffness::<D>::at(&*problem.material, f);
-        stiffness.is_ok_and(|stiffness| stiffness.ellipticity() == Ellipticity::Undecided)
+        let minimum = analysis.acoustic_minimum(f);
+        minimum.is_ok_and(|minimum| minimum.ellipticity() == Ellipticity::Undecided)
     };
-    let continuum = scan_material::<D>(&*problem.material, &path)?;
-    let particles = method.scan(&*problem.material, &path)?;
+    let continuum = scan_material_in(dimension, &*problem.material, &path)?;
+    let particles = analysis.scan(&path)?;
 
     let material_onset = match onset(&continuum) {
         Some((parameter, witness, tolerance, _)) => {
-            let critical = MaterialAssessment::<D>::new(&*problem.material, &path.at(witness)?)
-                .map_err(onset::method::MethodError::from)?;
+            let critical = analysis.acoustic_minimum(&path.at(witness)?);
+            let critical = critical.map_err(MethodError::from)?;
             Some(MaterialOnset {
-                place: place::<D>(problem, &path, parameter, tolerance)?,
-                direction: list(&critical.minimum.direction),
-                polarization: list(&critical.minimum.polarization),
+                place: place(problem, &path, parameter, tolerance)?,
+                direction: list(&critical.direction),
+                polarization: list(&critical.polarization),
             })
         }
         None => None,
@@ -151,7 +154,7 @@ fn answer<const D: usize>(
     let discretization_onset = match onset(&particles) {
         Some((parameter, witness, tolerance, phase)) => {
             let f = path.at(witness)?;
-            let assessment = method.assess(&*problem.material, &f)?;
+            let assessment = analysis.assess(&f)?;
             let spectrum = &assessment.spectrum;
             // Just behind the onset nothing grows measurably yet: the softest mode is the critical one.
             let mode = if spectrum.flutters || witness == 0.0 {
@@ -161,11 +164,11 @@ fn answer<const D: usize>(
             };
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
-                place: place::<D>(problem, &path, parameter, tolerance)?,
+                place: place(problem, &path, parameter, tolerance)?,
                 phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
-                spatial_wave_vector: list(&method.spatial(&f, &wave_vector)),
+                spatial_wave_vector: list(&analysis.spatial(&f, &wave_vector)),
                 direction: list(
                     &mode
                         .wave_vector
@@ -179,7 +182,7 @@ fn answer<const D: usize>(
         None => None,
     };
     Ok(PathAnswer {
-        dimension: D,
+        dimension,
         is_marginal: is_marginal(from) || is_marginal(to),
         notes: notes(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
@@ -187,8 +190,8 @@ fn answer<const D: usize>(
         to: *to.components(),
         material_onset,
         discretization_onset,
-        material_crossings: crossings::<D>(&path, &continuum)?,
-        discretization_crossings: crossings::<D>(&path, &particles)?,
+        material_crossings: crossings(dimension, &path, &continuum)?,
+        discretization_crossings: crossings(dimension, &path, &particles)?,
     })
 }
 
@@ -212,47 +215,53 @@ fn tolerance(crossing: &Crossing) -> f64 {
     0.5 * (crossing.behind - crossing.before)
 }
 
-fn stretch<const D: usize>(f: &DeformationGradient) -> Vec<f64> {
+fn stretch(dimension: usize, f: &DeformationGradient) -> Vec<f64> {
     let components = f.components();
     let diagonal = (0..3).all(|i| (0..3).all(|j| i == j || components[i][j] == 0.0));
     if diagonal {
-        return (0..D).map(|i| components[i][i]).collect();
+        return (0..dimension).map(|i| components[i][i]).collect();
     }
     // The stretches in the dimensions of the arrangement: those of the leading block, with nothing beside it the
     // largest ones.
-    let leading =
-        DeformationGradient::from_components([[0.0; 3]; 3]).with_leading(&f.leading::<D>());
-    leading.principal_stretches()[..D].to_vec()
+    let is_leading = |i: usize, j: usize| i < dimension && j < dimension;
+    let leading = DeformationGradient::from_components(std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            if is_leading(i, j) {
+                components[i][j]
+            } else {
+                0.0
+            }
+        })
+    }));
+    leading.principal_stretches()[..dimension].to_vec()
 }
 
-fn place<const D: usize>(
+fn place(
     problem: &Problem,
     path: &StraightPath,
     parameter: f64,
     tolerance: f64,
 ) -> Result<Place, ProblemError> {
     let f = path.at(parameter)?;
-    let response = problem
-        .material
-        .response(&f)
-        .map_err(onset::method::MethodError::from)?;
+    let response = problem.material.response(&f).map_err(MethodError::from)?;
     Ok(Place {
         parameter,
-        stretch: stretch::<D>(&f),
+        stretch: stretch(problem.dimension(), &f),
         deformation_gradient: *f.components(),
         cauchy: rows(&response.cauchy()),
         tolerance,
     })
 }
 
-fn crossings<const D: usize>(
+fn crossings(
+    dimension: usize,
     path: &StraightPath,
     scan: &PathScan,
 ) -> Result<Vec<CrossingAnswer>, ProblemError> {
     let answer = |crossing: &Crossing| {
         Ok(CrossingAnswer {
             parameter: crossing.parameter(),
-            stretch: stretch::<D>(&path.at(crossing.parameter())?),
+            stretch: stretch(dimension, &path.at(crossing.parameter())?),
             from: crossing.from,
             to: crossing.to,
             tolerance: tolerance(crossing),

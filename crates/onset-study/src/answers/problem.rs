@@ -1,12 +1,14 @@
 //! A problem: settings made into a material and a method, and deformations made from numbers.
 
-use crate::methods::Discretized;
-use crate::settings::{Family, SettingError, Settings};
+use crate::methods::method;
+use crate::settings::{SettingError, Settings};
+use onset::analysis::{Analysis, analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::lattice::LatticeError;
 use onset::material::{Hyperelastic, MaterialError};
-use onset::method::{Method, MethodError};
+use onset::method::MethodError;
 use onset::verdict::PathError;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why a question cannot be answered. Always the input's fault, and said so.
@@ -245,43 +247,28 @@ pub struct Problem {
     /// As set.
     pub settings: Settings,
     /// The law.
-    pub material: Box<dyn Hyperelastic>,
+    pub material: Arc<dyn Hyperelastic>,
+    /// Both together, ready to be asked.
+    pub analysis: Box<dyn Analysis>,
 }
 
 impl Problem {
-    /// Builds the material and checks the method.
+    /// Builds the material and the method.
     ///
     /// # Errors
     /// [`ProblemError`] when one of them is not admissible.
     pub fn new(settings: Settings) -> Result<Self, ProblemError> {
         let material = settings.material.build().map_err(MethodError::from)?;
-        let problem = Self { settings, material };
-        match problem.dimension() {
-            1 => drop(Discretized::<1>::new(&problem.settings)?),
-            2 => drop(Discretized::<2>::new(&problem.settings)?),
-            _ => drop(Discretized::<3>::new(&problem.settings)?),
-        }
-        Ok(problem)
+        let material: Arc<dyn Hyperelastic> = Arc::from(material);
+        Ok(Self {
+            analysis: analysis(&method(&settings), Arc::clone(&material))?,
+            settings,
+            material,
+        })
     }
 
     /// The number of space dimensions.
     pub fn dimension(&self) -> usize {
-        self.settings.dimension()
-    }
-
-    /// The kernel method, for questions that are answered for these alone.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when a setting is out of range, or it is another method.
-    pub fn method<const D: usize>(&self) -> Result<Method<D>, ProblemError> {
-        if self.settings.method.method != Family::Kernel {
-            return Err(MethodError::Incompatible {
-                choice: "this question",
-                other: "a discretization.method other than \"kernel\"",
-                hint: "state (without --certify), dispersion, path, map (without certify), compare, modes and tune answer for all",
-            }
-            .into());
-        }
-        Ok(Method::new(self.settings.discretization.clone())?)
+        self.analysis.dimension()
     }
 }

@@ -1,7 +1,8 @@
 //! Verdicts in plain English.
 
 use super::mode::{critical_mode, finite_wave_vector};
-use crate::methods::Discretized;
+use super::problem::Problem;
+use super::state::list;
 use crate::number::{told, vector};
 use crate::settings::Family;
 use nalgebra::SVector;
@@ -35,19 +36,21 @@ pub(super) fn of_correction(
 }
 
 /// The sentence of an assessment; `in_space` tells of waves of the material in all directions.
-pub(super) fn of<const D: usize>(
-    method: &Discretized<D>,
-    family: Family,
-    assessment: &Assessment<D>,
+pub(super) fn of(
+    problem: &Problem,
+    assessment: &Assessment<3>,
     in_space: Ellipticity,
     f: &DeformationGradient,
 ) -> String {
+    let (analysis, settings) = (&*problem.analysis, &problem.settings);
+    let family = settings.method.method;
+    let along = |direction: &SVector<f64, 3>| vector(&list(analysis.dimension(), direction));
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
-    let k = method.spatial(f, &finite_wave_vector(mode));
-    let wave = wave(&k);
+    let k = analysis.spatial(f, &finite_wave_vector(mode));
+    let wave = wave(&k, along);
     let growth = growth(spectrum.growth_rate());
-    let tension = if assessment.material.mean_stress() >= 0.0 {
+    let tension = if assessment.material.mean_stress >= 0.0 {
         "tensile"
     } else {
         "compressive"
@@ -56,15 +59,15 @@ pub(super) fn of<const D: usize>(
         Verdict::Stable => {
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
                 let share = assessment.gradient_norm.max(0.0).sqrt();
-                match method.kernel() {
+                match assessment.is_gradient {
                     _ if assessment.gradient_norm <= NO_ENERGY => format!(
                         " Beware: the softest mode, {wave}, is a zero-energy mode, which nothing but the stress of this state holds."
                     ),
-                    Some(_) => format!(
+                    true => format!(
                         " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
                         told(100.0 * share)
                     ),
-                    None => format!(
+                    false => format!(
                         " The softest mode, {wave}, is weak: unloaded it has {} % of the frequency of the material's slowest wave.",
                         told(100.0 * share)
                     ),
@@ -86,17 +89,16 @@ pub(super) fn of<const D: usize>(
         Verdict::Material => format!(
             "Unstable, and rightly so: the material itself has lost ellipticity, for waves along N = {}, and the \
              particles follow it; their fastest mode, {wave}, {growth}.",
-            vector(assessment.material.minimum.direction.as_slice())
+            along(&assessment.material.minimum.direction)
         ),
         Verdict::RankDeficient => {
-            let frame = method.kernel().map(|method| method.discretization().frame);
-            let when = match frame {
-                Some(Frame::Lagrangian) => "at any state",
+            let when = match (assessment.is_gradient, settings.discretization.frame) {
+                (true, Frame::Lagrangian) => "at any state",
                 _ => "at this state",
             };
             let which = if mode.is_long_wave {
-                let along = method.spatial(f, &mode.wave_vector).normalize();
-                format!("even long waves along {} have", vector(along.as_slice()))
+                let direction = analysis.spatial(f, &mode.wave_vector).normalize();
+                format!("even long waves along {} have", along(&direction))
             } else {
                 format!("a wave of {wave} has")
             };
@@ -123,7 +125,7 @@ pub(super) fn of<const D: usize>(
         Verdict::Missed => format!(
             "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
              do not show it.",
-            vector(assessment.material.minimum.direction.as_slice())
+            along(&assessment.material.minimum.direction)
         ),
     }
 }
@@ -148,16 +150,15 @@ fn in_plane(in_space: Ellipticity) -> &'static str {
     }
 }
 
-fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
+fn wave(k: &SVector<f64, 3>, along: impl Fn(&SVector<f64, 3>) -> String) -> String {
     let norm = k.norm();
     if norm == 0.0 {
         "infinitely long waves".to_owned()
     } else {
-        let direction = k / norm;
         format!(
             "wavelength {} along {}",
             told(std::f64::consts::TAU / norm),
-            vector(direction.as_slice())
+            along(&(k / norm))
         )
     }
 }

@@ -1,23 +1,21 @@
 //! The answer to: is this state stable, and if not, whose instability is it?
 
 use super::certificate::CertificateAnswer;
-use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::next::next;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use crate::methods::Discretized;
 use crate::number::{told, told_of, vector};
-use crate::settings::{Effective, Settings, Value};
+use crate::settings::{Effective, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::certificate::{certify, certify_in_space};
-use onset::continuum::{Ellipticity, Stiffness};
+use onset::analysis::{Analysis, minimum_in_space};
+use onset::certificate::certify_in_space;
+use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
-use onset::time_step::Integrator;
 use onset::verdict::{Assessment, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -120,7 +118,7 @@ pub struct SpaceAnswer {
 
 impl SpaceAnswer {
     fn new(response: &Response) -> Self {
-        let minimum = Stiffness::<3>::of(response).minimum();
+        let minimum = minimum_in_space(response);
         // Adding zero turns a negative zero into a plain one.
         let components = |v: SVector<f64, 3>| std::array::from_fn(|i| v[i] + 0.0);
         Self {
@@ -188,7 +186,7 @@ impl StateAnswer {
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, answer(problem, &strain.0, None))
+        answer(problem, &strain.0, None)
     }
 
     /// Answers for one state, with proofs; `tolerance` says from where a measure that is left undecided is not near zero.
@@ -200,25 +198,23 @@ impl StateAnswer {
         strain: &Strain,
         tolerance: f64,
     ) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, answer(problem, &strain.0, Some(tolerance)))
+        answer(problem, &strain.0, Some(tolerance))
     }
 }
 
-fn answer<const D: usize>(
+fn answer(
     problem: &Problem,
     f: &DeformationGradient,
     tolerance: Option<f64>,
 ) -> Result<StateAnswer, ProblemError> {
-    let method = Discretized::<D>::new(&problem.settings)?;
-    let assessment = method.assess(&*problem.material, f)?;
+    let analysis = &*problem.analysis;
+    let assessment = analysis.assess(f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
-    let family = problem.settings.method.method;
     let in_space = SpaceAnswer::new(&assessment.material.response);
-    let mut sentence = sentence::of(&method, family, &assessment, in_space.ellipticity, f);
+    let mut sentence = sentence::of(problem, &assessment, in_space.ellipticity, f);
     if let Some(tolerance) = tolerance {
-        let kernel = problem.method::<D>()?;
-        let proved = certify(&kernel, &*problem.material, f, tolerance)?;
+        let proved = analysis.certify(f, tolerance)?;
         let proved_in_space =
             certify_in_space(&*problem.material, f, tolerance).map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
@@ -227,13 +223,13 @@ fn answer<const D: usize>(
             sentence = sentence::of_correction(searched, corrected);
         }
         certificate = Some(CertificateAnswer::new(
+            analysis.dimension(),
             &proved,
             &proved_in_space,
             tolerance,
             corrected != searched,
         ));
     }
-    let steps = method.damped_time_steps(&*problem.material, f)?;
     Ok(StateAnswer {
         verdict,
         sentence,
@@ -242,17 +238,18 @@ fn answer<const D: usize>(
         settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *f.components(),
-        material: material_answer(&problem.settings, &assessment, &in_space),
+        material: material_answer(problem, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(&method, &assessment, f, steps),
+        discretization: discretization_answer(analysis, &assessment, f)?,
     })
 }
 
-fn material_answer<const D: usize>(
-    settings: &Settings,
-    assessment: &Assessment<D>,
+fn material_answer(
+    problem: &Problem,
+    assessment: &Assessment<3>,
     in_space: &SpaceAnswer,
 ) -> MaterialAnswer {
+    let (settings, dimension) = (&problem.settings, problem.dimension());
     let continuum = &assessment.material;
     let response = &continuum.response;
     let tangent = |i, j, k| (0..3).map(|l| response.tangent[(i, j, k, l)]).collect();
@@ -274,26 +271,27 @@ fn material_answer<const D: usize>(
         minimum_acoustic_eigenvalue_in_space: in_space.minimum_acoustic_eigenvalue,
         minimum_acoustic_eigenvalue: continuum.minimum.significant(),
         rounding: continuum.minimum.rounding,
-        direction: list(&continuum.minimum.direction),
-        polarization: list(&continuum.minimum.polarization),
+        direction: list(dimension, &continuum.minimum.direction),
+        polarization: list(dimension, &continuum.minimum.polarization),
     }
 }
 
-fn discretization_answer<const D: usize>(
-    method: &Discretized<D>,
-    assessment: &Assessment<D>,
+fn discretization_answer(
+    analysis: &dyn Analysis,
+    assessment: &Assessment<3>,
     f: &DeformationGradient,
-    steps: Vec<(Integrator, f64)>,
-) -> DiscretizationAnswer {
+) -> Result<DiscretizationAnswer, ProblemError> {
+    let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
+    let steps = analysis.damped_time_steps(f)?;
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
-    DiscretizationAnswer {
+    Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,
         wave_vector: list(&wave_vector),
-        spatial_wave_vector: list(&method.spatial(f, &wave_vector)),
+        spatial_wave_vector: list(&analysis.spatial(f, &wave_vector)),
         polarization: list(&mode.polarization.map(|component| component.re)),
         polarization_imaginary: list(&mode.polarization.map(|component| component.im)),
         growth_rate: spectrum.growth_rate(),
@@ -320,12 +318,14 @@ fn discretization_answer<const D: usize>(
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
         gradient_norm: assessment.gradient_norm,
-    }
+    })
 }
 
-pub(super) fn list<const D: usize>(vector: &SVector<f64, D>) -> Vec<f64> {
+/// The first components of a vector, as many as there are dimensions.
+pub(super) fn list(dimension: usize, vector: &SVector<f64, 3>) -> Vec<f64> {
     // Adding zero turns a negative zero into a plain one.
-    vector.iter().map(|component| component + 0.0).collect()
+    let components = vector.iter().take(dimension);
+    components.map(|component| component + 0.0).collect()
 }
 
 pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {

@@ -1,14 +1,10 @@
 //! What a study asks for, told before it is computed.
 
-use super::in_dimension_of;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError};
-use crate::methods::Discretized;
 use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Value};
-use onset::approximation::Order;
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
-use onset::verdict::{SchemeSurvey, judge};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -153,7 +149,7 @@ impl Samples {
             samples.looked_at += 1;
             let problem = Problem::new(study.settings_at(&coordinates)?)?;
             let f = study.deformation_at(&coordinates)?;
-            if let Err(error) = in_dimension_of!(problem, look(&problem, &f)) {
+            if let Err(error) = look(&problem, &f) {
                 samples.undefined += 1;
                 samples
                     .reason
@@ -184,12 +180,9 @@ fn sampled(study: &Study, along: usize) -> Vec<Vec<f64>> {
 }
 
 /// Whether particles and material exist at a state.
-fn look<const D: usize>(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> {
+fn look(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> {
     problem.material.response(f).map_err(MethodError::from)?;
-    match Discretized::<D>::new(&problem.settings)? {
-        Discretized::Kernel(method) => drop(method.configuration(f, Order::First)?),
-        Discretized::Scheme(scheme) => drop(scheme.waves(&*problem.material, f)?),
-    }
+    problem.analysis.waves(f)?;
     Ok(())
 }
 
@@ -203,23 +196,12 @@ fn seconds_per_state(study: &Study) -> Result<Option<f64>, ProblemError> {
         let problem = Problem::new(study.settings_at(&coordinates)?)?;
         let f = study.deformation_at(&coordinates)?;
         let start = Instant::now();
-        if in_dimension_of!(problem, has_verdict(&problem, &f))? {
+        if problem.analysis.judge(&f).is_ok() {
             times.push(start.elapsed().as_secs_f64());
         }
     }
     times.sort_by(f64::total_cmp);
     Ok(times.get(times.len() / 2).copied())
-}
-
-fn has_verdict<const D: usize>(
-    problem: &Problem,
-    f: &DeformationGradient,
-) -> Result<bool, ProblemError> {
-    let material = &*problem.material;
-    Ok(match Discretized::<D>::new(&problem.settings)? {
-        Discretized::Kernel(method) => judge(&method, material, f).is_ok(),
-        Discretized::Scheme(scheme) => SchemeSurvey::new(&*scheme, material)?.state(f).is_ok(),
-    })
 }
 
 fn named(study: &Study, coordinates: &[f64]) -> String {

@@ -106,22 +106,16 @@ impl Boundaries {
             low: [first.range.0, second.range.0],
             high: [first.range.1, second.range.1],
         };
-        let traced = match study.settings.dimension() {
-            1 => Self::traced::<1>(study, window, tracing, watch),
-            2 => Self::traced::<2>(study, window, tracing, watch),
-            _ => Self::traced::<3>(study, window, tracing, watch),
-        };
-        Ok(traced?)
+        Ok(Self::traced(study, window, tracing, watch)?)
     }
 
-    fn traced<const D: usize>(
+    fn traced(
         study: &Study,
         window: Window,
         tracing: Tracing,
         watch: &dyn Watch,
     ) -> Result<Self, ProblemError> {
-        let setup = probes::Setup::<D>::new(study)?;
-        let probes = setup.probes()?;
+        let probes = probes::Probes::new(study)?;
         let cells = |(least, most): (usize, usize)| {
             [0, 1].map(|axis: usize| study.axes[axis].count.clamp(least, most))
         };

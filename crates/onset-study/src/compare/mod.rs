@@ -18,8 +18,10 @@ use crate::answers::{ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
 use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
+use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Names and texts of the comparisons of the methods that the program knows, by the number of dimensions less one.
 pub const PANELS: [(&str, &str); 3] = [
@@ -50,9 +52,13 @@ impl Table {
             .material
             .build()
             .map_err(MethodError::from)?;
+        let material: Arc<dyn Hyperelastic> = Arc::from(material);
         let row = |candidate: &Candidate| {
-            let measured =
-                Measured::of_settings(&candidate.settings, &*material, &comparison.options);
+            let measured = Measured::of(
+                &candidate.settings,
+                Arc::clone(&material),
+                &comparison.options,
+            );
             let row = Row {
                 name: candidate.name.clone(),
                 settings: candidate.settings.effective(),

@@ -1,18 +1,15 @@
 //! What is measured of one method.
 
 use crate::answers::ProblemError;
-use crate::methods::scheme;
+use crate::methods::method;
 use crate::settings::{CompareSettings, Effective, Settings};
+use onset::analysis::analysis;
+use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset::measures::{
-    DispersionError, Extent, Fidelity, Load, OnsetPair, StateWindow, dispersion_errors, fidelity,
-    long_wave_error, onset, spurious_modes,
-};
-use onset::scheme::Scheme;
-use onset::time_step::critical_time_step;
-use onset::verdict::SchemeSurvey;
+use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StateWindow};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
+use std::sync::Arc;
 
 /// Wavelengths, in spacings of the particles, at which frequencies are compared.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
@@ -75,65 +72,50 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Asks the method that settings describe everything.
+    /// Asks a method everything, of a material that may be shared.
     ///
     /// # Errors
-    /// [`ProblemError`] when it is not admissible, or as for [`Measured::of`].
-    pub fn of_settings(
+    /// [`ProblemError`] when the method is not admissible, or cannot be evaluated at a state for another reason than its support or
+    /// the law's domain.
+    pub fn of(
         settings: &Settings,
-        material: &dyn Hyperelastic,
+        material: Arc<dyn Hyperelastic>,
         options: &CompareSettings,
     ) -> Result<Self, ProblemError> {
-        match settings.dimension() {
-            1 => Self::of(&*scheme::<1>(settings)?, material, options),
-            2 => Self::of(&*scheme::<2>(settings)?, material, options),
-            _ => Self::of(&*scheme::<3>(settings)?, material, options),
-        }
-    }
-
-    /// Asks a method everything.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when it cannot be evaluated at a state for another reason than its support or the law's domain.
-    pub fn of<const D: usize>(
-        scheme: &dyn Scheme<D>,
-        material: &dyn Hyperelastic,
-        options: &CompareSettings,
-    ) -> Result<Self, ProblemError> {
-        let survey = SchemeSurvey::new(scheme, material)?;
-        let spurious = spurious_modes(&survey, options.weak)?;
+        let analysis = analysis(&method(settings), material)?;
+        let spurious = analysis.spurious_modes(options.weak)?;
         let zero_modes = spurious.modes.iter().filter(|mode| mode.is_zero()).count();
         let onsets = Load::ALL
             .into_iter()
-            .filter(|load| load.is_possible(D))
+            .filter(|load| load.is_possible(analysis.dimension()))
             .map(|load| {
                 let end = if load.is_tension() {
                     options.tension
                 } else {
                     options.compression
                 };
-                onset(&survey, load, end)
+                analysis.onset(load, end)
             })
             .collect::<Result<_, _>>()?;
         let window = StateWindow {
             stretches: options.stretches,
             states: options.states,
         };
-        let step = critical_time_step(survey.reference(), options.integrator, survey.search());
-        let spacing = scheme.crystal().spacing();
+        let rest = DeformationGradient::identity();
+        let step = analysis.critical_time_step(&rest, options.integrator)?;
         Ok(Self {
             zero_modes,
             zero_extent: spurious.zero_extent,
             zero_modes_complete: spurious.is_complete,
             weak_modes: spurious.modes.len() - zero_modes,
             weakest: spurious.weakest,
-            dispersion: dispersion_errors(&survey, &WAVELENGTHS)?,
-            long_wave_error: long_wave_error(&survey)?,
+            dispersion: analysis.dispersion_errors(&WAVELENGTHS)?,
+            long_wave_error: analysis.long_wave_error()?,
             onsets,
-            fidelity: fidelity(&survey, &window)?,
+            fidelity: analysis.fidelity(&window)?,
             critical_time_step: step,
-            courant: step * survey.speed_squared().sqrt() / spacing,
-            neighbors: scheme.neighbors(),
+            courant: step * analysis.speed_squared()?.sqrt() / analysis.spacing(),
+            neighbors: analysis.neighbors(),
         })
     }
 

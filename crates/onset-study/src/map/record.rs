@@ -59,8 +59,8 @@ impl Certainty {
     }
 }
 
-impl<const D: usize> From<&certificate::Certainty<D>> for Certainty {
-    fn from(proved: &certificate::Certainty<D>) -> Self {
+impl From<&certificate::Certainty<3>> for Certainty {
+    fn from(proved: &certificate::Certainty<3>) -> Self {
         match proved {
             certificate::Certainty::Stable { .. } => Self::ProvedStable,
             certificate::Certainty::Unstable { .. } => Self::ProvedUnstable,
@@ -99,7 +99,7 @@ impl Proof {
     };
 
     /// Of a certificate.
-    pub(super) fn of<const D: usize>(certificate: &Certificate<D>, corrects: bool) -> Self {
+    pub(super) fn of(certificate: &Certificate<3>, corrects: bool) -> Self {
         Self {
             material: (&certificate.material).into(),
             material_bound: bound(&certificate.material),
@@ -114,7 +114,7 @@ impl Proof {
     }
 }
 
-fn bound<const D: usize>(proved: &certificate::Certainty<D>) -> f64 {
+fn bound(proved: &certificate::Certainty<3>) -> f64 {
     match proved {
         certificate::Certainty::Stable { bound } => *bound,
         certificate::Certainty::Unstable { witness } => witness.measure.high,

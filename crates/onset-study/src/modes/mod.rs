@@ -4,16 +4,12 @@ mod animation;
 mod export;
 mod figure;
 
-use crate::answers::{ProblemError, notes};
-use crate::methods::scheme;
+use crate::answers::{Problem, ProblemError, notes};
 use crate::settings::{Effective, Settings};
 use nalgebra::SVector;
 use onset::algebra::Complex;
-use onset::lattice::Crystal;
-use onset::measures::{Extent, SpuriousMode, spurious_modes};
-use onset::method::MethodError;
-use onset::scheme::PeriodicPatch;
-use onset::verdict::SchemeSurvey;
+use onset::analysis::{Analysis, PatchParticle};
+use onset::measures::{Extent, SpuriousMode};
 use serde::Serialize;
 use std::fmt;
 
@@ -96,96 +92,84 @@ impl ModesAnswer {
     /// # Errors
     /// [`ProblemError`] when material or method are not admissible, or the patch is too large.
     pub fn new(settings: &Settings, question: &ModesQuestion) -> Result<Self, ProblemError> {
-        match settings.dimension() {
-            1 => Self::of::<1>(settings, question),
-            2 => Self::of::<2>(settings, question),
-            _ => Self::of::<3>(settings, question),
-        }
-    }
-
-    fn of<const D: usize>(
-        settings: &Settings,
-        question: &ModesQuestion,
-    ) -> Result<Self, ProblemError> {
-        let material = settings.material.build().map_err(MethodError::from)?;
-        let scheme = scheme::<D>(settings)?;
-        let crystal = scheme.crystal();
-        let particles = (question.cells as f64).powi(D as i32) * crystal.sites().len() as f64;
+        let Problem {
+            settings,
+            material,
+            analysis,
+        } = Problem::new(settings.clone())?;
+        let dimension = analysis.dimension();
+        let particles = (question.cells as f64).powi(dimension as i32) * analysis.sites() as f64;
         if particles > LARGEST {
             return Err(ProblemError::Patch {
                 particles,
                 admitted: LARGEST,
             });
         }
-        let survey = SchemeSurvey::new(&*scheme, &*material)?;
-        let found = spurious_modes(&survey, question.weak)?;
-        let patch = PeriodicPatch::new(crystal, [question.cells; D]);
+        let found = analysis.spurious_modes(question.weak)?;
+        let patch = analysis.patch(question.cells);
         Ok(Self {
-            dimension: D,
-            spacing: crystal.spacing(),
+            dimension,
+            spacing: analysis.spacing(),
             zero_extent: found.zero_extent,
             complete: found.is_complete,
             weakest: found.weakest,
             modes: found
                 .modes
                 .iter()
-                .map(|mode| ShownMode::new(mode, crystal, &patch, question.amplitude))
+                .map(|mode| ShownMode::new(mode, &*analysis, &patch, question.amplitude))
                 .collect(),
             weak: question.weak,
-            notes: notes(settings, &*material),
+            notes: notes(&settings, &*material),
             settings: settings.effective(),
         })
     }
 }
 
 impl ShownMode {
-    fn new<const D: usize>(
-        mode: &SpuriousMode<D>,
-        crystal: &Crystal<D>,
-        patch: &PeriodicPatch<D>,
+    fn new(
+        mode: &SpuriousMode<3>,
+        analysis: &dyn Analysis,
+        patch: &[PatchParticle],
         amplitude: f64,
     ) -> Self {
         let k = mode.wave_vector;
-        let in_space =
-            |x: SVector<f64, D>| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0));
-        let particles = patch.particles();
         // The time at which the particle that moves most is farthest out: its g is turned until g.g is real and positive.
-        let square = |own: &SVector<Complex, D>| own.iter().map(|z| z * z).sum::<Complex>();
+        let square = |own: &SVector<Complex, 3>| own.iter().map(|z| z * z).sum::<Complex>();
         let most = mode
             .displacements
             .iter()
             .max_by(|a, b| a.norm().total_cmp(&b.norm()));
         let time = most.map_or(0.0, |own| 0.5 * square(own).arg());
         // Re and Im of g exp(i k.X): the mode now and a quarter of a period later.
-        let turned = |particle: &onset::lattice::Particle<D>| {
-            let phase = k.dot(&crystal.position(particle)) - time;
+        let turned = |particle: &PatchParticle| {
+            let phase = k.dot(&particle.position) - time;
             mode.displacements[particle.site] * Complex::new(phase.cos(), phase.sin())
         };
-        let largest = particles
+        let largest = patch
             .iter()
             .map(|particle| turned(particle).map(|z| z.re).norm())
             .fold(f64::MIN_POSITIVE, f64::max);
-        let scale = amplitude * crystal.spacing() / largest;
+        let scale = amplitude * analysis.spacing() / largest;
         let at = |is_quarter: bool| {
             let displaced = |particle| {
                 let own = turned(particle);
-                in_space(own.map(|z| scale * if is_quarter { z.im } else { z.re }))
+                own.map(|z| scale * if is_quarter { z.im } else { z.re })
+                    .into()
             };
-            particles.iter().map(displaced).collect()
+            patch.iter().map(displaced).collect()
         };
-        let fractional = crystal.lattice().vectors().transpose() * k / std::f64::consts::TAU;
         Self {
-            wave_vector: k.iter().copied().collect(),
-            fractional: fractional.iter().copied().collect(),
+            wave_vector: k.iter().take(analysis.dimension()).copied().collect(),
+            fractional: analysis.fractional(&k),
             relative_frequency: mode
                 .relative_frequency
                 .is_finite()
                 .then_some(mode.relative_frequency),
             nullity: mode.nullity,
             extent: mode.extent,
-            positions: particles
+            positions: patch
                 .iter()
-                .map(|particle| in_space(crystal.position(particle)))
+                .map(|particle| particle.position.into())
                 .collect(),
             displacements: at(false),
             quarter: at(true),

@@ -7,8 +7,9 @@ use crate::boundary::{Boundaries, BoundaryError, Tracing, Watch};
 use crate::domain::Class;
 use crate::figure::{Color, Dash, Figure, Line, Regions, palette};
 use crate::settings::Study;
+use onset::analysis::probe_material_in;
 use onset::method::MethodError;
-use onset::verdict::{Phase, Probe, Verdict, probe_material};
+use onset::verdict::{Phase, Probe, Verdict};
 use rayon::prelude::*;
 
 /// Cells of the material's domain along each axis.
@@ -109,11 +110,7 @@ fn domain(study: &Study) -> Result<Regions, PlotError> {
         ];
         let f = study.deformation_at(&coordinates)?;
         let asked = |problem: &Problem| -> Result<Probe, ProblemError> {
-            let probe = match problem.dimension() {
-                1 => probe_material::<1>(&*problem.material, &f),
-                2 => probe_material::<2>(&*problem.material, &f),
-                _ => probe_material::<3>(&*problem.material, &f),
-            };
+            let probe = probe_material_in(problem.dimension(), &*problem.material, &f);
             Ok(probe.map_err(MethodError::from)?)
         };
         let (phase, _) = match &shared {

@@ -1,10 +1,10 @@
 //! Boundaries of stability as curves, found by bisection along straight paths.
 
 use crate::answers::ProblemError;
+use onset::analysis::{Analysis, scan_material_in};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::material::Hyperelastic;
-use onset::method::Method;
-use onset::verdict::{Onset, PathScan, scan_discretization, scan_material};
+use onset::verdict::{Onset, PathScan};
 use rayon::prelude::*;
 
 /// A plane-strain state of principal stretches.
@@ -29,7 +29,7 @@ pub fn material_boundary(
 ) -> Result<Vec<(f64, f64)>, ProblemError> {
     let along = |&first: &f64| {
         let path = StraightPath::new(state(first, low)?, state(first, high)?)?;
-        let scan = scan_material::<2>(material, &path)?;
+        let scan = scan_material_in(2, material, &path)?;
         let second = |parameter: f64| low + parameter * (high - low);
         Ok(scan
             .crossings
@@ -44,14 +44,14 @@ pub fn material_boundary(
 /// First onset of the material and of a discretization along a straight path of principal stretches, as the
 /// stretch ratio along it.
 pub fn onsets(
-    method: &Method<2>,
+    method: &dyn Analysis,
     material: &dyn Hyperelastic,
     from: [f64; 2],
     to: [f64; 2],
 ) -> Result<[Option<f64>; 2], ProblemError> {
     let path = StraightPath::new(state(from[0], from[1])?, state(to[0], to[1])?)?;
     Ok([
-        onset(&scan_material::<2>(material, &path)?),
-        onset(&scan_discretization(method, material, &path)?),
+        onset(&scan_material_in(2, material, &path)?),
+        onset(&method.scan(&path)?),
     ])
 }

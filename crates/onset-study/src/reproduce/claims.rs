@@ -5,19 +5,20 @@
 use super::ReproduceError;
 use super::boundary::{onset, onsets, state};
 use crate::answers::ProblemError;
-use nalgebra::{Vector2, vector};
+use onset::analysis::{Analysis, acoustic_minimum_in, analysis, scan_material_in};
 use onset::approximation::Approximation;
-use onset::bloch::{Stability, dynamical_matrix, gradient_norm};
-use onset::continuum::Stiffness;
+use onset::bloch::Stability;
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, MethodError};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, MethodError};
 use onset::quadrature::Quadrature;
-use onset::verdict::{Verdict, assess, judge, scan_material};
+use onset::scheme::MethodChoices;
+use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// Whether a claim holds.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -100,16 +101,24 @@ pub const ALL: [fn() -> Checked; 17] = [
 const HEX_M: [f64; 2] = [TAU, 0.0];
 const HEX_K: [f64; 2] = [4.0 * PI / 3.0, 0.0];
 
-fn law() -> ModifiedMooneyRivlin {
-    ModifiedMooneyRivlin::default()
+fn law() -> Arc<dyn Hyperelastic> {
+    Arc::new(ModifiedMooneyRivlin::default())
 }
 
-fn lagrangian(arrangement: Arrangement, quadrature: Quadrature, support: f64) -> Discretization {
-    Discretization {
+fn blatz_ko() -> Arc<dyn Hyperelastic> {
+    Arc::new(BlatzKo::default())
+}
+
+fn lagrangian(
+    arrangement: Arrangement,
+    quadrature: Quadrature,
+    support: f64,
+) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         quadrature,
         support,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
@@ -118,37 +127,41 @@ fn eulerian(
     support: f64,
     lattice: CurrentLattice,
     linearization: Linearization,
-) -> Discretization {
-    Discretization {
+) -> KernelMethodChoices {
+    KernelMethodChoices {
         frame: Frame::Eulerian,
         quadrature,
         support,
         lattice,
         linearization,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
-fn method(discretization: Discretization) -> Result<Method<2>, ProblemError> {
-    Ok(Method::new(discretization)?)
+fn method(
+    discretization: KernelMethodChoices,
+    material: &Arc<dyn Hyperelastic>,
+) -> Result<Box<dyn Analysis>, ProblemError> {
+    let choices = MethodChoices::Kernel(Box::new(discretization));
+    Ok(analysis(&choices, Arc::clone(material))?)
 }
 
 /// `omega^2` at a reference wave vector.
 fn omega_squared(
-    discretization: Discretization,
-    material: &dyn Hyperelastic,
+    discretization: KernelMethodChoices,
+    material: &Arc<dyn Hyperelastic>,
     f: &DeformationGradient,
     k: [f64; 2],
 ) -> Result<[f64; 2], ProblemError> {
-    let matrix = dynamical_matrix(&method(discretization)?, material, f)?;
-    Ok(matrix
-        .omega_squared(&Vector2::from(k))
-        .map(|value| value.re))
+    let values = method(discretization, material)?
+        .waves(f)?
+        .omega_squared(&k);
+    Ok([0, 1].map(|branch| values[branch].re))
 }
 
 /// The largest `|omega^2|` of several wave vectors and states.
 fn largest_frequency(
-    discretization: Discretization,
+    discretization: KernelMethodChoices,
     points: &[[f64; 2]],
     states: &[[f64; 2]],
 ) -> Result<f64, ProblemError> {
@@ -164,13 +177,13 @@ fn largest_frequency(
 
 /// How many of some states are stable, flutter, or diverge or have no discretization.
 fn count(
-    discretization: Discretization,
-    material: &dyn Hyperelastic,
+    discretization: KernelMethodChoices,
+    material: &Arc<dyn Hyperelastic>,
     states: &[[f64; 2]],
 ) -> Result<[usize; 3], ProblemError> {
-    let method = method(discretization)?;
+    let method = method(discretization, material)?;
     let one = |[a, b]: &[f64; 2]| -> Result<usize, ProblemError> {
-        match judge(&method, material, &state(*a, *b)?) {
+        match method.judge(&state(*a, *b)?) {
             Ok((_, Stability::Stable)) => Ok(0),
             Ok((_, Stability::Flutter)) => Ok(1),
             Ok((_, Stability::Divergence)) => Ok(2),
@@ -205,12 +218,9 @@ fn c1() -> Checked {
     let mut smallest = f64::INFINITY;
     let mut all_elliptic = true;
     for [a, b] in square(0.02, 1.0, 50) {
-        let response = law()
-            .response(&state(a, b)?)
-            .map_err(|error| ProblemError::from(MethodError::from(error)))?;
-        let stiffness = Stiffness::<2>::of(&response);
-        all_elliptic &= stiffness.is_strongly_elliptic();
-        smallest = smallest.min(stiffness.minimum().eigenvalue.re);
+        let minimum = acoustic_minimum_in(2, &*law(), &state(a, b)?).map_err(MethodError::from)?;
+        all_elliptic &= minimum.ellipticity().is_elliptic();
+        smallest = smallest.min(minimum.eigenvalue.re);
     }
     Ok(Claim {
         id: "C1",
@@ -229,7 +239,7 @@ fn c1() -> Checked {
 fn c2() -> Checked {
     let path =
         StraightPath::new(state(1.0, 1.0)?, state(12.0, 12.0)?).map_err(ProblemError::from)?;
-    let scan = scan_material::<2>(&law(), &path).map_err(ProblemError::from)?;
+    let scan = scan_material_in(2, &*law(), &path).map_err(ProblemError::from)?;
     let stretches: Vec<f64> = scan
         .crossings
         .iter()
@@ -256,14 +266,13 @@ fn zero_mode(
     place: &'static str,
     paper: &'static str,
     choices: &'static str,
-    discretization: Discretization,
+    discretization: KernelMethodChoices,
     points: &[[f64; 2]],
     names: &str,
 ) -> Checked {
     let largest = largest_frequency(discretization.clone(), points, &SOME_STATES)?;
-    let method = method(discretization)?;
-    let verdict = assess(&method, &law(), &state(0.9, 0.95)?)
-        .map_err(ProblemError::from)?
+    let verdict = method(discretization, &law())?
+        .assess(&state(0.9, 0.95)?)?
         .verdict;
     Ok(Claim {
         id,
@@ -389,23 +398,16 @@ const DEFICIENT_SUPPORTS: [f64; 4] = [2.2750687324, 2.4014170277, 3.7267653927, 
 
 fn c8() -> Checked {
     let norm_at_k = |support: f64| -> Result<f64, ProblemError> {
-        let method = method(lagrangian(
-            Arrangement::Hexagonal,
-            Quadrature::StressPoints,
-            support,
-        ))?;
-        let norm = gradient_norm(&method, &DeformationGradient::identity())?;
-        Ok(norm.at(&vector![HEX_K[0], HEX_K[1]])[(0, 0)].re / (HEX_K[0] * HEX_K[0]))
+        let discretization = lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support);
+        let method = method(discretization, &law())?;
+        let norm = method.gradient_norm(&DeformationGradient::identity(), &HEX_K)?;
+        Ok(norm.unwrap_or(f64::NAN))
     };
     let stable_supports = [1.2, 1.6, 2.0, 2.5, 3.0];
     let mut sound = true;
     for support in stable_supports {
-        let method = method(lagrangian(
-            Arrangement::Hexagonal,
-            Quadrature::StressPoints,
-            support,
-        ))?;
-        let assessment = assess(&method, &law(), &state(0.9, 0.95)?).map_err(ProblemError::from)?;
+        let discretization = lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support);
+        let assessment = method(discretization, &law())?.assess(&state(0.9, 0.95)?)?;
         sound &= assessment.verdict == Verdict::Stable;
     }
     let mut largest = 0.0_f64;
@@ -439,7 +441,7 @@ fn c8() -> Checked {
 
 /// The largest relative difference between onsets of material and particles along straight paths.
 fn largest_difference(
-    material: &dyn Hyperelastic,
+    material: &Arc<dyn Hyperelastic>,
     supports: &[f64],
     paths: &[([f64; 2], [f64; 2])],
 ) -> Result<f64, ProblemError> {
@@ -448,12 +450,9 @@ fn largest_difference(
         .flat_map(|support| paths.iter().map(move |path| (*support, *path)))
         .collect();
     let one = |(support, (from, to)): &(f64, ([f64; 2], [f64; 2]))| -> Result<f64, ProblemError> {
-        let method = method(lagrangian(
-            Arrangement::Hexagonal,
-            Quadrature::StressPoints,
-            *support,
-        ))?;
-        let found = onsets(&method, material, *from, *to)?;
+        let discretization = lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, *support);
+        let method = method(discretization, material)?;
+        let found = onsets(&*method, &**material, *from, *to)?;
         let along = |s: f64| [0, 1].map(|i| from[i] + s * (to[i] - from[i]));
         Ok(match found {
             [Some(pde), Some(particles)] => {
@@ -554,17 +553,13 @@ fn c10() -> Checked {
             compression[0], tension[0]
         ));
     }
-    let mixed = judge(
-        &method(eulerian(
-            Quadrature::StressPoints,
-            1.9,
-            CurrentLattice::Regular,
-            Linearization::Exact,
-        ))?,
-        &law(),
-        &state(1.1, 0.8)?,
-    )
-    .map_err(ProblemError::from)?;
+    let regular = eulerian(
+        Quadrature::StressPoints,
+        1.9,
+        CurrentLattice::Regular,
+        Linearization::Exact,
+    );
+    let mixed = method(regular, &law())?.judge(&state(1.1, 0.8)?)?;
     let verdict = match holding.len() {
         0 => ClaimVerdict::Contradicted,
         all if all == cases.len() => ClaimVerdict::Reproduced,
@@ -598,7 +593,7 @@ fn c11() -> Checked {
         Linearization::Exact,
     );
     let (from, to) = ([1.0, 1.0], [3.0, 1.0]);
-    let found = onsets(&method(discretization)?, &law(), from, to)?;
+    let found = onsets(&*method(discretization, &law())?, &*law(), from, to)?;
     let stress = |s: Option<f64>| -> Result<[f64; 2], ProblemError> {
         let stretch = 1.0 + 2.0 * s.unwrap_or(f64::NAN);
         let response = law()
@@ -638,7 +633,7 @@ fn c12() -> Checked {
     for fixed in [0.5, 1.0, 2.0] {
         let (from, to) = (state(fixed, fixed)?, state(5.0 * fixed, fixed)?);
         let path = StraightPath::new(from, to).map_err(ProblemError::from)?;
-        let scan = scan_material::<2>(&BlatzKo::default(), &path).map_err(ProblemError::from)?;
+        let scan = scan_material_in(2, &*blatz_ko(), &path).map_err(ProblemError::from)?;
         let ratio = onset(&scan).map_or(f64::INFINITY, |s| 1.0 + 4.0 * s);
         error = error.max((ratio / RATIO - 1.0).abs());
     }
@@ -665,10 +660,8 @@ fn c13() -> Checked {
         let printed = [*a, *b, a / b]
             .iter()
             .all(|ratio| gamma < *ratio && *ratio < RATIO);
-        let response = material
-            .response(&state(*a, *b)?)
-            .map_err(|error| ProblemError::from(MethodError::from(error)))?;
-        let elliptic = Stiffness::<3>::of(&response).minimum().eigenvalue.re > 0.0;
+        let minimum = acoustic_minimum_in(3, &material, &state(*a, *b)?);
+        let elliptic = minimum.map_err(MethodError::from)?.eigenvalue.re > 0.0;
         contradictions += usize::from(printed != elliptic);
     }
     Ok(Claim {
@@ -688,7 +681,7 @@ fn c13() -> Checked {
 
 fn c14() -> Checked {
     let paths = [([1.0, 1.0], [5.0, 1.0]), ([1.5, 0.6], [3.0, 0.6])];
-    let error = largest_difference(&BlatzKo::default(), &[1.6, 2.0, 2.5], &paths)?;
+    let error = largest_difference(&blatz_ko(), &[1.6, 2.0, 2.5], &paths)?;
     Ok(Claim {
         id: "C14",
         place: "sec. 8",
@@ -709,7 +702,7 @@ fn c15() -> Checked {
         let discretization = lagrangian(Arrangement::Hexagonal, Quadrature::StressPoints, support);
         Ok(omega_squared(
             discretization,
-            &BlatzKo::default(),
+            &blatz_ko(),
             &state(stretch, stretch)?,
             HEX_K,
         )?[0])
@@ -748,10 +741,7 @@ fn c16() -> Checked {
     };
     let (compression, tension) = (inside(square(0.25, 0.98, 8)), inside(square(1.05, 2.5, 8)));
     let share = |states: &[[f64; 2]]| -> Result<f64, ProblemError> {
-        Ok(
-            count(discretization.clone(), &BlatzKo::default(), states)?[0] as f64
-                / states.len() as f64,
-        )
+        Ok(count(discretization.clone(), &blatz_ko(), states)?[0] as f64 / states.len() as f64)
     };
     let (compressed, stretched) = (share(&compression)?, share(&tension)?);
     Ok(Claim {
@@ -772,7 +762,7 @@ fn c16() -> Checked {
 }
 
 fn c17() -> Checked {
-    let complete = |base: Discretization| Discretization {
+    let complete = |base: KernelMethodChoices| KernelMethodChoices {
         approximation: Approximation::Mls,
         ..base
     };
@@ -782,12 +772,9 @@ fn c17() -> Checked {
         CurrentLattice::Convected,
         Linearization::Exact,
     ));
-    let stretched =
-        assess(&method(tension)?, &law(), &state(1.03, 1.03)?).map_err(ProblemError::from)?;
+    let stretched = method(tension, &law())?.assess(&state(1.03, 1.03)?)?;
     let nodal = complete(lagrangian(Arrangement::Hexagonal, Quadrature::Nodal, 2.0));
-    let deficient = assess(&method(nodal)?, &law(), &state(0.9, 0.95)?)
-        .map_err(ProblemError::from)?
-        .verdict;
+    let deficient = method(nodal, &law())?.assess(&state(0.9, 0.95)?)?.verdict;
     let lowest = stretched.spectrum.lowest.omega_squared.re;
     Ok(Claim {
         id: "C17",

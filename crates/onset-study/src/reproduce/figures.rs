@@ -9,16 +9,16 @@ use crate::figure::{
 };
 use crate::settings::Study;
 use nalgebra::{Vector2, vector};
-use onset::bloch::dynamical_matrix;
-use onset::continuum::Stiffness;
+use onset::analysis::{Analysis, acoustic_minimum_in, analysis};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Method, MethodError};
+use onset::method::{KernelMethodChoices, MethodError};
 use onset::quadrature::Quadrature;
-use onset::verdict::zone_search;
+use onset::scheme::MethodChoices;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// A figure with the data that it shows.
 pub struct Plate {
@@ -122,8 +122,8 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
     let [first, second] = study.plane();
     let elliptic = |index: usize| -> Result<&'static str, ProblemError> {
         let f = study.deformation_at(&study.coordinates(index))?;
-        let response = problem.material.response(&f).map_err(MethodError::from)?;
-        Ok(if Stiffness::<2>::of(&response).is_strongly_elliptic() {
+        let minimum = acoustic_minimum_in(2, &*problem.material, &f).map_err(MethodError::from)?;
+        Ok(if minimum.ellipticity().is_elliptic() {
             "stable"
         } else {
             "material"
@@ -139,6 +139,17 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
         (first.count, second.count),
         words,
     ))
+}
+
+/// A kernel method with a material.
+fn of_kernels(
+    choices: KernelMethodChoices,
+    material: Arc<dyn Hyperelastic>,
+) -> Result<Box<dyn Analysis>, ProblemError> {
+    Ok(analysis(
+        &MethodChoices::Kernel(Box::new(choices)),
+        material,
+    )?)
 }
 
 fn figure_02() -> Result<Plate, ReproduceError> {
@@ -184,14 +195,16 @@ fn displacement(k: &Vector2<f64>, x: &Vector2<f64>) -> f64 {
 }
 
 fn figure_04() -> Result<Plate, ReproduceError> {
-    let nodal = Discretization {
+    let nodal = KernelMethodChoices {
         quadrature: Quadrature::Nodal,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
-    let method = Method::<2>::new(nodal).map_err(ProblemError::from)?;
-    let material = ModifiedMooneyRivlin::default();
-    let f = state(1.1, 0.95)?;
-    let matrix = dynamical_matrix(&method, &material, &f).map_err(ProblemError::from)?;
+    let lattice = Arrangement::Hexagonal.lattice::<2>(1.0);
+    let lattice = lattice.map_err(|error| ProblemError::from(MethodError::from(error)))?;
+    let lattice = lattice.vectors();
+    let waves = of_kernels(nodal, Arc::new(ModifiedMooneyRivlin::default()))?
+        .waves(&state(1.1, 0.95)?)
+        .map_err(ProblemError::from)?;
     let modes = [
         ("K", vector![4.0 * PI / 3.0, 0.0]),
         ("M", vector![TAU, 0.0]),
@@ -201,7 +214,7 @@ fn figure_04() -> Result<Plate, ReproduceError> {
             .columns(2);
     let mut table = Vec::new();
     for (name, k) in &modes {
-        let omega = matrix.omega_squared(k);
+        let omega = waves.omega_squared(k.as_slice());
         let wave = spread((0.0, 8.0), 400)
             .into_iter()
             .map(|x| (x, displacement(k, &vector![x, 0.0])));
@@ -244,7 +257,6 @@ fn figure_04() -> Result<Plate, ReproduceError> {
         ("K", vector![4.0 * PI / 3.0, 0.0]),
         ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
     ] {
-        let lattice = method.lattice().vectors();
         let (mut rest, mut moved) = (Vec::new(), Vec::new());
         for j in -1..=4 {
             for i in -3..=6 {
@@ -307,10 +319,14 @@ fn figure_05() -> Result<Plate, ReproduceError> {
     for study in studies {
         let study = study?;
         let problem = Problem::new(study.settings.clone())?;
-        let method = problem.method::<2>()?;
         let firsts = spread((0.9, 3.9), 9);
         let particle = |&first: &f64| -> Result<Vec<f64>, ProblemError> {
-            let [pde, particles] = onsets(&method, &*problem.material, [first, 0.2], [first, 3.8])?;
+            let [pde, particles] = onsets(
+                &*problem.analysis,
+                &*problem.material,
+                [first, 0.2],
+                [first, 3.8],
+            )?;
             let second = |s: Option<f64>| s.map_or(f64::NAN, |s| 0.2 + 3.6 * s);
             Ok(vec![first, second(pde), second(particles)])
         };
@@ -406,13 +422,11 @@ fn domains<const N: usize>(
 fn figure_07() -> Result<Plate, ReproduceError> {
     let study = study!("figure-07")?;
     let problem = Problem::new(study.settings.clone())?;
-    let method = problem.method::<2>()?;
     let [first, second] = study.plane();
     let extremes = |index: usize| -> Result<Vec<f64>, ProblemError> {
         let coordinates = study.coordinates(index);
         let f = study.deformation_at(&coordinates)?;
-        let matrix = dynamical_matrix(&method, &*problem.material, &f)?;
-        let summary = zone_search(&method, &*problem.material, &f)?.summary(&matrix);
+        let summary = problem.analysis.spectrum(&f)?;
         Ok(vec![
             coordinates[0],
             coordinates[1],
@@ -464,8 +478,8 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     let (upper, lower): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);
     // The three-dimensional one by bisection of the smallest eigenvalue over all directions in space.
     let spatial = |f: &DeformationGradient| -> Result<f64, ProblemError> {
-        let response = material.response(f).map_err(MethodError::from)?;
-        Ok(Stiffness::<3>::of(&response).minimum().eigenvalue.re)
+        let minimum = acoustic_minimum_in(3, &material, f).map_err(MethodError::from)?;
+        Ok(minimum.eigenvalue.re)
     };
     let along = |&angle: &f64| -> Result<Vec<f64>, ProblemError> {
         let (sine, cosine) = angle.sin_cos();
@@ -525,7 +539,6 @@ fn figure_08() -> Result<Plate, ReproduceError> {
 }
 
 fn figure_09() -> Result<Plate, ReproduceError> {
-    let material = BlatzKo::default();
     let stretches: Vec<f64> = spread((0.5, 5.0), 46);
     let points = [
         ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
@@ -545,15 +558,15 @@ fn figure_09() -> Result<Plate, ReproduceError> {
             Axis::log("smallest ω² (1/time²)", (1e-6, 1e4)),
         );
         for (support, color) in [1.6, 2.0, 2.5].into_iter().zip(palette::SERIES) {
-            let method = Method::<2>::new(Discretization {
+            let choices = KernelMethodChoices {
                 support,
                 arrangement: Arrangement::Hexagonal,
-                ..Discretization::default()
-            })
-            .map_err(ProblemError::from)?;
+                ..KernelMethodChoices::default()
+            };
+            let method = of_kernels(choices, Arc::new(BlatzKo::default()))?;
             let at = |&stretch: &f64| -> Result<(f64, f64), ProblemError> {
-                let matrix = dynamical_matrix(&method, &material, &state(stretch, stretch)?)?;
-                Ok((stretch, matrix.omega_squared(&k)[0].re))
+                let waves = method.waves(&state(stretch, stretch)?)?;
+                Ok((stretch, waves.omega_squared(k.as_slice())[0].re))
             };
             let line: Vec<(f64, f64)> = stretches.par_iter().map(at).collect::<Result<_, _>>()?;
             table.extend(

@@ -12,6 +12,7 @@ use crate::answers::ProblemError;
 use crate::figure::FigureError;
 use crate::output::{Output, OutputError, text};
 use crate::settings::{SettingError, Study};
+use onset::method::MethodError;
 use std::path::Path;
 use thiserror::Error;
 
@@ -30,6 +31,12 @@ pub enum ReproduceError {
     /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+}
+
+impl From<MethodError> for ReproduceError {
+    fn from(error: MethodError) -> Self {
+        Self::Problem(error.into())
+    }
 }
 
 /// How many steps [`run`] reports.

@@ -6,7 +6,7 @@ use super::method::{
 use super::needs::{Cases, is, is_not};
 use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
 use onset::material::Parameter;
-use onset::method::Discretization;
+use onset::method::KernelMethodChoices;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -530,7 +530,7 @@ impl Key {
             }
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
-            (_, name) => match field(serde_json::to_value(Discretization::default()), name) {
+            (_, name) => match field(serde_json::to_value(KernelMethodChoices::default()), name) {
                 serde_json::Value::Null => {
                     field(serde_json::to_value(MethodSettings::default()), name)
                 }

@@ -41,7 +41,7 @@ use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
 use onset::lattice::Arrangement;
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
 };
 use onset::quadrature::Quadrature;
 use onset::scheme::element::ElementMesh;
@@ -56,7 +56,7 @@ pub struct Settings {
     /// The material.
     pub material: MaterialSettings,
     /// The discretization: arrangement, kernel, and the choices of kernel methods.
-    pub discretization: Discretization,
+    pub discretization: KernelMethodChoices,
     /// The family of methods, with the choices of other families.
     pub method: MethodSettings,
     /// Where keys of the discretization were set.
@@ -597,7 +597,7 @@ mod tests {
         let value = settings.value("discretization.kernel");
         assert_eq!(value, Some(Value::Word(formula.to_owned())));
         let json = serde_json::to_string(&settings.discretization).expect("serializable");
-        let read: Discretization = serde_json::from_str(&json).expect("the same");
+        let read: KernelMethodChoices = serde_json::from_str(&json).expect("the same");
         assert_eq!(read, settings.discretization);
         for kernel in Kernel::ALL {
             assert_eq!(set(kernel.name()).discretization.kernel, kernel);

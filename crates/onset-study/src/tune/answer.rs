@@ -7,11 +7,13 @@ use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::output::{Files, text};
 use crate::settings::{CompareSettings, Effective, Settings};
+use onset::material::Hyperelastic;
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
+use std::sync::Arc;
 
 /// The relative frequency above which no wave counts as spurious.
 const STRONG: f64 = 0.1;
@@ -86,6 +88,7 @@ impl TuneAnswer {
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
         let material = settings.material.build().map_err(MethodError::from)?;
+        let material: Arc<dyn Hyperelastic> = Arc::from(material);
         // Fewer states than a comparison takes.
         let options = CompareSettings {
             stretches: question.stretches,
@@ -94,7 +97,7 @@ impl TuneAnswer {
         };
         let measured = |value: f64| {
             let settings = question.settings(settings, value)?;
-            Measured::of_settings(&settings, &*material, &options)
+            Measured::of(&settings, Arc::clone(&material), &options)
         };
         let tried = |value: f64| Tried {
             value,

@@ -21,8 +21,8 @@ use pulp::{Arch, NullaryFnOnce};
 /// use onset::bloch::dynamical_matrix;
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::method::{Discretization, Method};
-/// let method = Method::<2>::new(Discretization::default())?;
+/// use onset::method::{KernelMethodChoices, Method};
+/// let method = Method::<2>::new(KernelMethodChoices::default())?;
 /// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
 /// let matrix = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &f)?;
 /// let omega_squared = matrix.omega_squared(&Vector2::new(2.0, 1.1));
@@ -42,18 +42,9 @@ pub fn dynamical_matrix<const D: usize>(
     })
 }
 
-/// The same with a response that is known at `f`, the deformation that all points carry.
-pub(crate) fn dynamical_matrix_with<const D: usize>(
-    method: &Method<D>,
-    local: &Local<D>,
-    f: &DeformationGradient,
-) -> Result<DynamicalMatrix<D>, MethodError> {
-    assembled(method, f, order(method), |_| Ok(*local))
-}
-
 /// The derivatives of the shape functions that a method needs.
 fn order<const D: usize>(method: &Method<D>) -> Order {
-    let discretization = method.discretization();
+    let discretization = method.choices();
     match (
         discretization.frame,
         discretization.linearization.is_exact_in_kernel(),
@@ -79,7 +70,7 @@ fn assembled<const D: usize>(
     order: Order,
     respond: impl Fn(&DeformationGradient) -> Result<Local<D>, MaterialError>,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
-    let discretization = method.discretization();
+    let discretization = method.choices();
     let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
     let mut constants = ForceConstants::new(configuration.basis, reach(&configuration));
     let mut known: Option<(DeformationGradient, Local<D>)> = None;

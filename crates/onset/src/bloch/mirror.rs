@@ -299,13 +299,13 @@ mod tests {
     use crate::bloch::{DynamicalMatrix, dynamical_matrix};
     use crate::kinematics::DeformationGradient;
     use crate::material::ModifiedMooneyRivlin;
-    use crate::method::{Discretization, Frame, Method};
+    use crate::method::{Frame, KernelMethodChoices, Method};
     use nalgebra::Vector2;
 
     fn eulerian() -> Method<2> {
-        Method::new(Discretization {
+        Method::new(KernelMethodChoices {
             frame: Frame::Eulerian,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         })
         .expect("an admissible method")
     }

@@ -17,8 +17,8 @@ mod spatial;
 mod spectrum;
 mod system;
 
+pub(crate) use assembly::Local;
 use assembly::moment_matrix;
-pub(crate) use assembly::{Local, dynamical_matrix_with};
 pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};

@@ -275,7 +275,7 @@ mod tests {
     use crate::lattice::Arrangement;
     use crate::material::ModifiedMooneyRivlin;
     use crate::method::{
-        Background, CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize,
+        Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
     };
     use crate::quadrature::Quadrature;
     use crate::real::Interval;
@@ -306,7 +306,7 @@ mod tests {
             SupportSize::Scaled,
             SupportSize::Convected,
         ];
-        let choice = |n: usize| Discretization {
+        let choice = |n: usize| KernelMethodChoices {
             arrangement: [Arrangement::Hexagonal, Arrangement::Square][n % 2],
             linearization: linearizations[n % 5],
             approximation: approximations[n / 2 % 3],
@@ -320,7 +320,7 @@ mod tests {
                 Frame::Eulerian
             },
             support: 1.8 + 0.05 * (n % 13) as f64,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         (0..120)
             .map(|n| Method::new(choice(n)).expect("a method"))
@@ -363,13 +363,13 @@ mod tests {
                     assert!(
                         near.contains(value.re),
                         "{entry:?} of {value}: {:?}",
-                        method.discretization()
+                        method.choices()
                     );
                     assert!(value.im.abs() < slack, "D is real");
                     assert!(
                         entry.width() < 1e-9 * scale,
                         "{entry:?}: {:?}",
-                        method.discretization()
+                        method.choices()
                     );
                 }
             }
@@ -417,7 +417,7 @@ mod tests {
                         assert!(
                             bounds(&patch[e], x).contains(there[e]),
                             "{:?}",
-                            method.discretization()
+                            method.choices()
                         );
                     }
                 }
@@ -444,7 +444,7 @@ mod tests {
                         assert!(
                             near.contains(there[e]),
                             "chart {chart}: {:?}",
-                            method.discretization()
+                            method.choices()
                         );
                     }
                 }
@@ -455,7 +455,7 @@ mod tests {
     #[test]
     fn volumes_and_places_hold_the_ideal_ones() {
         // Nodes have a third of the cell each, as the two centroids do: the Voronoi cells are hexagons.
-        let method = Method::<2>::new(Discretization::default()).expect("a method");
+        let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
         let cell = 0.5 * 3.0_f64.sqrt();
         for point in method.quadrature_points() {
             let volume = Interval::around(point.volume, 64);

@@ -26,6 +26,7 @@ use crate::material::Hyperelastic;
 use crate::method::{Background, Frame, Method, MethodError};
 use crate::quadrature::QuadraturePoint;
 use crate::real::Interval;
+use crate::scheme::Discretization;
 use crate::verdict::{SurveyedState, Verdict, decided, speed_squared};
 use cover::{Finding, GrowingWave, Question, cover};
 use ellipticity::{Acoustic, Proved};
@@ -109,7 +110,8 @@ pub enum Reason {
     Dimension,
     /// The enclosures are not finite at this state.
     NotFinite,
-    /// The approximation or the quadrature is one whose enclosures do not exist.
+    /// The method, its approximation or its quadrature is one whose force constants are not enclosed in intervals: its waves are
+    /// searched, and not proved.
     Method,
 }
 
@@ -184,8 +186,8 @@ impl<const D: usize> Certainty<D> {
         }
     }
 
-    /// The same with the first components of its vectors.
-    fn in_dimensions<const E: usize>(&self) -> Certainty<E> {
+    /// The same with the first components of its vectors, zeros where there are more.
+    pub(crate) fn in_dimensions<const E: usize>(&self) -> Certainty<E> {
         let vector = |v: &SVector<f64, D>| SVector::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
         match *self {
             Self::Stable { bound } => Certainty::Stable { bound },
@@ -209,6 +211,14 @@ impl<const D: usize> Certainty<D> {
         !matches!(self, Self::Undecided { .. })
     }
 
+    /// Of what nothing is proved, for a reason that no measure tells.
+    fn unproved(reason: Reason) -> Self {
+        Self::Undecided {
+            measure: f64::NAN,
+            reason,
+        }
+    }
+
     fn undecided(measure: f64, tolerance: f64, is_growth: bool) -> Self {
         let reason = if measure.is_nan() {
             Reason::NotFinite
@@ -223,23 +233,24 @@ impl<const D: usize> Certainty<D> {
     }
 }
 
-/// Proves stability or instability of a material and a method at a homogeneous state. All states get
-/// the same work; one that stays undecided says whether its measure is within `tolerance` of zero. For many states of one method, [`Certifier`] is faster.
+/// Proves stability or instability of a material and a discretization at a homogeneous state. All states get
+/// the same work; one that stays undecided says whether its measure is within `tolerance` of zero. For many states of one
+/// discretization, [`Certifier`] is faster.
 ///
 /// ```
 /// use onset::certificate::{Certainty, certify};
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::method::{Discretization, Frame, Method};
+/// use onset::method::{KernelMethodChoices, Frame, Method};
 /// let (material, f) = (
 ///     ModifiedMooneyRivlin::default(),
 ///     DeformationGradient::from_stretches([1.2, 1.0, 1.0])?,
 /// );
-/// let lagrangian = Method::<2>::new(Discretization::default())?;
+/// let lagrangian = Method::<2>::new(KernelMethodChoices::default())?;
 /// let proof = certify(&lagrangian, &material, &f, 1e-3)?;
 /// assert!(matches!(proof.discretization, Certainty::Stable { bound } if bound > 0.0));
 ///
-/// let sph = Discretization { frame: Frame::Eulerian, ..Discretization::default() };
+/// let sph = KernelMethodChoices { frame: Frame::Eulerian, ..KernelMethodChoices::default() };
 /// let proof = certify(&Method::<2>::new(sph)?, &material, &f, 1e-3)?;
 /// assert_eq!(proof.material.name(), "proved-stable");
 /// assert_eq!(proof.discretization.name(), "proved-unstable");
@@ -249,17 +260,19 @@ impl<const D: usize> Certainty<D> {
 /// # Errors
 /// [`MethodError`] when the method or the material cannot be evaluated at the state.
 pub fn certify<const D: usize>(
-    method: &Method<D>,
+    discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     tolerance: f64,
 ) -> Result<Certificate<D>, MethodError> {
-    Certifier::new(method, material, tolerance)?.certify(f)
+    Certifier::new(discretization, material, tolerance)?.certify(f)
 }
 
-/// What the certificates of one method and one material have in common.
+/// What the certificates of one discretization and one material have in common.
 pub struct Certifier<'a, const D: usize> {
-    method: &'a Method<D>,
+    density: f64,
+    /// The method of which force constants are enclosed; of the waves of others nothing is proved.
+    method: Option<&'a Method<D>>,
     material: &'a dyn Hyperelastic,
     tolerance: f64,
     share: f64,
@@ -293,21 +306,20 @@ impl<'a, const D: usize> Certifier<'a, D> {
     /// # Errors
     /// [`MethodError`] when the undeformed material or a Lagrangian method cannot be evaluated.
     pub fn new(
-        method: &'a Method<D>,
+        discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
         tolerance: f64,
     ) -> Result<Self, MethodError> {
-        let mut certifier = Self {
-            method,
-            material,
-            tolerance,
-            share: SHARE,
-            budget: BUDGET,
-            speed_squared: speed_squared(method, material)?,
+        let ground = Foundation {
+            speed_squared: speed_squared(discretization, material)?,
             gradient: None,
         };
-        if method.discretization().frame == Frame::Lagrangian && D <= 2 {
-            certifier.gradient = certifier.gradient()?;
+        let mut certifier = Self::founded(ground, discretization, material, tolerance);
+        if let Some(method) = certifier.method
+            && method.choices().frame == Frame::Lagrangian
+            && D <= 2
+        {
+            certifier.gradient = certifier.gradient(method)?;
         }
         Ok(certifier)
     }
@@ -320,15 +332,16 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// A certifier on the foundation of another one. Proofs hold only if that was of the same method and the same material.
+    /// A certifier on the foundation of another one. Proofs hold only if that was of the same discretization and the same material.
     pub fn founded(
         foundation: Foundation<D>,
-        method: &'a Method<D>,
+        discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
         tolerance: f64,
     ) -> Self {
         Self {
-            method,
+            density: discretization.density(),
+            method: discretization.enclosed(),
             material,
             tolerance,
             share: SHARE,
@@ -354,7 +367,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
     /// The certificate of a state.
     ///
     /// # Errors
-    /// [`MethodError`] when the method or the material cannot be evaluated there.
+    /// [`MethodError`] when the material cannot be evaluated there, or a method of which waves are proved.
     pub fn certify(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
         if !f.is_block_diagonal::<D>() {
             return Err(MethodError::NotPlanar { dimension: D });
@@ -370,7 +383,10 @@ impl<'a, const D: usize> Certifier<'a, D> {
         let ellipticity = self.ellipticity(&exact, &hint);
         Ok(Certificate {
             material: self.of_material(ellipticity),
-            discretization: self.of_discretization(f, &hint, ellipticity)?,
+            discretization: match self.method {
+                Some(method) => self.of_discretization(method, f, &hint, ellipticity)?,
+                None => Certainty::unproved(Reason::Method),
+            },
         })
     }
 
@@ -379,10 +395,10 @@ impl<'a, const D: usize> Certifier<'a, D> {
         let proof = certify_in_space(self.material, f, self.tolerance)?.certainty;
         Ok(Certificate {
             material: proof.in_dimensions(),
-            discretization: Certainty::Undecided {
-                measure: f64::NAN,
-                reason: Reason::Dimension,
-            },
+            discretization: Certainty::unproved(match self.method {
+                Some(_) => Reason::Dimension,
+                None => Reason::Method,
+            }),
         })
     }
 
@@ -392,7 +408,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
     }
 
     fn of_material(&self, ellipticity: Proved) -> Certainty<D> {
-        let scale = self.method.discretization().density * self.speed_squared;
+        let scale = self.density * self.speed_squared;
         match ellipticity {
             // The scale is a double of its own: two roundings.
             Proved::Bounded(bound) if bound > 0.0 => Certainty::Stable {
@@ -422,28 +438,24 @@ impl<'a, const D: usize> Certifier<'a, D> {
 
     fn of_discretization(
         &self,
+        method: &Method<D>,
         f: &DeformationGradient,
         hint: &SVector<f64, D>,
         ellipticity: Proved,
     ) -> Result<Certainty<D>, MethodError> {
-        let is_imposed = self.method.discretization().background == Background::Imposed;
+        let is_imposed = method.choices().background == Background::Imposed;
         // One tangent at all points, elliptic: the theorem.
         if let (Some(gradient), true, Proved::Bounded(bound)) =
             (self.gradient, is_imposed, ellipticity)
             && bound > 0.0
         {
-            return Ok(self.by_theorem(gradient, bound));
+            return Ok(self.by_theorem(method, gradient, bound));
         }
         let order = crate::approximation::Order::First;
-        self.method.configuration(f, order)?;
-        let points = match points::points(self.method, f) {
+        method.configuration(f, order)?;
+        let points = match points::points(method, f) {
             Ok(points) => points,
-            Err(reason) => {
-                return Ok(Certainty::Undecided {
-                    measure: f64::NAN,
-                    reason,
-                });
-            }
+            Err(reason) => return Ok(Certainty::unproved(reason)),
         };
         if let Some(gradient) = self.gradient {
             // Different tangents at the points, each elliptic: the same proof, with the least of them.
@@ -455,28 +467,33 @@ impl<'a, const D: usize> Certifier<'a, D> {
                 };
             }
             if least > 0.0 {
-                return Ok(self.by_theorem(gradient, least));
+                return Ok(self.by_theorem(method, gradient, least));
             }
         }
-        let waves = waves::dynamical_waves(self.method, self.material, &points);
-        Ok(self.of_waves(f, &waves))
+        let waves = waves::dynamical_waves(method, self.material, &points);
+        Ok(self.of_waves(method, f, &waves))
     }
 
     /// Strong ellipticity at all points with positive volumes, and inversion symmetry: `D >= bound sum_q V_q |B_q|^2`.
-    fn by_theorem(&self, gradient: Gradient<D>, bound: f64) -> Certainty<D> {
+    fn by_theorem(&self, method: &Method<D>, gradient: Gradient<D>, bound: f64) -> Certainty<D> {
         match gradient {
             Gradient::Bounded(gradient) => Certainty::Stable {
-                bound: self.scaled(bound * gradient) * (1.0 - 16.0 * f64::EPSILON),
+                bound: self.scaled(method, bound * gradient) * (1.0 - 16.0 * f64::EPSILON),
             },
             Gradient::Vanishes(phases) => Certainty::RankDeficient {
-                wave_vector: self.wave_vector(&phases),
+                wave_vector: wave_vector(method, &phases),
             },
         }
     }
 
-    fn of_waves(&self, f: &DeformationGradient, waves: &waves::Waves) -> Certainty<D> {
-        let (zone, farthest) = self.zone(f);
-        let spacing = self.method.discretization().spacing;
+    fn of_waves(
+        &self,
+        method: &Method<D>,
+        f: &DeformationGradient,
+        waves: &waves::Waves,
+    ) -> Certainty<D> {
+        let (zone, farthest) = zone(method, f);
+        let spacing = method.choices().spacing;
         let growth = GROWTH * GROWTH * self.speed_squared / (spacing * spacing);
         let finding = cover(
             waves,
@@ -487,31 +504,31 @@ impl<'a, const D: usize> Certifier<'a, D> {
                 share: self.share,
                 budget: self.budget,
             },
-            || self.candidates(f),
+            || self.candidates(method, f),
         );
         match finding {
             Finding::Bounded(bound) if bound > 0.0 => Certainty::Stable {
-                bound: self.scaled(bound) * (1.0 - 16.0 * f64::EPSILON),
+                bound: self.scaled(method, bound) * (1.0 - 16.0 * f64::EPSILON),
             },
             Finding::Bounded(bound) => Certainty::undecided(bound, self.tolerance, false),
             Finding::Grows(wave) => Certainty::Unstable {
-                witness: self.witness(&wave),
+                witness: self.witness(method, &wave),
             },
             Finding::Open { measure, is_growth } => {
-                Certainty::undecided(self.scaled(measure), self.tolerance, is_growth)
+                Certainty::undecided(self.scaled(method, measure), self.tolerance, is_growth)
             }
         }
     }
 
     /// The phases of the waves that the search in floating point thinks to grow.
-    fn candidates(&self, f: &DeformationGradient) -> Vec<[f64; 2]> {
-        let search = ZoneSearch::new(self.method, f, self.speed_squared);
-        let matrix = dynamical_matrix(self.method, self.material, f);
+    fn candidates(&self, method: &Method<D>, f: &DeformationGradient) -> Vec<[f64; 2]> {
+        let search = ZoneSearch::new(method, f, self.speed_squared);
+        let matrix = dynamical_matrix(method, self.material, f);
         let (Some(search), Ok(matrix)) = (search, matrix) else {
             return Vec::new();
         };
         let summary = search.summary(&matrix);
-        let vectors = self.method.lattice().vectors();
+        let vectors = method.lattice().vectors();
         [summary.softest, summary.lowest, summary.fastest_growing]
             .into_iter()
             .filter(|mode| !mode.is_long_wave)
@@ -519,16 +536,16 @@ impl<'a, const D: usize> Certifier<'a, D> {
             .collect()
     }
 
-    fn witness(&self, wave: &GrowingWave) -> Witness<D> {
-        let spacing = self.method.discretization().spacing;
+    fn witness(&self, method: &Method<D>, wave: &GrowingWave) -> Witness<D> {
+        let spacing = method.choices().spacing;
         let laplacian = (0..D).fold(Interval::ZERO, |sum, i| {
             use crate::real::Real;
             sum + (Interval::point(wave.phases[i]) * 0.5).sin().square() * 2.0
         });
-        let scale = Interval::around(self.scaled(1.0), 4);
+        let scale = Interval::around(self.scaled(method, 1.0), 4);
         let phases = SVector::from_fn(|i, _| wave.phases[i]);
         Witness {
-            wave_vector: self.wave_vector(&phases),
+            wave_vector: wave_vector(method, &phases),
             phases,
             measure: wave.omega_squared / laplacian * scale,
             growth_rate: lower_root(
@@ -539,59 +556,31 @@ impl<'a, const D: usize> Certifier<'a, D> {
     }
 
     /// `omega^2 / L` as a measure: `c^2 |k|_h^2 = 2 c^2 L / spacing^2`, since all primitive vectors have that length.
-    fn scaled(&self, measure: f64) -> f64 {
-        let spacing = self.method.discretization().spacing;
+    fn scaled(&self, method: &Method<D>, measure: f64) -> f64 {
+        let spacing = method.choices().spacing;
         measure * spacing * spacing / (2.0 * self.speed_squared)
     }
 
-    fn wave_vector(&self, phases: &SVector<f64, D>) -> SVector<f64, D> {
-        self.method.lattice().reciprocal() * phases / std::f64::consts::TAU
-    }
-
-    /// The half planes of phases that bound the zone, and the largest phase in it.
-    fn zone(&self, f: &DeformationGradient) -> (Vec<([f64; 2], f64)>, f64) {
-        if self.method.is_periodic() {
-            return (Vec::new(), std::f64::consts::PI);
-        }
-        let home = self.method.home_map(f);
-        let Some(lattice) = self.method.lattice().mapped(&home) else {
-            return (Vec::new(), f64::INFINITY);
-        };
-        let zone = BrillouinZone::new(lattice);
-        // k.G <= |G|^2 / 2 with k = sum_i theta_i b_i / (2 pi).
-        let half_plane = |g: &SVector<f64, D>| {
-            let normal = planar(&(lattice.reciprocal().transpose() * g));
-            (normal, std::f64::consts::PI * g.norm_squared())
-        };
-        let farthest = zone
-            .corners()
-            .iter()
-            .map(|corner| (lattice.vectors().transpose() * corner).amax())
-            .fold(0.0, f64::max);
-        let half_planes = zone.bounding_vectors().iter().map(half_plane).collect();
-        (half_planes, farthest * (1.0 + 1e-6))
-    }
-
     /// The discrete gradient of a Lagrangian method over the zone.
-    fn gradient(&self) -> Result<Option<Gradient<D>>, MethodError> {
+    fn gradient(&self, method: &Method<D>) -> Result<Option<Gradient<D>>, MethodError> {
         let identity = DeformationGradient::identity();
         let order = crate::approximation::Order::First;
-        self.method.configuration(&identity, order)?;
-        if self.method.is_naturally_stabilized() {
+        method.configuration(&identity, order)?;
+        if method.is_naturally_stabilized() {
             return Ok(None);
         }
         let has_volumes = |point: &QuadraturePoint<D>| point.volume > 0.0;
-        let all = self.method.quadrature_points();
+        let all = method.quadrature_points();
         if !all.iter().all(has_volumes) {
             return Ok(None);
         }
         if let Some(phases) = zero_energy_phases(all) {
             return Ok(Some(Gradient::Vanishes(phases)));
         }
-        let Ok(points) = points::points(self.method, &identity) else {
+        let Ok(points) = points::points(method, &identity) else {
             return Ok(None);
         };
-        let waves = waves::gradient_waves(self.method, &points);
+        let waves = waves::gradient_waves(method, &points);
         let finding = cover(
             &waves,
             &Question {
@@ -608,6 +597,37 @@ impl<'a, const D: usize> Certifier<'a, D> {
             _ => None,
         })
     }
+}
+
+fn wave_vector<const D: usize>(method: &Method<D>, phases: &SVector<f64, D>) -> SVector<f64, D> {
+    method.lattice().reciprocal() * phases / std::f64::consts::TAU
+}
+
+/// The half planes of phases that bound the zone, and the largest phase in it.
+fn zone<const D: usize>(
+    method: &Method<D>,
+    f: &DeformationGradient,
+) -> (Vec<([f64; 2], f64)>, f64) {
+    if method.is_periodic() {
+        return (Vec::new(), std::f64::consts::PI);
+    }
+    let home = method.home_map(f);
+    let Some(lattice) = method.lattice().mapped(&home) else {
+        return (Vec::new(), f64::INFINITY);
+    };
+    let zone = BrillouinZone::new(lattice);
+    // k.G <= |G|^2 / 2 with k = sum_i theta_i b_i / (2 pi).
+    let half_plane = |g: &SVector<f64, D>| {
+        let normal = planar(&(lattice.reciprocal().transpose() * g));
+        (normal, std::f64::consts::PI * g.norm_squared())
+    };
+    let farthest = zone
+        .corners()
+        .iter()
+        .map(|corner| (lattice.vectors().transpose() * corner).amax())
+        .fold(0.0, f64::max);
+    let half_planes = zone.bounding_vectors().iter().map(half_plane).collect();
+    (half_planes, farthest * (1.0 + 1e-6))
 }
 
 /// The phases `pi m` of a wave of which no quadrature point feels a gradient. Where a point is an inversion center and

@@ -83,7 +83,7 @@ pub(super) fn points<const D: usize>(
     f: &DeformationGradient,
 ) -> Result<Vec<Point<D>>, Reason> {
     let is_covered = matches!(
-        method.discretization().approximation,
+        method.choices().approximation,
         Approximation::Raw | Approximation::Shepard | Approximation::Mls
     );
     if !is_covered || method.is_naturally_stabilized() {
@@ -109,7 +109,7 @@ pub(super) fn points<const D: usize>(
         let volume = Interval::around(point.volume, VOLUME_ULPS);
         let share = volume / Interval::around(method.lattice().cell_volume(), VOLUME_ULPS);
         let multiplicity = if partner == index { 1.0 } else { 2.0 };
-        let factor = share * multiplicity / method.discretization().density;
+        let factor = share * multiplicity / method.choices().density;
         let place = std::array::from_fn(|i| point.place[i]);
         let is_center = partner == index;
         let point = enclosed(method, f, &layout, place, point.is_node, is_center, factor);
@@ -119,7 +119,7 @@ pub(super) fn points<const D: usize>(
 }
 
 fn layout<const D: usize>(method: &Method<D>, f: &DeformationGradient) -> Layout<D> {
-    let discretization = method.discretization();
+    let discretization = method.choices();
     let leading: Square<D> =
         std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(f.components()[i][j])));
     let is_convected = discretization.frame == Frame::Eulerian
@@ -159,7 +159,7 @@ fn enclosed<const D: usize>(
     is_center: bool,
     factor: Interval,
 ) -> Option<Point<D>> {
-    let discretization = method.discretization();
+    let discretization = method.choices();
     let approximation = discretization.approximation;
     let basis = if approximation == Approximation::Mls {
         D + 1
@@ -212,7 +212,7 @@ fn term<const D: usize>(
     if q.low > 1.0 {
         return None;
     }
-    let mut profile = method.discretization().kernel.profile::<D, _>(q);
+    let mut profile = method.choices().kernel.profile::<D, _>(q);
     if q.high >= 1.0 - ON_THE_RIM {
         profile.value = profile.value.hull(Interval::ZERO);
         profile.slope_over_q = profile.slope_over_q.hull(Interval::ZERO);
@@ -276,7 +276,7 @@ fn term<const D: usize>(
 
 /// Particle volume over the integral of the weight.
 fn raw_factor<const D: usize>(method: &Method<D>, layout: &Layout<D>) -> Interval {
-    let unit = method.discretization().kernel.enclosed_integral::<D>();
+    let unit = method.choices().kernel.enclosed_integral::<D>();
     let integral = unit * layout.radius.powi(D as i32) / determinant(&layout.metric).abs();
     determinant(&layout.vectors).abs() / integral
 }
@@ -381,7 +381,7 @@ fn carried<const D: usize>(
     neighbors: &[Neighbor<D>],
 ) -> DeformationGradient<Interval> {
     let mut components = f.components().map(|row| row.map(Interval::point));
-    let discretization = method.discretization();
+    let discretization = method.choices();
     if discretization.background == Background::Interpolated {
         let moment: Square<D> = std::array::from_fn(|i| {
             std::array::from_fn(|j| {

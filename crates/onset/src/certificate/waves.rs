@@ -61,12 +61,12 @@ pub(super) fn dynamical_waves<const D: usize>(
             Some((other, response)) if other.deformation == point.deformation => response,
             _ => material.enclosure(&point.deformation),
         };
-        let stiffness = stiffness(method.discretization().frame, point, &response);
+        let stiffness = stiffness(method.choices().frame, point, &response);
         known = Some((point, response));
         stiffness
     });
     let stiffnesses: Vec<Stiffness<D>> = stiffnesses.collect();
-    assembled(method, points, &stiffnesses, method.discretization().frame)
+    assembled(method, points, &stiffnesses, method.choices().frame)
 }
 
 /// The squared norm of the discrete gradient, `sum_q V_q |B_q|^2 / (rho V0)`, on the diagonal.
@@ -345,7 +345,7 @@ fn assembled<const D: usize>(
     stiffnesses: &[Stiffness<D>],
     frame: Frame,
 ) -> Waves {
-    let linearization = method.discretization().linearization;
+    let linearization = method.choices().linearization;
     let range = points
         .iter()
         .flat_map(|point| {
@@ -402,7 +402,7 @@ fn rigid_part<const D: usize>(
     frame: Frame,
 ) -> Option<[Interval; 4]> {
     use crate::approximation::Approximation;
-    let discretization = method.discretization();
+    let discretization = method.choices();
     let linearization = discretization.linearization;
     let is_carried =
         frame == Frame::Eulerian && !point.is_node && !linearization.moves_points_with_plane_wave();

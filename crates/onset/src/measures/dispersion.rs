@@ -5,7 +5,7 @@ use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
-use crate::verdict::SchemeSurvey;
+use crate::verdict::Survey;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
@@ -22,16 +22,18 @@ pub struct DispersionError {
 
 /// The errors of the frequencies of the undeformed body at wavelengths given in spacings of the particles, [`crate::lattice::Crystal::spacing`].
 pub fn dispersion_errors<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    survey: &Survey<'_, D>,
     particles_per_wavelength: &[f64],
 ) -> Result<Vec<DispersionError>, MethodError> {
-    let spacing = survey.scheme().crystal().spacing();
+    let spacing = survey.discretization().crystal().spacing();
     let stiffness = at_rest(survey)?;
+    let system = survey.reference()?;
+    let density = survey.discretization().density();
     let of_wavelength = |count: &f64| {
         let length = TAU / (count * spacing);
         let error = directions::<D>()
             .iter()
-            .map(|direction| frequency_error(survey, &stiffness, &(direction * length)))
+            .map(|direction| frequency_error(system, &stiffness, density, &(direction * length)))
             .fold(0.0, f64::max);
         DispersionError {
             particles_per_wavelength: *count,
@@ -46,10 +48,10 @@ pub fn dispersion_errors<const D: usize>(
 ///
 /// # Errors
 /// [`MethodError`] when the material cannot be evaluated.
-pub fn long_wave_error<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<f64, MethodError> {
+pub fn long_wave_error<const D: usize>(survey: &Survey<'_, D>) -> Result<f64, MethodError> {
     let exact = at_rest(survey)?;
-    let discrete = survey.reference().long_wave_stiffness();
-    let density = survey.scheme().density();
+    let discrete = survey.reference()?.long_wave_stiffness();
+    let density = survey.discretization().density();
     let (mut difference, mut scale) = (0.0_f64, 0.0_f64);
     for j in 0..D {
         for l in 0..=j {
@@ -68,7 +70,7 @@ pub fn long_wave_error<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<f
     Ok(difference / scale)
 }
 
-fn at_rest<const D: usize>(survey: &SchemeSurvey<'_, D>) -> Result<Stiffness<D>, MethodError> {
+fn at_rest<const D: usize>(survey: &Survey<'_, D>) -> Result<Stiffness<D>, MethodError> {
     Ok(Stiffness::at(
         survey.material(),
         &DeformationGradient::identity(),
@@ -89,13 +91,12 @@ pub(super) fn continuum<const D: usize>(
 }
 
 fn frequency_error<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    system: &WaveSystem<D>,
     stiffness: &Stiffness<D>,
+    density: f64,
     k: &SVector<f64, D>,
 ) -> f64 {
-    let density = survey.scheme().density();
     let error = |found: f64, exact: f64| ((found.max(0.0) / exact).sqrt() - 1.0).abs();
-    let system: &WaveSystem<D> = survey.reference();
     if system.size() == D {
         let found = system.omega_squared(k);
         let exact = continuum(stiffness, density, k);

@@ -2,7 +2,7 @@
 
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
-use crate::verdict::{Phase, SchemeSurvey, Verdict, probe_material};
+use crate::verdict::{Phase, Survey, Verdict, probe_material};
 
 /// A window of states: stretches along the first two axes (one in one dimension), cell-centered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl Fidelity {
 /// # Errors
 /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
 pub fn fidelity<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    survey: &Survey<'_, D>,
     window: &StateWindow,
 ) -> Result<Fidelity, MethodError> {
     let [low, high] = window.stretches;

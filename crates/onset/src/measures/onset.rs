@@ -2,7 +2,7 @@
 
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::method::MethodError;
-use crate::verdict::{Phase, SchemeSurvey, probe_material};
+use crate::verdict::{Phase, Survey, probe_material};
 
 /// A homogeneous loading of a `D`-dimensional body; what is out of its dimensions is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,7 +131,7 @@ const STEPS: usize = 64;
 /// # Errors
 /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
 pub fn onset<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    survey: &Survey<'_, D>,
     load: Load,
     end: f64,
 ) -> Result<OnsetPair, MethodError> {

@@ -3,11 +3,12 @@
 use super::dispersion::continuum;
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
 use crate::algebra::{Complex, is_well, settled, settled_along};
+use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::BrillouinZone;
 use crate::method::MethodError;
-use crate::verdict::SchemeSurvey;
+use crate::verdict::Survey;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
@@ -69,15 +70,16 @@ pub struct SpuriousModes<const D: usize> {
 /// # Errors
 /// [`MethodError`] when the material or the discretization cannot be evaluated.
 pub fn spurious_modes<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    survey: &Survey<'_, D>,
     threshold: f64,
 ) -> Result<SpuriousModes<D>, MethodError> {
-    let crystal = survey.scheme().crystal();
+    let crystal = survey.discretization().crystal();
     let zone = BrillouinZone::new(*crystal.lattice());
-    let strain = survey.scheme().strain()?;
+    let strain = survey.discretization().strain()?;
     let zero = ZeroModes::new(crystal, &strain, |k| zone.folded(k));
     let weak = Weak {
-        survey,
+        system: survey.reference()?,
+        density: survey.discretization().density(),
         zone: &zone,
         faces: faces_of(&zone),
         stiffness: Stiffness::<D>::at(survey.material(), &DeformationGradient::identity())?,
@@ -111,15 +113,16 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
 }
 
 /// The search for weak modes.
-struct Weak<'a, 's, const D: usize> {
-    survey: &'a SchemeSurvey<'s, D>,
+struct Weak<'a, const D: usize> {
+    system: &'a WaveSystem<D>,
+    density: f64,
     zone: &'a BrillouinZone<D>,
     /// The reciprocal vectors whose bisectors are faces of the zone, not only touch it.
     faces: Vec<SVector<f64, D>>,
     stiffness: Stiffness<D>,
 }
 
-impl<const D: usize> Weak<'_, '_, D> {
+impl<const D: usize> Weak<'_, D> {
     /// The lowest squared frequency over that of the material's slowest wave. On the boundary of the zone there are several waves with
     /// the same length: the fastest of them is taken, for which the ratio is least.
     fn ratio(&self, k: &SVector<f64, D>) -> f64 {
@@ -127,14 +130,13 @@ impl<const D: usize> Weak<'_, '_, D> {
         if self.fractional(&k).amax() < LONG {
             return f64::INFINITY;
         }
-        let density = self.survey.scheme().density();
-        let slowest = |k: &SVector<f64, D>| continuum(&self.stiffness, density, k)[0];
+        let slowest = |k: &SVector<f64, D>| continuum(&self.stiffness, self.density, k)[0];
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - ON_FACE) * g.norm_squared();
         let images = self.zone.bounding_vectors().iter().filter(on_face);
         let exact = images
             .map(|g| slowest(&(k - g)))
             .fold(slowest(&k), f64::max);
-        let found = self.survey.reference().omega_squared(&k)[0].re;
+        let found = self.system.omega_squared(&k)[0].re;
         if exact > 0.0 {
             found / exact
         } else {
@@ -236,7 +238,7 @@ impl<const D: usize> Weak<'_, '_, D> {
     }
 
     fn mode(&self, k: &SVector<f64, D>, ratio: f64) -> SpuriousMode<D> {
-        let modes = self.survey.reference().modes(k);
+        let modes = self.system.modes(k);
         SpuriousMode {
             wave_vector: *k,
             relative_frequency: ratio.max(0.0).sqrt(),

@@ -108,9 +108,9 @@ impl<const D: usize> Method<D> {
 
     pub(super) fn layout(&self, f: &DeformationGradient) -> Layout<D> {
         let radius = self.support_radius();
-        let eulerian = self.discretization.frame == Frame::Eulerian;
+        let eulerian = self.choices.frame == Frame::Eulerian;
         let support_size = if eulerian {
-            self.discretization.support_size
+            self.choices.support_size
         } else {
             SupportSize::Fixed
         };
@@ -149,14 +149,14 @@ impl<const D: usize> Method<D> {
         for cell in support.cells(&point.place) {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
             let position = layout.vectors * fractional;
-            let kernel = self.discretization.kernel;
+            let kernel = self.choices.kernel;
             if let Some(weight) = kernel.weight(&position, layout.radius, &layout.metric) {
                 seen.push(cell);
                 positions.push(position);
                 weights.push(weight);
             }
         }
-        let needed = self.discretization.approximation.neighbors_needed(D);
+        let needed = self.choices.approximation.neighbors_needed(D);
         MethodError::assert_not_crowded(seen.len(), layout.radius)?;
         if seen.len() < needed {
             return Err(MethodError::SupportTooSmall {
@@ -168,9 +168,9 @@ impl<const D: usize> Method<D> {
             });
         }
         let particle_volume = determinant(&layout.vectors).abs();
-        let kernel_integral = self.discretization.kernel.integral::<D>(layout.radius)
-            / determinant(&layout.metric).abs();
-        let approximation: Approximation = self.discretization.approximation;
+        let kernel_integral =
+            self.choices.kernel.integral::<D>(layout.radius) / determinant(&layout.metric).abs();
+        let approximation: Approximation = self.choices.approximation;
         let shape = approximation
             .shape_functions(
                 &positions,
@@ -203,7 +203,7 @@ impl<const D: usize> Method<D> {
         positions: &[SVector<f64, D>],
         shape: &ShapeFunctions<D>,
     ) -> Result<DeformationGradient, MethodError> {
-        if self.discretization.background == Background::Imposed {
+        if self.choices.background == Background::Imposed {
             return Ok(*f);
         }
         // sum_K y_K (x) grad phi_K: the identity for linearly complete functions.
@@ -213,7 +213,7 @@ impl<const D: usize> Method<D> {
             .map(|(y, gradient)| y * gradient.transpose())
             .sum();
         let (leading, one) = (f.leading::<D>(), SMatrix::<f64, D, D>::identity());
-        let seen = match self.discretization.frame {
+        let seen = match self.choices.frame {
             Frame::Lagrangian => one + (leading - one) * moment,
             Frame::Eulerian => inverted(&(one - (one - inverted(&leading)) * moment)),
         };

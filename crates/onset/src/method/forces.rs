@@ -29,7 +29,7 @@ impl<const D: usize> Method<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let discretization = self.discretization();
+        let discretization = self.choices();
         let eulerian = discretization.frame == Frame::Eulerian;
         if eulerian && discretization.linearization != Linearization::Exact {
             return Err(MethodError::NotOfForces {
@@ -76,7 +76,7 @@ impl<const D: usize> Method<D> {
         response: &PointResponse<'_, D>,
         moved: &impl Fn(&[i32; D]) -> SVector<f64, D>,
     ) -> Result<Share<D>, MethodError> {
-        let kernel = self.discretization().kernel;
+        let kernel = self.choices().kernel;
         let layout = self.layout(f);
         let shift: SVector<f64, D> = if point.is_node {
             moved(&[0; D])
@@ -97,7 +97,7 @@ impl<const D: usize> Method<D> {
         }
         let integral = kernel.integral::<D>(layout.radius) / determinant(&layout.metric).abs();
         let shape = self
-            .discretization()
+            .choices()
             .approximation
             .shape_functions(
                 &positions,

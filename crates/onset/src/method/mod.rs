@@ -154,7 +154,7 @@ impl Linearization {
     feature = "serde",
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
-pub struct Discretization {
+pub struct KernelMethodChoices {
     /// Arrangement of the particles.
     pub arrangement: Arrangement,
     /// Rectangular arrangement: the second side over the first.
@@ -202,7 +202,7 @@ pub struct Discretization {
     pub linearization: Linearization,
 }
 
-impl Default for Discretization {
+impl Default for KernelMethodChoices {
     fn default() -> Self {
         Self {
             arrangement: Arrangement::Hexagonal,
@@ -311,8 +311,8 @@ pub enum MethodError {
     Deformation(#[from] KinematicsError),
     /// Several particles in a cell, where one is expected.
     #[error(
-        "the cell holds {particles} particles; this question is answered for arrangements with one particle in a cell (for \
-         others ask `onset compare`, `onset modes`, `onset tune` and `onset map`)"
+        "the cell holds {particles} particles; kernel methods in closed form have one, `scheme::kernel::KernelScheme` has any \
+         number"
     )]
     SeveralParticles {
         /// How many there are.
@@ -444,7 +444,7 @@ impl MethodError {
     }
 }
 
-impl Discretization {
+impl KernelMethodChoices {
     /// The lattice of the arrangement in the basis in which it is computed, with that basis: of primitive vectors that are
     /// given, shortest ones, so that nothing depends on which of its bases describes a lattice.
     fn lattice<const D: usize>(&self) -> Result<(BravaisLattice<D>, Reduced<D>), MethodError> {
@@ -543,7 +543,7 @@ impl Discretization {
 /// A method on its lattice, ready to be evaluated at any state.
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
-    discretization: Discretization,
+    choices: KernelMethodChoices,
     crystal: Crystal<D>,
     points: Vec<QuadraturePoint<D>>,
     /// One of each pair of points that inversion exchanges, with the volume of both; none unless all points have opposites.
@@ -556,15 +556,15 @@ impl<const D: usize> Method<D> {
     ///
     /// # Errors
     /// [`MethodError`] when a setting is out of range or `D` is not the arrangement's dimension.
-    pub fn new(discretization: Discretization) -> Result<Self, MethodError> {
-        let Discretization {
+    pub fn new(choices: KernelMethodChoices) -> Result<Self, MethodError> {
+        let KernelMethodChoices {
             spacing,
             density,
             support,
             quadrature,
             frame,
             ..
-        } = discretization;
+        } = choices;
         for (name, value) in [
             ("spacing", spacing),
             ("density", density),
@@ -575,17 +575,17 @@ impl<const D: usize> Method<D> {
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);
         }
-        let crystal = discretization.crystal::<D>()?;
+        let crystal = choices.crystal::<D>()?;
         if crystal.sites().len() > 1 {
             return Err(MethodError::SeveralParticles {
                 particles: crystal.sites().len(),
             });
         }
         let lattice = *crystal.lattice();
-        let rule = discretization.cell_rule::<D>()?;
+        let rule = choices.cell_rule::<D>()?;
         let points = quadrature.points(&lattice, &rule)?;
         let method = Self {
-            discretization,
+            choices,
             crystal: Crystal::of_lattice(lattice),
             halves: halves_of(&points),
             points,
@@ -599,11 +599,11 @@ impl<const D: usize> Method<D> {
     /// displacements `(F - 1) X` give every such point another strain, as far as it is from the origin, and there is no
     /// homogeneous state. Raw weights do that at points that no symmetry of the reference lattice fixes.
     fn assert_background(&self) -> Result<(), MethodError> {
-        let Discretization {
+        let KernelMethodChoices {
             background,
             approximation,
             ..
-        } = self.discretization;
+        } = self.choices;
         if background == Background::Imposed || approximation != Approximation::Raw {
             return Ok(());
         }
@@ -634,8 +634,8 @@ impl<const D: usize> Method<D> {
     }
 
     /// The choices that define the method.
-    pub fn discretization(&self) -> &Discretization {
-        &self.discretization
+    pub fn choices(&self) -> &KernelMethodChoices {
+        &self.choices
     }
 
     /// The particles in the reference state.
@@ -667,22 +667,22 @@ impl<const D: usize> Method<D> {
 
     /// The support radius in the reference state, `R0 = D_mx spacing`; length.
     pub fn support_radius(&self) -> f64 {
-        self.discretization.support * self.discretization.spacing
+        self.choices.support * self.choices.spacing
     }
 
     /// The mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
     pub fn particle_mass(&self) -> f64 {
-        self.discretization.density * self.lattice().cell_volume()
+        self.choices.density * self.lattice().cell_volume()
     }
 
     /// Whether the dynamical matrix is periodic in the wave vector: everywhere but with stress points that move with the
     /// plane wave itself.
     pub fn is_periodic(&self) -> bool {
-        let Discretization {
+        let KernelMethodChoices {
             frame,
             linearization,
             ..
-        } = self.discretization;
+        } = self.choices;
         frame == Frame::Lagrangian
             || self.points.iter().all(|point| point.is_node)
             || !linearization.moves_points_with_plane_wave()
@@ -691,7 +691,7 @@ impl<const D: usize> Method<D> {
     /// The map from the reference lattice to the one on which the kernels live at a state, and whose zone holds the wave
     /// vectors: `F` with Eulerian kernels on the convected arrangement, otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
-        let Discretization { frame, lattice, .. } = self.discretization;
+        let KernelMethodChoices { frame, lattice, .. } = self.choices;
         match (frame, lattice) {
             (Frame::Eulerian, CurrentLattice::Convected) => f.leading(),
             _ => nalgebra::SMatrix::identity(),

@@ -1,21 +1,23 @@
-//! The kernel methods of [`crate::method`] among the schemes.
+//! The kernel methods of [`crate::method`] among the discretizations.
 
-use super::{PeriodicPatch, Scheme, SeenForm, StrainOperator};
+use super::{DirectWaves, Discretization, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
-use crate::bloch::{BlochBlocks, Mass, WaveSystem, dynamical_matrix};
+use crate::bloch::{
+    BlochBlocks, GradientMoments, Mass, WaveSystem, ZoneSearch, dynamical_matrix, gradient_norm,
+};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
-use crate::method::{Method, MethodError};
+use crate::method::{CurrentLattice, Frame, Method, MethodError};
 use nalgebra::SVector;
 
-impl<const D: usize> Scheme<D> for Method<D> {
+impl<const D: usize> Discretization<D> for Method<D> {
     fn crystal(&self) -> &Crystal<D> {
         Method::crystal(self)
     }
 
     fn density(&self) -> f64 {
-        self.discretization().density
+        self.choices().density
     }
 
     fn waves(
@@ -25,7 +27,7 @@ impl<const D: usize> Scheme<D> for Method<D> {
     ) -> Result<WaveSystem<D>, MethodError> {
         let matrix = dynamical_matrix(self, material, f)?;
         let constants = matrix.force_constants().ok_or(MethodError::NotOfForces {
-            linearization: self.discretization().linearization.name(),
+            linearization: self.choices().linearization.name(),
         })?;
         let mass = self.particle_mass();
         let home = Particle::home(0);
@@ -83,5 +85,52 @@ impl<const D: usize> Scheme<D> for Method<D> {
             let seen = configuration.points.iter().map(|point| point.cells.len());
             seen.sum::<usize>() as f64
         })
+    }
+
+    fn direct_waves(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        speed_squared: f64,
+    ) -> Result<Option<DirectWaves<D>>, MethodError> {
+        let search = ZoneSearch::new(self, f, speed_squared).ok_or(MethodError::NotFinite)?;
+        let matrix = dynamical_matrix(self, material, f)?;
+        Ok(Some(DirectWaves { search, matrix }))
+    }
+
+    fn gradient_moments(
+        &self,
+        speed_squared: f64,
+    ) -> Result<Option<GradientMoments<D>>, MethodError> {
+        GradientMoments::new(self, speed_squared)
+    }
+
+    fn gradient_norm(
+        &self,
+        f: &DeformationGradient,
+        k: &SVector<f64, D>,
+        is_long: bool,
+    ) -> Result<Option<f64>, MethodError> {
+        let norm = gradient_norm(self, f)?;
+        let discrete = if is_long {
+            norm.long_wave_stiffness().acoustic_tensor(k)[(0, 0)]
+        } else {
+            norm.at(k)[(0, 0)].re
+        };
+        let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
+        Ok(Some(discrete / search.kernel_wave_vector(k).norm_squared()))
+    }
+
+    fn is_undamped(&self) -> bool {
+        true
+    }
+
+    fn is_regular(&self) -> bool {
+        let choices = self.choices();
+        choices.frame == Frame::Eulerian && choices.lattice == CurrentLattice::Regular
+    }
+
+    fn enclosed(&self) -> Option<&Method<D>> {
+        Some(self)
     }
 }

@@ -1,11 +1,12 @@
 //! Discretizations of any kind: the forces on the particles of a crystal.
 //!
-//! A [`Scheme`] is what all particle methods have in common: particles (or nodes) on a lattice with a basis, masses, and forces
-//! that are a sum over small groups of them, the [`Interaction`]s: a quadrature point with its neighbors, a bond, an element.
+//! A [`Discretization`] is what all methods have in common, and all that the rest of the program knows of them: particles (or nodes) on
+//! a lattice with a basis, masses, and forces that are a sum over small groups of them, the [`Interaction`]s: a quadrature point with its neighbors, a bond, an element.
 //! Each interaction is written once, as the forces that its particles get when they are displaced, generic over the
 //! numbers of [`crate::real`]. Evaluated with plain numbers these are the forces of a simulation; with first-order dual
 //! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
 
+mod choices;
 mod classical;
 pub mod conforming;
 pub mod element;
@@ -22,6 +23,7 @@ pub mod sph;
 pub mod stabilization;
 mod strain;
 
+pub use choices::MethodChoices;
 pub use lagrangian::LagrangianPoint;
 pub use linearized::{Forced, linearized};
 pub use material_point::{
@@ -35,11 +37,11 @@ pub use peridynamics::{
 pub use response::PointResponse;
 pub use strain::{SeenForm, SeenPoint, StrainOperator};
 
-use crate::bloch::WaveSystem;
+use crate::bloch::{DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
-use crate::method::MethodError;
+use crate::method::{Method, MethodError};
 use crate::real::Real;
 use nalgebra::SVector;
 use std::fmt::Debug;
@@ -70,7 +72,10 @@ pub trait Interaction<const D: usize> {
 }
 
 /// A discretization of a solid by particles or nodes.
-pub trait Scheme<const D: usize>: Debug + Send + Sync {
+///
+/// The first methods define it. Those with a body are capabilities: what a discretization knows beyond that, by which the same questions
+/// are answered faster or more sharply. Nobody asks which method it is.
+pub trait Discretization<const D: usize>: Debug + Send + Sync {
     /// The particles in the reference state.
     fn crystal(&self) -> &Crystal<D>;
 
@@ -110,6 +115,69 @@ pub trait Scheme<const D: usize>: Debug + Send + Sync {
     /// The mean number of particles that an evaluation of the forces on one particle looks at in the reference state, itself
     /// included: a measure of cost.
     fn neighbors(&self) -> f64;
+
+    /// The waves of a state by a shorter way than [`waves`](Self::waves), with the zone that holds their wave vectors: closed-form force
+    /// constants of one particle a cell. `speed_squared` is the `c^2` of the scaled measure.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn direct_waves(
+        &self,
+        _material: &dyn Hyperelastic,
+        _f: &DeformationGradient,
+        _speed_squared: f64,
+    ) -> Result<Option<DirectWaves<D>>, MethodError> {
+        Ok(None)
+    }
+
+    /// The moments of discrete gradients that all states share, from which the extremes of the spectrum follow without a search.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization cannot be evaluated.
+    fn gradient_moments(
+        &self,
+        _speed_squared: f64,
+    ) -> Result<Option<GradientMoments<D>>, MethodError> {
+        Ok(None)
+    }
+
+    /// The squared norm of the discrete gradient of a wave over that of the exact gradient, `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in
+    /// the coordinates of the kernel, where that is defined; `is_long` asks for the limit of long waves along `k`.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization cannot be evaluated there.
+    fn gradient_norm(
+        &self,
+        _f: &DeformationGradient,
+        _k: &SVector<f64, D>,
+        _is_long: bool,
+    ) -> Result<Option<f64>, MethodError> {
+        Ok(None)
+    }
+
+    /// Whether forces never depend on velocities.
+    fn is_undamped(&self) -> bool {
+        false
+    }
+
+    /// Whether particles that have not moved stand for deformed ones, so that wave vectors are those of the deformed lattice.
+    fn is_regular(&self) -> bool {
+        false
+    }
+
+    /// The kernel method of which force constants can be enclosed in intervals, so that proofs speak of its waves.
+    fn enclosed(&self) -> Option<&Method<D>> {
+        None
+    }
+}
+
+/// The dynamical matrix of one particle a cell, and the zone that holds its wave vectors.
+#[derive(Clone, Debug)]
+pub struct DirectWaves<const D: usize> {
+    /// The zone.
+    pub search: ZoneSearch<D>,
+    /// The dynamical matrix.
+    pub matrix: DynamicalMatrix<D>,
 }
 
 /// Particle masses `rho0 V` from the volumes of a crystal.

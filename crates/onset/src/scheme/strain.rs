@@ -10,7 +10,7 @@ use nalgebra::SVector;
 /// ```
 /// use nalgebra::Vector1;
 /// use onset::lattice::{Arrangement, Crystal};
-/// use onset::scheme::{Scheme, SeenForm};
+/// use onset::scheme::{Discretization, SeenForm};
 /// use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
 /// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
 /// let sph = TotalLagrangianSph::new(chain, TotalLagrangianChoices { radius: 1.5, ..Default::default() })?;

@@ -8,23 +8,18 @@ pub mod fidelity;
 
 mod path;
 mod probe;
-mod scheme;
 mod survey;
 
-pub use path::{
-    Crossing, Onset, PathError, PathScan, scan_discretization, scan_material, scan_scheme,
-};
-pub use probe::{DiscretizationProbe, Phase, Probe, probe_material};
-pub use scheme::SchemeSurvey;
-pub use survey::{Survey, SurveyedState};
+pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
+pub use probe::{Phase, Probe, probe_material};
+pub use survey::{Ground, StateWaves, Survey, SurveyedState};
 
-use crate::bloch::{
-    Mode, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch, dynamical_matrix, gradient_norm,
-};
+use crate::bloch::{SpectrumSummary, Stability};
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
-use crate::method::{Method, MethodError};
+use crate::method::MethodError;
+use crate::scheme::Discretization;
 
 /// To whom the first instability belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,6 +72,8 @@ pub struct MaterialAssessment<const D: usize> {
     pub response: Response,
     /// The smallest acoustic eigenvalue over all directions, which tells whether the state is strongly elliptic; units of stress.
     pub minimum: AcousticMinimum<D>,
+    /// The mean Cauchy stress within the `D` dimensions; positive in tension.
+    pub mean_stress: f64,
 }
 
 impl<const D: usize> MaterialAssessment<D> {
@@ -90,18 +87,17 @@ impl<const D: usize> MaterialAssessment<D> {
     ) -> Result<Self, MaterialError> {
         let response = material.response(f)?;
         let minimum = Stiffness::<D>::of(&response).minimum();
-        Ok(Self { response, minimum })
+        let cauchy = response.cauchy();
+        Ok(Self {
+            response,
+            minimum,
+            mean_stress: (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64,
+        })
     }
 
     /// Whether every acoustic tensor is positive definite.
     pub fn ellipticity(&self) -> Ellipticity {
         self.minimum.ellipticity()
-    }
-
-    /// The mean Cauchy stress within the `D` dimensions; positive in tension.
-    pub fn mean_stress(&self) -> f64 {
-        let cauchy = self.response.cauchy();
-        (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64
     }
 }
 
@@ -116,8 +112,11 @@ pub struct Assessment<const D: usize> {
     pub spectrum: SpectrumSummary<D>,
     /// The squared norm of the discrete gradient of the softest mode over that of the exact gradient,
     /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
-    /// zero-energy mode.
+    /// zero-energy mode. Where the discretization has no such gradient: the squared frequency of the softest mode in the undeformed body
+    /// over that of the material's slowest wave.
     pub gradient_norm: f64,
+    /// Whether it is the norm of a gradient, not a squared frequency.
+    pub is_gradient: bool,
 }
 
 /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the
@@ -126,12 +125,12 @@ pub struct Assessment<const D: usize> {
 /// # Errors
 /// [`MaterialError`] when the response of the undeformed material is not finite, or carries no waves.
 pub fn speed_squared<const D: usize>(
-    method: &Method<D>,
+    discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
 ) -> Result<f64, MaterialError> {
     let reference = material.undeformed()?;
     let eigenvalue = Stiffness::<D>::of(&reference).maximum_eigenvalue();
-    speed_squared_of(eigenvalue, method.discretization().density)
+    speed_squared_of(eigenvalue, discretization.density())
 }
 
 /// `c^2` of which powers neither over- nor underflow.
@@ -153,7 +152,7 @@ fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError>
     }
 }
 
-/// Assesses a material and a method at a homogeneous state.
+/// Assesses a material and a discretization at a homogeneous state: [`Survey::assess`] for one state.
 ///
 /// # Errors
 /// [`MethodError`] when one of them cannot be evaluated there.
@@ -161,63 +160,25 @@ fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError>
 /// ```
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::method::{Discretization, Frame, Method};
+/// use onset::method::{KernelMethodChoices, Frame, Method};
 /// use onset::verdict::{Verdict, assess};
 ///
 /// let material = ModifiedMooneyRivlin::default();
 /// let state = DeformationGradient::from_stretches([1.2, 1.0, 1.0])?;
-/// let lagrangian = Method::<2>::new(Discretization::default())?;
+/// let lagrangian = Method::<2>::new(KernelMethodChoices::default())?;
 /// assert_eq!(assess(&lagrangian, &material, &state)?.verdict, Verdict::Stable);
 ///
-/// let sph = Discretization { frame: Frame::Eulerian, ..Discretization::default() };
+/// let sph = KernelMethodChoices { frame: Frame::Eulerian, ..KernelMethodChoices::default() };
 /// let eulerian = Method::<2>::new(sph)?;
 /// assert_eq!(assess(&eulerian, &material, &state)?.verdict, Verdict::Kernel);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn assess<const D: usize>(
-    method: &Method<D>,
+    discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<Assessment<D>, MethodError> {
-    let continuum = MaterialAssessment::new(material, f)?;
-    let search = zone_search(method, material, f)?;
-    let matrix = dynamical_matrix(method, material, f)?;
-    let spectrum = finite(search.bounded_summary(&matrix))?;
-
-    let softest = &spectrum.softest;
-    let gradient_norm = gradient_norm_of(method, f, &search, softest)?;
-    let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
-    let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
-    let verdict = decided(
-        continuum.ellipticity(),
-        spectrum.is_stable(),
-        has_zero_mode,
-        long_waves_grow,
-    );
-    Ok(Assessment {
-        verdict,
-        material: continuum,
-        spectrum,
-        gradient_norm,
-    })
-}
-
-/// The squared norm of the discrete gradient of a mode over that of the exact gradient.
-fn gradient_norm_of<const D: usize>(
-    method: &Method<D>,
-    f: &DeformationGradient,
-    search: &ZoneSearch<D>,
-    mode: &Mode<D>,
-) -> Result<f64, MethodError> {
-    let norm = gradient_norm(method, f)?;
-    let discrete = if mode.is_long_wave {
-        norm.long_wave_stiffness()
-            .acoustic_tensor(&mode.wave_vector)[(0, 0)]
-    } else {
-        norm.at(&mode.wave_vector)[(0, 0)].re
-    };
-    let k = search.kernel_wave_vector(&mode.wave_vector);
-    Ok(discrete / k.norm_squared())
+    Survey::new(discretization, material)?.assess(f)
 }
 
 /// A spectrum, unless its numbers over- or underflow.
@@ -247,42 +208,14 @@ pub(crate) fn decided(
     }
 }
 
-/// The verdict on a state and how perturbations of the discretization develop, without the evidence: the same as
-/// [`assess`] says, several times faster where one witness of an instability is enough.
+/// The verdict on a state and how perturbations of the discretization develop: [`Survey::judge`] for one state.
 ///
 /// # Errors
-/// [`MethodError`] when the method or the material cannot be evaluated there.
+/// [`MethodError`] when the discretization or the material cannot be evaluated there.
 pub fn judge<const D: usize>(
-    method: &Method<D>,
+    discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> Result<(Verdict, Stability), MethodError> {
-    let ellipticity = Stiffness::<D>::at(material, f)?.ellipticity();
-    let search = zone_search(method, material, f)?;
-    let matrix = dynamical_matrix(method, material, f)?;
-    let (stability, measure) = search.stability(&matrix);
-    let is_stable = stability == Stability::Stable;
-    if is_stable && !ellipticity.is_lost() && measure <= search.tolerance(&matrix) {
-        // Zero to rounding: whether a mode has no energy takes the mode itself.
-        return Ok((assess(method, material, f)?.verdict, stability));
-    }
-    // Only where both are unstable do the long waves tell to whom it belongs.
-    let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(&matrix);
-    Ok((
-        decided(ellipticity, is_stable, false, long_waves_grow),
-        stability,
-    ))
-}
-
-/// The zone search of a method at a state, with the material's scale of wave speeds.
-///
-/// # Errors
-/// [`MethodError`] when the undeformed material or the deformed lattice is not finite.
-pub fn zone_search<const D: usize>(
-    method: &Method<D>,
-    material: &dyn Hyperelastic,
-    f: &DeformationGradient,
-) -> Result<ZoneSearch<D>, MethodError> {
-    let speed_squared = speed_squared(method, material)?;
-    ZoneSearch::new(method, f, speed_squared).ok_or(MethodError::NotFinite)
+    Survey::new(discretization, material)?.judge(f)
 }

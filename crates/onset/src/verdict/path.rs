@@ -1,11 +1,11 @@
 //! Where stability is lost, and regained, along a straight path of deformations.
 
-use super::SchemeSurvey;
-use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
+use super::Survey;
+use super::probe::{Phase, Probe, probe_material};
 use crate::algebra::GoldenSection;
 use crate::kinematics::{DeformationGradient, KinematicsError, StraightPath};
 use crate::material::Hyperelastic;
-use crate::method::{Method, MethodError};
+use crate::method::MethodError;
 use thiserror::Error;
 
 /// Intervals in which a path is first looked at. Within an interval, dips of the stability measure that
@@ -134,23 +134,7 @@ pub fn scan_material<const D: usize>(
 /// # Errors
 /// [`PathError`] when a state cannot be evaluated for another reason than its support.
 pub fn scan_discretization<const D: usize>(
-    method: &Method<D>,
-    material: &dyn Hyperelastic,
-    path: &StraightPath,
-) -> Result<PathScan, PathError> {
-    let probe = DiscretizationProbe::new(method, material).map_err(|source| PathError::Method {
-        parameter: 0.0,
-        source: source.into(),
-    })?;
-    scan_states(path, |f| probe.at(f))
-}
-
-/// All losses and returns of the stability of a discretization of any kind along a path.
-///
-/// # Errors
-/// [`PathError`] when a state cannot be evaluated for another reason than its support.
-pub fn scan_scheme<const D: usize>(
-    survey: &SchemeSurvey<'_, D>,
+    survey: &Survey<'_, D>,
     path: &StraightPath,
 ) -> Result<PathScan, PathError> {
     scan_states(path, |f| survey.probe(f))

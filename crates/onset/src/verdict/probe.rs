@@ -1,11 +1,8 @@
-//! One question, asked of many states: which phase, and how far from the next one?
+//! Which phase, and how far from the next one?
 
-use super::speed_squared;
-use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
-use crate::method::{Method, MethodError};
 
 /// Stable, unstable, or not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,52 +74,4 @@ pub fn probe_material<const D: usize>(
         Phase::Stable
     };
     Ok((phase, minimum.significant()))
-}
-
-/// Asks a discretization about many states: what they share is computed once.
-#[derive(Clone, Copy)]
-pub struct DiscretizationProbe<'a, const D: usize> {
-    method: &'a Method<D>,
-    material: &'a dyn Hyperelastic,
-    speed_squared: f64,
-}
-
-impl<'a, const D: usize> DiscretizationProbe<'a, D> {
-    /// A method with its material.
-    ///
-    /// # Errors
-    /// [`MaterialError`] when the response of the undeformed material is not finite.
-    pub fn new(
-        method: &'a Method<D>,
-        material: &'a dyn Hyperelastic,
-    ) -> Result<Self, MaterialError> {
-        Ok(Self {
-            method,
-            material,
-            speed_squared: speed_squared(method, material)?,
-        })
-    }
-
-    /// The phase of the particles at a state, with the scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the softest wave
-    /// (of an unstable state that of a witness). Dimensionless.
-    ///
-    /// # Errors
-    /// [`MethodError`] when the state cannot be evaluated for another reason than its support, which is
-    /// [`Phase::Undefined`].
-    pub fn at(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
-        match self.stability(f) {
-            Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
-            Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
-            Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(error) if error.leaves_undefined() => Ok((Phase::Undefined, f64::NAN)),
-            Err(error) => Err(error),
-        }
-    }
-
-    fn stability(&self, f: &DeformationGradient) -> Result<(Stability, f64), MethodError> {
-        let search =
-            ZoneSearch::new(self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
-        let matrix = dynamical_matrix(self.method, self.material, f)?;
-        Ok(search.stability(&matrix))
-    }
 }

@@ -1,15 +1,22 @@
-//! Many states of one method and material: what depends on neither state nor wave vector is computed once.
+//! A discretization and a material, asked about states: what the states share is computed once.
 
-use super::{Assessment, Verdict, decided, finite, gradient_norm_of, speed_squared};
+use super::{Assessment, MaterialAssessment, Phase, Probe, Verdict, decided, finite};
+use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{
-    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch,
-    dynamical_matrix, dynamical_matrix_with,
+    GradientMoments, Local, Mode, MomentExtremes, SpectrumSummary, Stability, WaveSystem,
+    ZERO_ENERGY, ZoneSearch,
 };
-use crate::continuum::{AcousticMinimum, plane_minimum};
+use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError, PlaneTangent};
-use crate::method::{Background, Method, MethodError};
-use nalgebra::SVector;
+use crate::material::{Hyperelastic, PlaneTangent};
+use crate::method::MethodError;
+use crate::scheme::{DirectWaves, Discretization};
+use crate::time_step::{Integrator, critical_time_step};
+use nalgebra::{DMatrix, SVector};
+use std::sync::{Arc, OnceLock};
+
+/// Modes whose scaled measure at rest is below this have no energy.
+const ZERO: f64 = 1e-9;
 
 /// What a map shows of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,26 +52,176 @@ impl<const D: usize> SurveyedState<D> {
     }
 }
 
-/// A method and a material, prepared for many states.
-pub struct Survey<const D: usize> {
-    method: Method<D>,
-    material: Box<dyn Hyperelastic>,
-    speed_squared: f64,
-    moments: Option<GradientMoments<D>>,
+/// A discretization and a material, ready to be asked about many states.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::element::{ElementChoices, FiniteElements};
+/// use onset::verdict::{Survey, Verdict};
+/// let elements = FiniteElements::<2>::new(&ElementChoices::default())?;
+/// let material = ModifiedMooneyRivlin::default();
+/// let survey = Survey::new(&elements, &material)?;
+/// let state = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+/// assert_eq!(survey.state(&state)?.verdict, Verdict::Stable);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Survey<'a, const D: usize> {
+    discretization: &'a dyn Discretization<D>,
+    material: &'a dyn Hyperelastic,
+    ground: Arc<Ground<D>>,
 }
 
-impl<const D: usize> Survey<D> {
+/// What all states of a discretization and a material share: what a [`Survey`] spends its time on before the first state, to be kept where
+/// a survey cannot be, because it borrows.
+#[derive(Clone)]
+pub struct Ground<const D: usize> {
+    speed_squared: f64,
+    /// The zone of the reference lattice.
+    search: ZoneSearch<D>,
+    moments: Option<Arc<GradientMoments<D>>>,
+    /// The undeformed state, in which modes without energy are told from unstable ones.
+    reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
+}
+
+/// The plane waves of a state, ready to be searched.
+#[derive(Clone, Debug)]
+pub enum StateWaves<const D: usize> {
+    /// Of one particle a cell, by the discretization's own way.
+    Direct(Box<DirectWaves<D>>),
+    /// Of any number of particles, with the zone that holds their wave vectors.
+    System(Box<(WaveSystem<D>, ZoneSearch<D>)>),
+}
+
+impl<const D: usize> StateWaves<D> {
+    /// Those of a discretization and a material; `zone` holds the wave vectors of the reference lattice.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn of(
+        discretization: &dyn Discretization<D>,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        speed_squared: f64,
+        zone: impl FnOnce() -> ZoneSearch<D>,
+    ) -> Result<Self, MethodError> {
+        if let Some(waves) = discretization.direct_waves(material, f, speed_squared)? {
+            return Ok(Self::Direct(Box::new(waves)));
+        }
+        let waves = discretization.waves(material, f)?;
+        Ok(Self::System(Box::new((waves, zone()))))
+    }
+
+    /// `D(k)`, of which the eigenvalues are `omega^2` without damping. 1/time^2.
+    pub fn dynamical_matrix_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        match self {
+            Self::Direct(waves) => {
+                let d = waves.matrix.at(k);
+                DMatrix::from_fn(D, D, |i, j| d[(i, j)])
+            }
+            Self::System(waves) => waves.0.dynamical_matrix_at(k),
+        }
+    }
+
+    /// All `omega^2` of a wave vector without damping, by increasing real part. 1/time^2.
+    pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        match self {
+            Self::Direct(waves) => waves.matrix.omega_squared(k).to_vec(),
+            Self::System(waves) => waves.0.omega_squared(k),
+        }
+    }
+
+    /// All `omega` of a wave vector, damping included; without damping each with its opposite. 1/time.
+    pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        match self {
+            Self::Direct(waves) => {
+                let roots = waves.matrix.omega_squared(k).map(Complex::sqrt);
+                roots.into_iter().flat_map(|root| [root, -root]).collect()
+            }
+            Self::System(waves) => waves.0.frequencies(k),
+        }
+    }
+
+    /// The extremes over the zone, damping left out.
+    ///
+    /// # Errors
+    /// [`MethodError::NotFinite`] when they over- or underflow.
+    pub fn spectrum(&self) -> Result<SpectrumSummary<D>, MethodError> {
+        finite(match self {
+            Self::Direct(waves) => waves.search.summary(&waves.matrix),
+            Self::System(waves) => {
+                waves.0.check_mass()?;
+                waves.1.summary_of(&waves.0)
+            }
+        })
+    }
+
+    /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
+    ///
+    /// # Errors
+    /// [`MethodError::NotFinite`] when they over- or underflow.
+    pub fn bounded_spectrum(&self) -> Result<SpectrumSummary<D>, MethodError> {
+        finite(match self {
+            Self::Direct(waves) => waves.search.bounded_summary(&waves.matrix),
+            Self::System(waves) => {
+                waves.0.check_mass()?;
+                waves.1.bounded_summary_of(&waves.0)
+            }
+        })
+    }
+
+    /// Whether a mode grows, and how, with a measure whose sign it is; of an unstable state that of a witness.
+    fn stability(&self) -> Result<(Stability, f64), MethodError> {
+        match self {
+            Self::Direct(waves) => Ok(waves.search.stability(&waves.matrix)),
+            Self::System(_) => {
+                let spectrum = self.spectrum()?;
+                Ok((spectrum.stability(), spectrum.softest.scaled))
+            }
+        }
+    }
+}
+
+impl<'a, const D: usize> Survey<'a, D> {
     /// For some states.
     ///
     /// # Errors
-    /// [`MaterialError`] when the response of the undeformed material is not finite.
-    pub fn new(method: Method<D>, material: Box<dyn Hyperelastic>) -> Result<Self, MaterialError> {
+    /// [`MethodError`] when the response of the undeformed material is not finite, or carries no waves.
+    pub fn new(
+        discretization: &'a dyn Discretization<D>,
+        material: &'a dyn Hyperelastic,
+    ) -> Result<Self, MethodError> {
+        let speed_squared = super::speed_squared(discretization, material)?;
+        let lattice = *discretization.crystal().lattice();
         Ok(Self {
-            speed_squared: speed_squared(&method, &*material)?,
-            method,
+            discretization,
             material,
-            moments: None,
+            ground: Arc::new(Ground {
+                speed_squared,
+                search: ZoneSearch::of_lattice(lattice, speed_squared),
+                moments: None,
+                reference: OnceLock::new(),
+            }),
         })
+    }
+
+    /// On the ground of another survey, which must have been of the same discretization and the same material.
+    pub fn on(
+        ground: Arc<Ground<D>>,
+        discretization: &'a dyn Discretization<D>,
+        material: &'a dyn Hyperelastic,
+    ) -> Self {
+        Self {
+            discretization,
+            material,
+            ground,
+        }
+    }
+
+    /// What its states share.
+    pub fn ground(&self) -> Arc<Ground<D>> {
+        Arc::clone(&self.ground)
     }
 
     /// For so many states that a preparation of some hundredths of a second pays. With Lagrangian kernels in the plane a state
@@ -73,14 +230,15 @@ impl<const D: usize> Survey<D> {
     /// ```
     /// use onset::kinematics::DeformationGradient;
     /// use onset::material::ModifiedMooneyRivlin;
-    /// use onset::method::{Discretization, Method};
-    /// use onset::verdict::{Survey, Verdict, assess};
-    /// let method = Method::<2>::new(Discretization::default())?;
-    /// let survey = Survey::new(method.clone(), Box::new(ModifiedMooneyRivlin::default()))?.for_many_states()?;
+    /// use onset::method::{KernelMethodChoices, Method};
+    /// use onset::verdict::{Survey, Verdict};
+    /// let method = Method::<2>::new(KernelMethodChoices::default())?;
+    /// let material = ModifiedMooneyRivlin::default();
+    /// let survey = Survey::new(&method, &material)?;
     /// let state = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
-    /// let surveyed = survey.state(&state)?;
+    /// let assessed = survey.assess(&state)?;
+    /// let surveyed = survey.for_many_states()?.state(&state)?;
     /// assert_eq!(surveyed.verdict, Verdict::Stable);
-    /// let assessed = assess(&method, &ModifiedMooneyRivlin::default(), &state)?;
     /// assert!((surveyed.scaled_minimum - assessed.spectrum.softest.scaled).abs() < 1e-14);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -88,31 +246,176 @@ impl<const D: usize> Survey<D> {
     /// # Errors
     /// [`MethodError`] when the method cannot be evaluated.
     pub fn for_many_states(mut self) -> Result<Self, MethodError> {
-        self.moments = GradientMoments::new(&self.method, self.speed_squared)?;
+        let moments = self.discretization.gradient_moments(self.speed_squared())?;
+        Arc::make_mut(&mut self.ground).moments = moments.map(Arc::new);
         Ok(self)
     }
 
-    /// The method.
-    pub fn method(&self) -> &Method<D> {
-        &self.method
+    /// The discretization.
+    pub fn discretization(&self) -> &'a dyn Discretization<D> {
+        self.discretization
     }
 
     /// The material.
-    pub fn material(&self) -> &dyn Hyperelastic {
-        &*self.material
+    pub fn material(&self) -> &'a dyn Hyperelastic {
+        self.material
     }
 
-    /// The scale `c^2` of wave speeds. Length^2/time^2.
-    pub fn speed_squared(&self) -> f64 {
-        self.speed_squared
+    /// The search over the zone of the reference lattice.
+    pub fn search(&self) -> &ZoneSearch<D> {
+        &self.ground.search
     }
 
-    /// What a map shows of a state: as [`super::assess`] says.
+    /// The equations of plane waves in the undeformed state.
     ///
     /// # Errors
-    /// [`MethodError`] when the method or the material cannot be evaluated there.
+    /// [`MethodError`] when material or discretization cannot be evaluated there.
+    pub fn reference(&self) -> Result<&WaveSystem<D>, MethodError> {
+        let evaluated = || {
+            let rest = DeformationGradient::identity();
+            self.discretization.waves(self.material, &rest)
+        };
+        let reference = self.ground.reference.get_or_init(evaluated);
+        reference.as_ref().map_err(Clone::clone)
+    }
+
+    /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the reference density.
+    /// Length^2/time^2.
+    pub fn speed_squared(&self) -> f64 {
+        self.ground.speed_squared
+    }
+
+    /// The plane waves of a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn waves(&self, f: &DeformationGradient) -> Result<StateWaves<D>, MethodError> {
+        let zone = || self.search().clone();
+        let speed_squared = self.speed_squared();
+        StateWaves::of(self.discretization, self.material, f, speed_squared, zone)
+    }
+
+    /// The extremes of the spectrum at a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
+        self.waves(f)?.spectrum()
+    }
+
+    /// The largest stable time step of an integrator at a state, damping included. Time.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn critical_time_step(
+        &self,
+        f: &DeformationGradient,
+        integrator: Integrator,
+    ) -> Result<f64, MethodError> {
+        let system = self.discretization.waves(self.material, f)?;
+        Ok(critical_time_step(&system, integrator, self.search()))
+    }
+
+    /// Whether forces depend on velocities, so that integrators have different time steps.
+    pub fn is_damped(&self) -> bool {
+        let is_damped = |waves: &WaveSystem<D>| waves.damping().is_some();
+        !self.discretization.is_undamped() && self.reference().is_ok_and(is_damped)
+    }
+
+    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or discretization cannot be evaluated there.
+    pub fn damped_time_steps(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Vec<(Integrator, f64)>, MethodError> {
+        if !self.is_damped() {
+            return Ok(Vec::new());
+        }
+        let step = |integrator| Ok((integrator, self.critical_time_step(f, integrator)?));
+        Integrator::ALL.into_iter().map(step).collect()
+    }
+
+    /// The verdict on a state with its evidence.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn assess(&self, f: &DeformationGradient) -> Result<Assessment<D>, MethodError> {
+        let material = MaterialAssessment::<D>::new(self.material, f)?;
+        let spectrum = self.waves(f)?.bounded_spectrum()?;
+        let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
+        let verdict = decided(
+            material.ellipticity(),
+            spectrum.is_stable(),
+            self.has_zero_mode(f, &spectrum)?,
+            long_waves_grow,
+        );
+        let softest = &spectrum.softest;
+        let norm = self.gradient_norm(f, softest)?;
+        Ok(Assessment {
+            verdict,
+            material,
+            gradient_norm: match norm {
+                Some(norm) => norm,
+                None => self.relative_frequency_squared(softest)?,
+            },
+            is_gradient: norm.is_some(),
+            spectrum,
+        })
+    }
+
+    /// The verdict on a state and how perturbations of the discretization develop, without the evidence: the same as
+    /// [`Survey::assess`] says, several times faster where one witness of an instability is enough.
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
+        let ellipticity = Stiffness::<D>::at(self.material, f)?.ellipticity();
+        let waves = match self.waves(f)? {
+            StateWaves::Direct(waves) => waves,
+            system => {
+                let state = self.surveyed(f, &system.spectrum()?)?;
+                return Ok((state.verdict, state.stability));
+            }
+        };
+        let (search, matrix) = (&waves.search, &waves.matrix);
+        let (stability, measure) = search.stability(matrix);
+        let is_stable = stability == Stability::Stable;
+        if is_stable && !ellipticity.is_lost() && measure <= search.tolerance(matrix) {
+            // Zero to rounding: whether a mode has no energy takes the mode itself.
+            return Ok((self.assess(f)?.verdict, stability));
+        }
+        // Only where both are unstable do the long waves tell to whom it belongs.
+        let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(matrix);
+        Ok((
+            decided(ellipticity, is_stable, false, long_waves_grow),
+            stability,
+        ))
+    }
+
+    /// The phase of the particles at a state, with the scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the softest wave
+    /// (of an unstable state that of a witness). Dimensionless.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain, which are
+    /// [`Phase::Undefined`].
+    pub fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
+        match self.waves(f).and_then(|waves| waves.stability()) {
+            Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
+            Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
+            Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
+            Err(error) if error.leaves_undefined() => Ok((Phase::Undefined, f64::NAN)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// What a map shows of a state: as [`Survey::assess`] says.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
     pub fn state(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
-        match &self.moments {
+        match &self.ground.moments {
             Some(_) if f.is_block_diagonal::<D>() => self
                 .states(std::slice::from_ref(f))
                 .pop()
@@ -127,7 +430,7 @@ impl<const D: usize> Survey<D> {
         &self,
         states: &[DeformationGradient],
     ) -> Vec<Result<SurveyedState<D>, MethodError>> {
-        let Some(moments) = &self.moments else {
+        let Some(moments) = &self.ground.moments else {
             return states.iter().map(|f| self.searched(f)).collect();
         };
         let mut surveyed = Vec::with_capacity(states.len());
@@ -166,24 +469,68 @@ impl<const D: usize> Survey<D> {
     }
 
     fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
-        let local = Local::new(&*self.material, f)?;
-        let stiffness = local.stiffness();
-        let search =
-            ZoneSearch::new(&self.method, f, self.speed_squared).ok_or(MethodError::NotFinite)?;
-        let matrix = match self.method.discretization().background {
-            Background::Imposed => dynamical_matrix_with(&self.method, &local, f)?,
-            Background::Interpolated => dynamical_matrix(&self.method, &*self.material, f)?,
-        };
-        let spectrum = finite(search.summary(&matrix))?;
-        let softest = &spectrum.softest;
-        let is_zero = softest.scaled.abs() <= spectrum.tolerance;
-        let has_zero_mode =
-            is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
+        self.surveyed(f, &self.spectrum(f)?)
+    }
+
+    fn surveyed(
+        &self,
+        f: &DeformationGradient,
+        spectrum: &SpectrumSummary<D>,
+    ) -> Result<SurveyedState<D>, MethodError> {
         Ok(SurveyedState::of_spectrum(
-            stiffness.minimum(),
-            &spectrum,
-            has_zero_mode,
+            Local::new(self.material, f)?.stiffness().minimum(),
+            spectrum,
+            self.has_zero_mode(f, spectrum)?,
         ))
+    }
+
+    /// Whether the softest mode has no energy: by its discrete gradient, where the discretization tells that; otherwise neither at the
+    /// state nor at rest, where the modes of the material have.
+    fn has_zero_mode(
+        &self,
+        f: &DeformationGradient,
+        spectrum: &SpectrumSummary<D>,
+    ) -> Result<bool, MethodError> {
+        let softest = &spectrum.softest;
+        let size = softest.scaled.abs();
+        if size > spectrum.tolerance.max(ZERO) {
+            return Ok(false);
+        }
+        if let Some(norm) = self.gradient_norm(f, softest)? {
+            return Ok(size <= spectrum.tolerance && norm <= ZERO_ENERGY);
+        }
+        let is_material = !self.stiffness_at_rest()?.is_strongly_elliptic();
+        if is_material || softest.is_long_wave {
+            return Ok(false);
+        }
+        let k = &softest.wave_vector;
+        let lowest = self.reference()?.omega_squared(k)[0].re;
+        let laplacian = self.discretization.crystal().lattice().laplacian(k);
+        Ok((lowest / (self.speed_squared() * laplacian)).abs() <= ZERO)
+    }
+
+    fn gradient_norm(
+        &self,
+        f: &DeformationGradient,
+        mode: &Mode<D>,
+    ) -> Result<Option<f64>, MethodError> {
+        let k = &mode.wave_vector;
+        self.discretization.gradient_norm(f, k, mode.is_long_wave)
+    }
+
+    /// The squared frequency of the slowest wave at rest over that of the material, with the wave vector of a mode.
+    fn relative_frequency_squared(&self, mode: &Mode<D>) -> Result<f64, MethodError> {
+        if mode.is_long_wave {
+            return Ok(1.0);
+        }
+        let density = self.discretization.density();
+        let tensor = self.stiffness_at_rest()?.acoustic_tensor(&mode.wave_vector) / density;
+        let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
+        Ok(self.reference()?.omega_squared(&mode.wave_vector)[0].re / exact)
+    }
+
+    fn stiffness_at_rest(&self) -> Result<Stiffness<D>, MethodError> {
+        Ok(Stiffness::of(&self.material.undeformed()?))
     }
 }
 
@@ -218,7 +565,7 @@ impl<const D: usize> SurveyedState<D> {
         }
     }
 
-    pub(super) fn of_spectrum(
+    fn of_spectrum(
         acoustic: AcousticMinimum<D>,
         spectrum: &SpectrumSummary<D>,
         has_zero_mode: bool,

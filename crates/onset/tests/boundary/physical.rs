@@ -2,10 +2,10 @@
 
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, Method};
 use onset::verdict::boundary::{Boundary, Curve, End, Fineness, Window, trace_boundary};
 use onset::verdict::fidelity::{RayOnset, areas, directed_distance, onset_along};
-use onset::verdict::{DiscretizationProbe, Phase, Probe, judge, probe_material};
+use onset::verdict::{Phase, Probe, Survey, judge, probe_material};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 type Asked = Result<Probe, String>;
@@ -26,11 +26,11 @@ fn of_material(material: &(dyn Hyperelastic + Sync)) -> impl Fn([f64; 2]) -> Ask
 }
 
 /// Stable or not, however unstable.
-fn of_particles<'a>(
-    probe: &'a DiscretizationProbe<'a, 2>,
-) -> impl Fn([f64; 2]) -> Asked + Sync + 'a {
+fn of_particles<'a>(probe: &'a Survey<'a, 2>) -> impl Fn([f64; 2]) -> Asked + Sync + 'a {
     move |at| {
-        let (phase, measure) = probe.at(&state(at)?).map_err(|error| error.to_string())?;
+        let (phase, measure) = probe
+            .probe(&state(at)?)
+            .map_err(|error| error.to_string())?;
         Ok(match phase {
             Phase::Flutter => (Phase::Unstable, f64::NAN),
             other => (other, measure),
@@ -125,9 +125,9 @@ fn the_boundary_of_blatz_and_ko_is_two_straight_lines() {
 #[test]
 fn the_boundary_of_a_lagrangian_kernel_is_that_of_the_material() {
     let material = ModifiedMooneyRivlin::default();
-    let method = Method::<2>::new(Discretization::default()).expect("a method");
+    let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
     let window = square(0.6, 2.4);
-    let probe = DiscretizationProbe::new(&method, &material).expect("finite");
+    let probe = Survey::new(&method, &material).expect("finite");
     let (exact, computed) = (of_material(&material), of_particles(&probe));
     let [of_material, of_particles] = [trace(window, 32, &exact), trace(window, 32, &computed)];
     assert_eq!(of_material.curves.len(), of_particles.curves.len());
@@ -170,16 +170,16 @@ fn the_boundary_of_a_lagrangian_kernel_is_that_of_the_material() {
 #[test]
 fn the_areas_of_an_eulerian_kernel_are_those_of_a_dense_map() {
     let material = ModifiedMooneyRivlin::default();
-    let method = Method::<2>::new(Discretization {
+    let method = Method::<2>::new(KernelMethodChoices {
         frame: Frame::Eulerian,
         support: 1.9,
         lattice: CurrentLattice::Regular,
         linearization: Linearization::Exact,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     })
     .expect("a method");
     let window = square(0.5, 2.0);
-    let probe = DiscretizationProbe::new(&method, &material).expect("finite");
+    let probe = Survey::new(&method, &material).expect("finite");
     let (exact, computed) = (of_material(&material), of_particles(&probe));
     let boundaries = [trace(window, 32, &exact), trace(window, 32, &computed)];
     for boundary in &boundaries {
@@ -222,15 +222,15 @@ fn the_areas_of_an_eulerian_kernel_are_those_of_a_dense_map() {
 fn a_ragged_boundary_is_cut_and_says_so() {
     // A convected lattice with a support of fixed size: neighbors enter and leave it, and the boundary has many teeth.
     let material = ModifiedMooneyRivlin::default();
-    let discretization = Discretization {
+    let discretization = KernelMethodChoices {
         frame: Frame::Eulerian,
         lattice: CurrentLattice::Convected,
         linearization: Linearization::Exact,
         support: 1.6,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let method = Method::<2>::new(discretization).expect("a method");
-    let probe = DiscretizationProbe::new(&method, &material).expect("finite");
+    let probe = Survey::new(&method, &material).expect("finite");
     let asked = AtomicUsize::new(0);
     let particles = of_particles(&probe);
     let counted = |at: [f64; 2]| {

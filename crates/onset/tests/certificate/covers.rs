@@ -6,7 +6,7 @@ use onset::certificate::{Certainty, Certifier};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::BrillouinZone;
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, Method};
 use onset::verdict::speed_squared;
 
 /// The smallest measure on a grid of the zone and of long waves.
@@ -48,12 +48,12 @@ fn a_bound_is_below_every_sample_and_within_a_tenth_of_the_least_where_asked() {
         (CurrentLattice::Convected, Exact, 1.6),
         (CurrentLattice::Convected, Paper, 2.0),
     ] {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             frame: Frame::Eulerian,
             lattice,
             linearization,
             support,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = Method::<2>::new(discretization.clone()).expect("a method");
         let usual = Certifier::new(&method, &material, 1e-3).expect("a method");

@@ -6,7 +6,9 @@ use onset::certificate::{Certainty, Certifier, GROWTH, Reason, certify};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, MethodError};
+use onset::method::{
+    CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, MethodError,
+};
 use onset::quadrature::{Quadrature, QuadraturePoint};
 use onset::verdict::{judge, speed_squared};
 
@@ -14,18 +16,18 @@ fn stretched(first: f64, second: f64) -> DeformationGradient {
     DeformationGradient::from_stretches([first, second, 1.0]).expect("a state")
 }
 
-fn planar(discretization: Discretization) -> Method<2> {
+fn planar(discretization: KernelMethodChoices) -> Method<2> {
     Method::new(discretization).expect("a method")
 }
 
 /// Eulerian kernels on the regular lattice.
-fn eulerian(support: f64, linearization: Linearization) -> Discretization {
-    Discretization {
+fn eulerian(support: f64, linearization: Linearization) -> KernelMethodChoices {
+    KernelMethodChoices {
         frame: Frame::Eulerian,
         lattice: CurrentLattice::Regular,
         linearization,
         support,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
@@ -35,7 +37,7 @@ const ONSET: f64 = 2.754613297216;
 #[test]
 fn both_sides_of_the_boundary_of_ellipticity_are_decided_at_a_distance_of_a_millionth() {
     let material = ModifiedMooneyRivlin::default();
-    let lagrangian = planar(Discretization::default());
+    let lagrangian = planar(KernelMethodChoices::default());
     for distance in [1e-6, 1e-9] {
         let before = certify(
             &lagrangian,
@@ -82,7 +84,7 @@ fn both_sides_of_the_boundary_of_ellipticity_are_decided_at_a_distance_of_a_mill
 
 #[test]
 fn blatz_ko_is_decided_on_both_sides_of_the_ratio_of_knowles_and_sternberg() {
-    let (material, method) = (BlatzKo::default(), planar(Discretization::default()));
+    let (material, method) = (BlatzKo::default(), planar(KernelMethodChoices::default()));
     let ratio = 2.0 + 3.0_f64.sqrt();
     for (factor, name) in [
         (1.0 - 1e-9, "proved-stable"),
@@ -102,7 +104,7 @@ fn blatz_ko_is_decided_on_both_sides_of_the_ratio_of_knowles_and_sternberg() {
 #[test]
 fn a_bound_of_the_material_is_just_below_its_smallest_acoustic_eigenvalue() {
     let material = ModifiedMooneyRivlin::default();
-    let method = planar(Discretization::default());
+    let method = planar(KernelMethodChoices::default());
     // In compression the softest wave is a shear wave of stiffness c1 + c2.
     let scale = speed_squared(&method, &material).expect("finite");
     let certificate = certify(&method, &material, &stretched(0.8, 0.7), 0.0).expect("a state");
@@ -117,11 +119,11 @@ fn a_bound_of_the_material_is_just_below_its_smallest_acoustic_eigenvalue() {
 fn a_chain_is_decided_as_a_lattice_is() {
     let material = ModifiedMooneyRivlin::default();
     let chain = |frame, quadrature| {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement: Arrangement::Chain,
             frame,
             quadrature,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         Method::<1>::new(discretization).expect("a method")
     };
@@ -166,10 +168,10 @@ fn a_chain_is_decided_as_a_lattice_is() {
 fn nodal_integration_of_a_lagrangian_kernel_is_rank_deficient_and_no_more() {
     let material = ModifiedMooneyRivlin::default();
     for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement,
             quadrature: Quadrature::Nodal,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = planar(discretization);
         let state = stretched(1.1, 0.9);
@@ -186,9 +188,9 @@ fn nodal_integration_of_a_lagrangian_kernel_is_rank_deficient_and_no_more() {
         (Arrangement::Square, "proved-rank-deficient"),
         (Arrangement::Hexagonal, "proved-stable"),
     ] {
-        let method = planar(Discretization {
+        let method = planar(KernelMethodChoices {
             arrangement,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         });
         let certificate = certify(&method, &material, &stretched(1.1, 0.9), 1e-3).expect("a state");
         assert_eq!(certificate.discretization.name(), name, "{arrangement:?}");
@@ -245,9 +247,9 @@ fn flutter_that_a_grid_misses_is_found_by_the_cover() {
 #[test]
 fn a_set_of_points_without_an_inversion_center_is_left_undecided() {
     let material = ModifiedMooneyRivlin::default();
-    let method = planar(Discretization {
+    let method = planar(KernelMethodChoices {
         frame: Frame::Eulerian,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     });
     let volume = method.lattice().cell_volume();
     let place = Vector2::repeat(1.0 / 3.0);
@@ -294,9 +296,9 @@ fn extreme_stretches_are_answered_or_refused_and_never_wrong() {
     let mut answered = 0;
     for law in &laws {
         for frame in [Frame::Lagrangian, Frame::Eulerian] {
-            let method = planar(Discretization {
+            let method = planar(KernelMethodChoices {
                 frame,
-                ..Discretization::default()
+                ..KernelMethodChoices::default()
             });
             let certifier = Certifier::new(&method, &**law, 1e-3)
                 .expect("a method")

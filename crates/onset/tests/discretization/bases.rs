@@ -7,12 +7,12 @@ use onset::bloch::SpectrumSummary;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, Crystal};
 use onset::material::{FourthOrder, Hyperelastic, MaterialError, ModifiedMooneyRivlin, Response};
-use onset::method::{Discretization, Frame, Method, MethodError, SupportSize};
+use onset::method::{Frame, KernelMethodChoices, Method, MethodError, SupportSize};
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
-use onset::verdict::{Assessment, SchemeSurvey, Survey, Verdict, assess, judge};
+use onset::verdict::{Assessment, Survey, Verdict, assess, judge};
 
 /// Integers of determinant one, and their inverse: a product of shears.
 fn unimodular<const D: usize>(random: &mut Random) -> [SMatrix<f64, D, D>; 2] {
@@ -72,9 +72,9 @@ fn flattened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Vec<f64> {
 
 fn described<const D: usize>(
     vectors: &SMatrix<f64, D, D>,
-    choices: &Discretization,
+    choices: &KernelMethodChoices,
 ) -> Result<Method<D>, MethodError> {
-    Method::new(Discretization {
+    Method::new(KernelMethodChoices {
         arrangement: if D == 2 {
             Arrangement::Oblique
         } else {
@@ -97,7 +97,7 @@ fn a_lattice_has_the_same_answers_in_every_basis() {
             1 => Matrix2::identity(),
             _ => Matrix2::new(1.0, 0.4 * random.number(), 0.0, 1.0 + 0.3 * random.number()),
         };
-        let choices = Discretization {
+        let choices = KernelMethodChoices {
             frame: if case % 2 == 0 {
                 Frame::Eulerian
             } else {
@@ -109,7 +109,7 @@ fn a_lattice_has_the_same_answers_in_every_basis() {
                 Quadrature::Gauss,
             ][case / 2 % 3],
             support: 1.9 + 0.4 * random.number(),
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let [change, _] = unimodular::<2>(&mut random);
         let mut stretch = || 1.0 + 0.15 * random.number();
@@ -133,11 +133,11 @@ fn a_lattice_in_space_with_two_particles_in_a_cell_has_the_same_answers_in_every
     let second = SVector::<f64, 3>::new(0.45, 0.55, 0.5);
     let f = DeformationGradient::from_stretches([1.05, 0.97, 1.0]).expect("a state");
     let answer = |change: Matrix3<f64>, inverse: Matrix3<f64>| {
-        let choices = Discretization {
+        let choices = KernelMethodChoices {
             arrangement: Arrangement::Triclinic,
             vectors: flattened(&(vectors * change)),
             basis: (inverse * second).iter().copied().collect(),
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let crystal: Crystal<3> = choices.crystal().expect("a crystal");
         let scheme = KernelScheme::new(
@@ -150,7 +150,7 @@ fn a_lattice_in_space_with_two_particles_in_a_cell_has_the_same_answers_in_every
             },
         );
         let scheme = scheme.expect("a scheme");
-        SchemeSurvey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
+        Survey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
     };
     let expected = answer(Matrix3::identity(), Matrix3::identity()).expect("an answer");
     for _ in 0..2 {
@@ -204,12 +204,12 @@ fn sheared<'a>(
 #[test]
 fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_current_kernels() {
     let law = ModifiedMooneyRivlin::default();
-    let square = Discretization {
+    let square = KernelMethodChoices {
         arrangement: Arrangement::Square,
         frame: Frame::Eulerian,
         support: 1.9,
         quadrature: Quadrature::Nodal,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let method = Method::<2>::new(square.clone()).expect("a method");
     let sph = UpdatedSph::new(
@@ -227,7 +227,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
     ] {
         let f = DeformationGradient::plane_strain(small, 1.0).expect("a state");
         let expected = assess(&method, &law, &f).expect("an answer");
-        let of_sph = SchemeSurvey::new(&sph, &law)
+        let of_sph = Survey::new(&sph, &law)
             .and_then(|s| s.assess(&f))
             .expect("an answer");
         for shear in [1.0, 4.0, -37.0, 1000.0] {
@@ -242,7 +242,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
                 (found.verdict, found.spectrum.stability()),
                 "{context}"
             );
-            let found = SchemeSurvey::new(&sph, &law)
+            let found = Survey::new(&sph, &law)
                 .and_then(|s| s.assess(&f))
                 .expect("an answer");
             // Which modes have no energy is told in the state F = 1, which is another one of the sheared law.
@@ -260,10 +260,10 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
 fn a_shear_that_double_precision_does_not_tell_is_refused() {
     let law = ModifiedMooneyRivlin::default();
     for support_size in [SupportSize::Fixed, SupportSize::Scaled] {
-        let method = Method::<2>::new(Discretization {
+        let method = Method::<2>::new(KernelMethodChoices {
             frame: Frame::Eulerian,
             support_size,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         })
         .expect("a method");
         for shear in [1.5e5, 4e5] {
@@ -286,13 +286,13 @@ fn long_cells_are_refused_before_anything_is_made_of_them() {
         [1.0, 0.0, 1e9, 1.0],
     ] {
         let vectors = Matrix2::from_column_slice(&vectors);
-        let refused = described(&vectors, &Discretization::default());
+        let refused = described(&vectors, &KernelMethodChoices::default());
         assert!(matches!(refused, Err(MethodError::Lattice(_))), "{vectors}");
     }
-    let long = Discretization {
+    let long = KernelMethodChoices {
         arrangement: Arrangement::Rectangular,
         aspect: 31.0,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     assert!(matches!(
         Method::<2>::new(long),
@@ -375,11 +375,11 @@ fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
             for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
-                choices.push(Discretization {
+                choices.push(KernelMethodChoices {
                     frame,
                     quadrature,
                     arrangement,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 });
             }
         }
@@ -390,7 +390,7 @@ fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
         for exponents in UNITS {
             let units = exponents.map(|exponent| 4_f64.powi(exponent));
             let context = format!("{exponents:?} {choices:?}");
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 density: units[1],
                 spacing: units[2],
                 ..choices.clone()
@@ -422,16 +422,17 @@ fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
 #[test]
 fn maps_of_lagrangian_kernels_are_the_same_to_the_last_digit_in_all_units() {
     let surveyed = |[stress, density, length]: [f64; 3], f: &DeformationGradient| {
-        let method = Method::<2>::new(Discretization {
+        let method = Method::<2>::new(KernelMethodChoices {
             density,
             spacing: length,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         })
         .expect("a method");
         let law = ModifiedMooneyRivlin::default();
         let law: &'static ModifiedMooneyRivlin = Box::leak(Box::new(law));
-        let survey = Survey::new(method, Box::new(Times(law, stress)));
-        let survey = survey.expect("waves").for_many_states().expect("moments");
+        let law = Times(law, stress);
+        let survey = Survey::new(&method, &law).expect("waves");
+        let survey = survey.for_many_states().expect("moments");
         survey.state(f).expect("an answer")
     };
     for stretches in [[1.2, 0.9, 1.0], [3.1, 1.0, 1.0], [0.7, 1.4, 1.0]] {
@@ -469,11 +470,11 @@ fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units()
     let f = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
     for cells in [1, 2] {
         let answer = |[stress, density, length]: [f64; 3]| {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 arrangement: Arrangement::Square,
                 cells,
                 spacing: length,
-                ..Discretization::default()
+                ..KernelMethodChoices::default()
             };
             let scheme = UpdatedSph::<2>::new(
                 choices.crystal().expect("a crystal"),
@@ -486,7 +487,7 @@ fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units()
             let scheme = scheme?;
             assert_eq!(scheme.density(), density);
             let law = Times(&law, stress);
-            SchemeSurvey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
+            Survey::new(&scheme, &law).and_then(|survey| survey.assess(&f))
         };
         let expected = answer([1.0; 3]).expect("an answer");
         for exponents in UNITS {

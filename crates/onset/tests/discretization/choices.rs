@@ -6,7 +6,7 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize,
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
 };
 use onset::quadrature::Quadrature;
 use proptest::prelude::*;
@@ -24,7 +24,7 @@ pub fn config(cases: u32) -> ProptestConfig {
 /// Everything that a dynamical matrix in the plane depends on.
 #[derive(Clone, Debug)]
 pub struct Case {
-    pub discretization: Discretization,
+    pub discretization: KernelMethodChoices,
     pub is_blatz_ko: bool,
     pub state: DeformationGradient,
 }
@@ -115,7 +115,7 @@ pub fn case() -> impl Strategy<Value = Case> {
                 state,
             )| {
                 let (frame, lattice, support_size, linearization) = frame;
-                let discretization = Discretization {
+                let discretization = KernelMethodChoices {
                     arrangement,
                     quadrature,
                     approximation,
@@ -125,7 +125,7 @@ pub fn case() -> impl Strategy<Value = Case> {
                     support_size,
                     linearization,
                     support,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 };
                 Case {
                     discretization,
@@ -138,7 +138,7 @@ pub fn case() -> impl Strategy<Value = Case> {
 
 pub fn lagrangian() -> impl Strategy<Value = Case> {
     case().prop_map(|case| Case {
-        discretization: Discretization {
+        discretization: KernelMethodChoices {
             frame: Frame::Lagrangian,
             ..case.discretization
         },

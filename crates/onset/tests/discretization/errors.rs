@@ -8,7 +8,7 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, LatticeError};
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, Method, MethodError,
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, MethodError,
     SupportSize,
 };
 use onset::quadrature::Quadrature;
@@ -18,7 +18,10 @@ fn identity() -> DeformationGradient {
     DeformationGradient::identity()
 }
 
-fn evaluated(discretization: Discretization, f: &DeformationGradient) -> Result<(), MethodError> {
+fn evaluated(
+    discretization: KernelMethodChoices,
+    f: &DeformationGradient,
+) -> Result<(), MethodError> {
     Method::<2>::new(discretization)?
         .configuration(f, Order::First)
         .map(|_| ())
@@ -26,10 +29,10 @@ fn evaluated(discretization: Discretization, f: &DeformationGradient) -> Result<
 
 #[test]
 fn a_support_without_neighbors_is_too_small() {
-    let discretization = Discretization {
+    let discretization = KernelMethodChoices {
         support: 0.9,
         quadrature: Quadrature::Nodal,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let error = MethodError::SupportTooSmall {
         point: "particle",
@@ -43,9 +46,9 @@ fn a_support_without_neighbors_is_too_small() {
 
 #[test]
 fn a_support_that_holds_thousands_of_particles_is_too_large() {
-    let discretization = Discretization {
+    let discretization = KernelMethodChoices {
         support: 500.0,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let Err(MethodError::SupportTooLarge {
         radius,
@@ -62,9 +65,9 @@ fn a_support_that_holds_thousands_of_particles_is_too_large() {
     );
     // Crushed to a line, any support holds too many.
     let crushed = DeformationGradient::from_stretches([1e-6, 1.0, 1.0]).expect("a state");
-    let eulerian = Discretization {
+    let eulerian = KernelMethodChoices {
         frame: Frame::Eulerian,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     assert!(matches!(
         evaluated(eulerian, &crushed),
@@ -76,13 +79,13 @@ fn a_support_that_holds_thousands_of_particles_is_too_large() {
 fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
     // Stretched across, only the particles of one row remain within the fixed support.
     let apart = DeformationGradient::from_stretches([1.0, 3.0, 1.0]).expect("a state");
-    let discretization = Discretization {
+    let discretization = KernelMethodChoices {
         arrangement: Arrangement::Square,
         frame: Frame::Eulerian,
         approximation: Approximation::Mls,
         quadrature: Quadrature::Nodal,
         support: 1.6,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let error = evaluated(discretization, &apart);
     assert!(
@@ -121,23 +124,23 @@ fn settings_that_are_not_positive_are_refused_by_name() {
         for (setting, discretization) in [
             (
                 "spacing",
-                Discretization {
+                KernelMethodChoices {
                     spacing: bad,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 },
             ),
             (
                 "density",
-                Discretization {
+                KernelMethodChoices {
                     density: bad,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 },
             ),
             (
                 "support",
-                Discretization {
+                KernelMethodChoices {
                     support: bad,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 },
             ),
         ] {
@@ -159,9 +162,9 @@ fn settings_that_are_not_positive_are_refused_by_name() {
 
 #[test]
 fn an_arrangement_has_one_dimension_only() {
-    let chain = Discretization {
+    let chain = KernelMethodChoices {
         arrangement: Arrangement::Chain,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let error = MethodError::Lattice(LatticeError::Dimension {
         arrangement: "chain",
@@ -169,9 +172,9 @@ fn an_arrangement_has_one_dimension_only() {
         requested: 2,
     });
     assert_eq!(Method::<2>::new(chain).map(|_| ()), Err(error));
-    let square = Discretization {
+    let square = KernelMethodChoices {
         arrangement: Arrangement::Square,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     assert!(Method::<1>::new(square.clone()).is_err());
     assert!(Method::<3>::new(square).is_err());
@@ -182,12 +185,12 @@ fn states_that_leave_the_plane_are_refused() {
     let sheared = DeformationGradient::new([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         .expect("a state");
     assert_eq!(
-        evaluated(Discretization::default(), &sheared),
+        evaluated(KernelMethodChoices::default(), &sheared),
         Err(MethodError::NotPlanar { dimension: 2 })
     );
-    let chain = Discretization {
+    let chain = KernelMethodChoices {
         arrangement: Arrangement::Chain,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let planar = DeformationGradient::plane_strain([[1.0, 0.1], [0.0, 1.0]], 1.0).expect("a state");
     let refused = Method::<1>::new(chain)
@@ -225,14 +228,14 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
                     Linearization::Paper,
                 ),
             ] {
-                let discretization = Discretization {
+                let discretization = KernelMethodChoices {
                     frame,
                     support_size,
                     lattice,
                     background,
                     linearization,
                     support: 1.6,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 };
                 let method = Method::<2>::new(discretization).expect("a method");
                 for exponent in (-300..=300).step_by(20).chain([-3, -1, 1, 3]) {

@@ -2,18 +2,20 @@
 
 use crate::choices::{Case, case, config};
 use nalgebra::Vector2;
-use onset::bloch::{SpectrumSummary, dynamical_matrix};
+use onset::bloch::{SpectrumSummary, ZoneSearch, dynamical_matrix};
 use onset::kinematics::DeformationGradient;
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{Background, CurrentLattice, Discretization, Frame, Method, MethodError};
+use onset::method::{Background, CurrentLattice, Frame, KernelMethodChoices, Method, MethodError};
 use onset::quadrature::Quadrature;
-use onset::verdict::{Survey, speed_squared, zone_search};
+use onset::verdict::{Survey, speed_squared};
 use proptest::prelude::*;
 
 fn summary(case: &Case) -> Result<SpectrumSummary<2>, MethodError> {
     let (method, material) = (case.method(), case.material());
     let d = dynamical_matrix(&method, &*material, &case.state)?;
-    Ok(zone_search(&method, &*material, &case.state)?.summary(&d))
+    let speed_squared = speed_squared(&method, &*material)?;
+    let search = ZoneSearch::new(&method, &case.state, speed_squared);
+    Ok(search.ok_or(MethodError::NotFinite)?.summary(&d))
 }
 
 /// The state seen in axes of space turned by an angle.
@@ -41,7 +43,7 @@ proptest! {
     fn a_quarter_of_the_zone_tells_no_less_than_the_whole(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
         // Along the axes force constants have a mirror line; turned by an angle that is none of the lattice's the whole zone
         // is searched. (A regular arrangement does not turn with the state, nor does an interpolated background.)
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             lattice: CurrentLattice::Convected,
             background: Background::Imposed,
             ..case.discretization
@@ -89,17 +91,17 @@ fn of_dense_grid(method: &Method<2>, state: &DeformationGradient) -> f64 {
 
 #[test]
 fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
-    let eulerian = Discretization {
+    let eulerian = KernelMethodChoices {
         frame: Frame::Eulerian,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let methods = [
         eulerian.clone(),
-        Discretization {
+        KernelMethodChoices {
             arrangement: onset::lattice::Arrangement::Square,
             ..eulerian.clone()
         },
-        Discretization {
+        KernelMethodChoices {
             quadrature: Quadrature::Nodal,
             approximation: onset::approximation::Approximation::Mls,
             ..eulerian
@@ -119,8 +121,8 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
     ];
     for discretization in methods {
         let method = Method::<2>::new(discretization.clone()).expect("an admissible method");
-        let material = Box::new(ModifiedMooneyRivlin::default());
-        let survey = Survey::new(method.clone(), material).expect("finite");
+        let material = ModifiedMooneyRivlin::default();
+        let survey = Survey::new(&method, &material).expect("finite");
         for [first, second, shear] in states {
             let f = DeformationGradient::plane_strain([[first, shear], [0.0, second]], 1.0)
                 .expect("a positive volume ratio");

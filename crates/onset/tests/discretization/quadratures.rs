@@ -7,19 +7,19 @@ use onset::certificate::{Certainty, Reason, certify};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Background, Discretization, Frame, Method, MethodError};
+use onset::method::{Background, Frame, KernelMethodChoices, Method, MethodError};
 use onset::quadrature::{Quadrature, QuadratureError, gauss_points, own_points, second_moments};
 
-fn method(arrangement: Arrangement, quadrature: Quadrature) -> Discretization {
-    Discretization {
+fn method(arrangement: Arrangement, quadrature: Quadrature) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         quadrature,
         support: 2.2,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
-fn error_of(discretization: Discretization) -> MethodError {
+fn error_of(discretization: KernelMethodChoices) -> MethodError {
     Method::<2>::new(discretization).expect_err("not admissible")
 }
 
@@ -53,7 +53,7 @@ fn gauss_points_integrate_polynomials_up_to_their_degree() {
 fn volumes_of_every_quadrature_add_up_to_the_cell() {
     for quadrature in Quadrature::ALL {
         for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-            let discretization = Discretization {
+            let discretization = KernelMethodChoices {
                 spacing: 1.7,
                 points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
                 ..method(arrangement, quadrature)
@@ -67,7 +67,7 @@ fn volumes_of_every_quadrature_add_up_to_the_cell() {
 
 #[test]
 fn a_weight_of_stress_points_is_their_part_of_the_volume() {
-    let of = |weight| Discretization {
+    let of = |weight| KernelMethodChoices {
         stress_point_weight: weight,
         ..method(Arrangement::Hexagonal, Quadrature::StressPoints)
     };
@@ -138,14 +138,14 @@ fn lists_of_points_that_make_no_quadrature_are_refused() {
 #[test]
 fn points_of_ones_own_at_those_of_a_named_quadrature_are_that_quadrature() {
     let named = method(Arrangement::Square, Quadrature::StressPoints);
-    let own = Discretization {
+    let own = KernelMethodChoices {
         quadrature: Quadrature::Points,
         points: vec![1.0, -3.0, 0.5, 2.5, 0.5, 0.5],
         ..named.clone()
     };
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         let [a, b] = [&named, &own].map(|choices| {
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 frame,
                 ..choices.clone()
             })
@@ -174,7 +174,7 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
     for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
         for approximation in Approximation::ALL {
             let norms = |quadrature| -> Vec<f64> {
-                let method = Method::<2>::new(Discretization {
+                let method = Method::<2>::new(KernelMethodChoices {
                     approximation,
                     support: 3.2,
                     ..method(arrangement, quadrature)
@@ -208,7 +208,7 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
 /// The chain in closed form: `B = 0` and `B_,X = sum_K phi_K'' (-1)^K` at the wave of two spacings.
 #[test]
 fn the_stabilized_chain_is_what_one_computes_by_hand() {
-    let chain = Method::<1>::new(Discretization {
+    let chain = Method::<1>::new(KernelMethodChoices {
         support: 1.5,
         ..method(Arrangement::Chain, Quadrature::NodalStabilized)
     })
@@ -242,7 +242,7 @@ fn long_waves_of_consistent_methods_are_those_of_the_material() {
     let tangent = material.response(&state()).expect("finite").tangent;
     for approximation in Approximation::ALL {
         for quadrature in Quadrature::ALL {
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 approximation,
                 support: 3.2,
                 points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
@@ -282,7 +282,7 @@ fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields(
     use onset::approximation::Order;
     for approximation in Approximation::ALL {
         for frame in [Frame::Lagrangian, Frame::Eulerian] {
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 approximation,
                 frame,
                 support: 3.2,
@@ -308,7 +308,7 @@ fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields(
 
 #[test]
 fn natural_stabilization_is_refused_for_kernels_of_current_coordinates() {
-    let error = error_of(Discretization {
+    let error = error_of(KernelMethodChoices {
         frame: Frame::Eulerian,
         ..method(Arrangement::Square, Quadrature::NodalStabilized)
     });
@@ -325,7 +325,7 @@ fn certificates_prove_nothing_of_functions_and_points_that_they_do_not_enclose()
         (Approximation::RandlesLibersky, Quadrature::Gauss),
         (Approximation::Shepard, Quadrature::NodalStabilized),
     ] {
-        let method = Method::<2>::new(Discretization {
+        let method = Method::<2>::new(KernelMethodChoices {
             approximation,
             ..method(Arrangement::Hexagonal, quadrature)
         })
@@ -346,7 +346,7 @@ fn certificates_prove_nothing_of_functions_and_points_that_they_do_not_enclose()
 
 #[test]
 fn a_quadratic_basis_takes_more_neighbors() {
-    let error = Method::<2>::new(Discretization {
+    let error = Method::<2>::new(KernelMethodChoices {
         approximation: Approximation::Mls2,
         support: 1.2,
         ..method(Arrangement::Square, Quadrature::Nodal)
@@ -378,7 +378,7 @@ fn an_interpolated_background_does_not_depend_on_the_origin_of_displacements() {
     for approximation in Approximation::ALL {
         for quadrature in Quadrature::ALL {
             for arrangement in [Arrangement::Hexagonal, Arrangement::Oblique] {
-                let Ok(method) = Method::<2>::new(Discretization {
+                let Ok(method) = Method::<2>::new(KernelMethodChoices {
                     approximation,
                     support: 3.2,
                     points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],

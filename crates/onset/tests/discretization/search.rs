@@ -4,7 +4,7 @@ use crate::choices::{Case, case, config};
 use nalgebra::{Matrix2, Vector2};
 use onset::bloch::{DynamicalMatrix, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::lattice::BrillouinZone;
-use onset::verdict::{speed_squared, zone_search};
+use onset::verdict::speed_squared;
 use proptest::prelude::*;
 use std::cell::Cell;
 
@@ -59,10 +59,9 @@ fn sampled(case: &Case, d: &DynamicalMatrix<2>) -> Sampled {
 fn searched(case: &Case) -> (ZoneSearch<2>, DynamicalMatrix<2>) {
     let (method, material) = (case.method(), case.material());
     let d = dynamical_matrix(&method, &*material, &case.state).expect("finite");
-    (
-        zone_search(&method, &*material, &case.state).expect("finite"),
-        d,
-    )
+    let speed_squared = speed_squared(&method, &*material).expect("finite");
+    let search = ZoneSearch::new(&method, &case.state, speed_squared);
+    (search.expect("finite"), d)
 }
 
 /// Where a translation costs energy the scaled measure has no bound for long waves.

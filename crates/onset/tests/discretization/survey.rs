@@ -4,7 +4,7 @@ use crate::choices::{Case, case, config, planar_state};
 use nalgebra::Vector2;
 use onset::bloch::dynamical_matrix;
 use onset::kinematics::DeformationGradient;
-use onset::method::{Discretization, Frame, Method};
+use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::verdict::{Survey, assess};
 use proptest::prelude::*;
 
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
     let (method, material) = (case.method(), case.material());
     let assessment = assess(&method, &*material, &case.state).expect("finite");
-    let survey = Survey::new(method, case.material()).expect("finite");
+    let survey = Survey::new(&method, &*material).expect("finite");
     let survey = if prepared {
         survey.for_many_states().expect("finite")
     } else {
@@ -44,7 +44,7 @@ fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
 /// The same case with a Lagrangian kernel and the background that the gradient moments need.
 fn lagrangian(case: Case) -> Case {
     Case {
-        discretization: Discretization {
+        discretization: KernelMethodChoices {
             frame: Frame::Lagrangian,
             background: onset::method::Background::Imposed,
             ..case.discretization
@@ -71,7 +71,7 @@ fn evaluable() -> impl Strategy<Value = Case> {
 }
 
 /// The smallest scaled measure on a grid of half of the zone.
-fn smallest_on_grid(case: &Case, survey: &Survey<2>, resolution: usize) -> f64 {
+fn smallest_on_grid(case: &Case, survey: &Survey<'_, 2>, resolution: usize) -> f64 {
     let method = case.method();
     let matrix = dynamical_matrix(&method, &*case.material(), &case.state).expect("finite");
     let lattice = method.lattice();
@@ -100,7 +100,8 @@ proptest! {
     ) {
         let state = if is_stretched { stretched } else { case.state };
         let case = Case { state, ..case };
-        let survey = Survey::new(case.method(), case.material()).expect("finite");
+        let (method, material) = (case.method(), case.material());
+        let survey = Survey::new(&method, &*material).expect("finite");
         let survey = survey.for_many_states().expect("finite");
         let minimum = survey.state(&state).expect("finite").scaled_minimum;
         let smallest = smallest_on_grid(&case, &survey, 70);
@@ -116,7 +117,8 @@ proptest! {
         sheared in prop::collection::vec(planar_state(), 1..4),
         stretched in prop::collection::vec(stretched_state(), 9..30),
     ) {
-        let survey = Survey::new(case.method(), case.material()).expect("finite");
+        let (method, material) = (case.method(), case.material());
+        let survey = Survey::new(&method, &*material).expect("finite");
         let survey = survey.for_many_states().expect("finite");
         let states: Vec<_> = stretched.iter().chain(&sheared).chain(&stretched[1..3]).copied().collect();
         for (f, together) in states.iter().zip(survey.states(&states)) {

@@ -10,7 +10,7 @@ use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Background, Discretization, Method};
+use onset::method::{Background, KernelMethodChoices, Method};
 use onset::quadrature::{Quadrature, QuadraturePoint};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -28,7 +28,7 @@ proptest! {
         let f = [[stretches[0], shear], [0.0, stretches[1]]];
         let state = DeformationGradient::plane_strain(f, 1.0).expect("a state");
         // The theorem is about one tangent at all points.
-        let discretization = Discretization { background: Background::Imposed, ..case.discretization };
+        let discretization = KernelMethodChoices { background: Background::Imposed, ..case.discretization };
         let case = Case { discretization, state, ..case };
         let material = case.material();
         let stiffness = Stiffness::<2>::of(&material.response(&state).expect("finite"));
@@ -40,7 +40,7 @@ proptest! {
             }
         } else {
             // The converse holds for long waves, wherever the functions are linearly complete.
-            let mls = Discretization { approximation: Approximation::Mls, ..case.discretization };
+            let mls = KernelMethodChoices { approximation: Approximation::Mls, ..case.discretization };
             let method = Method::<2>::new(mls).expect("a method");
             let d = dynamical_matrix(&method, &*material, &state).expect("finite");
             prop_assert!(d.long_wave_stiffness().minimum().eigenvalue.re < 1e-9);
@@ -50,9 +50,9 @@ proptest! {
 
 /// Only the triangles that point up, with the whole volume.
 fn up_triangles(support: f64) -> Method<2> {
-    let method = Method::<2>::new(Discretization {
+    let method = Method::<2>::new(KernelMethodChoices {
         support,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     })
     .expect("a method");
     let volume = method.lattice().cell_volume();
@@ -119,7 +119,7 @@ fn without_an_inversion_center_the_matrix_is_complex_but_keeps_its_symmetries() 
     }
 }
 
-fn assert_zero_mode(discretization: Discretization, k: Vector2<f64>) {
+fn assert_zero_mode(discretization: KernelMethodChoices, k: Vector2<f64>) {
     for [l1, l2] in [[1.1, 0.95], [0.7, 1.4], [1.5, 1.5]] {
         let f = DeformationGradient::from_stretches([l1, l2, 1.0]).expect("a state");
         let method = Method::<2>::new(discretization.clone()).expect("a method");
@@ -144,12 +144,12 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
         Approximation::Mls,
     ] {
         for support in [1.4, 2.0, 2.7] {
-            let of = |arrangement, quadrature| Discretization {
+            let of = |arrangement, quadrature| KernelMethodChoices {
                 arrangement,
                 quadrature,
                 approximation,
                 support,
-                ..Discretization::default()
+                ..KernelMethodChoices::default()
             };
             for k in [
                 (0.0, m),
@@ -181,9 +181,9 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
 fn stress_points_on_triangles_lift_the_zero_modes_except_at_isolated_supports() {
     let k = Vector2::new(4.0 * PI / 3.0, 0.0);
     let norm = |support: f64| {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             support,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = Method::<2>::new(discretization).expect("a method");
         let at = gradient_norm(&method, &DeformationGradient::identity())

@@ -8,7 +8,7 @@ use onset::bloch::{DynamicalMatrix, dynamical_matrix};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
-use onset::method::{Background, CurrentLattice, Discretization, Frame};
+use onset::method::{Background, CurrentLattice, Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use proptest::prelude::*;
 
@@ -118,7 +118,7 @@ proptest! {
 
     #[test]
     fn linearly_complete_lagrangian_particles_carry_long_waves_as_the_material_does(case in lagrangian()) {
-        let discretization = Discretization { approximation: Approximation::Mls, density: 1.7, ..case.discretization };
+        let discretization = KernelMethodChoices { approximation: Approximation::Mls, density: 1.7, ..case.discretization };
         let case = Case { discretization, ..case };
         let response = case.material().response(&case.state).expect("finite");
         let (material, particles) = (Stiffness::<2>::of(&response), matrix(&case).long_wave_stiffness());
@@ -136,11 +136,11 @@ proptest! {
     ) {
         // On the regular lattice particles do not turn with the stress; the interpolated background of
         // functions without linear completeness sees a rotation as a strain.
-        let Discretization { frame, lattice, .. } = case.discretization;
+        let KernelMethodChoices { frame, lattice, .. } = case.discretization;
         if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
             return Ok(());
         }
-        let discretization = Discretization { background: Background::Imposed, ..case.discretization };
+        let discretization = KernelMethodChoices { background: Background::Imposed, ..case.discretization };
         let case = Case { discretization, ..case };
         let q = rotation(angle);
         let (d, turned) = (matrix(&case), matrix_at(&case, &rotated(&q, &case.state, &Matrix2::identity())));
@@ -152,11 +152,11 @@ proptest! {
     fn rotations_of_the_lattice_onto_itself_turn_waves_with_the_state(
         case in case(), k in wave_vector(), turns in 1..6_i32,
     ) {
-        let Discretization { frame, lattice, arrangement, .. } = case.discretization;
+        let KernelMethodChoices { frame, lattice, arrangement, .. } = case.discretization;
         if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
             return Ok(());
         }
-        let discretization = Discretization { background: Background::Imposed, ..case.discretization };
+        let discretization = KernelMethodChoices { background: Background::Imposed, ..case.discretization };
         let case = Case { discretization, ..case };
         let fold = if arrangement == Arrangement::Hexagonal { 6.0 } else { 4.0 };
         let r = rotation(std::f64::consts::TAU * f64::from(turns) / fold);
@@ -169,7 +169,7 @@ proptest! {
         // Without stress the motion of the kernel does no work.
         let rest = DeformationGradient::identity();
         let d = [Frame::Lagrangian, Frame::Eulerian].map(|frame| {
-            let discretization = Discretization { frame, ..case.discretization.clone() };
+            let discretization = KernelMethodChoices { frame, ..case.discretization.clone() };
             matrix_at(&Case { discretization, ..case.clone() }, &rest)
         });
         prop_assert!(amax(&(d[0].at(&k) - d[1].at(&k))) < 1e-11 * scale(&d[0]));
@@ -179,12 +179,12 @@ proptest! {
     fn a_chain_is_the_uniaxial_limit(
         stretch in 0.7..1.5_f64, support in 1.6..3.3_f64, length in 1e-3..2e-3_f64,
     ) {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement: Arrangement::Chain,
             quadrature: Quadrature::StressPoints,
             approximation: Approximation::Mls,
             support,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = onset::method::Method::<1>::new(discretization).expect("a chain");
         let material = onset::material::ModifiedMooneyRivlin::default();
@@ -204,10 +204,10 @@ proptest! {
 
 #[test]
 fn waves_on_stress_points_make_the_matrix_non_periodic() {
-    let discretization = Discretization {
+    let discretization = KernelMethodChoices {
         frame: Frame::Eulerian,
         linearization: onset::method::Linearization::Paper,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let method = onset::method::Method::<2>::new(discretization).expect("a method");
     assert!(!method.is_periodic());

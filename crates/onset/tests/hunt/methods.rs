@@ -7,7 +7,9 @@ use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, Crystal};
 use onset::material::{Hyperelastic, library};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize};
+use onset::method::{
+    CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
+};
 use onset::quadrature::Quadrature;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
 use onset::scheme::element::{
@@ -21,15 +23,15 @@ use onset::scheme::sph::{
 };
 use onset::scheme::stabilization::ArtificialStress;
 use onset::scheme::{
-    BondModel, Calibration, Formulation, GridFunctions, GridMass, Influence, MaterialPointChoices,
-    MaterialPoints, PartialVolumes, Peridynamics, PeridynamicsChoices, PointLayout, Scheme,
-    ZeroEnergyControl,
+    BondModel, Calibration, Discretization, Formulation, GridFunctions, GridMass, Influence,
+    MaterialPointChoices, MaterialPoints, PartialVolumes, Peridynamics, PeridynamicsChoices,
+    PointLayout, ZeroEnergyControl,
 };
 
 /// A discretization, with the search of its kind.
 pub enum Drawn<const D: usize> {
     Kernel(Box<Method<D>>),
-    Scheme(Box<dyn Scheme<D>>),
+    Scheme(Box<dyn Discretization<D>>),
 }
 
 /// A method with its name in words enough to find it again.
@@ -167,7 +169,7 @@ fn kernel<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         2 => random.one_of(&[Arrangement::Square, Arrangement::Hexagonal]),
         _ => random.one_of(&[Arrangement::SimpleCubic, Arrangement::FaceCenteredCubic]),
     };
-    let choices = Discretization {
+    let choices = KernelMethodChoices {
         arrangement,
         kernel: weight(random),
         support: random.between(1.3, 2.6),
@@ -181,7 +183,7 @@ fn kernel<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         lattice: random.one_of(&[CurrentLattice::Convected, CurrentLattice::Regular]),
         linearization: random.one_of(&[Linearization::Exact, Linearization::Paper]),
         support_size: random.one_of(&[SupportSize::Fixed, SupportSize::Scaled]),
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     };
     let name = format!("{choices:?}");
     let method = Method::<D>::new(choices).ok()?;

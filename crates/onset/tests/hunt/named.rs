@@ -8,8 +8,8 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
 use onset::material::{Hyperelastic, Law};
 use onset::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
-use onset::scheme::{GridFunctions, MaterialPointChoices, MaterialPoints, Scheme};
-use onset::verdict::SchemeSurvey;
+use onset::scheme::{Discretization, GridFunctions, MaterialPointChoices, MaterialPoints};
+use onset::verdict::Survey;
 
 fn law(name: &str) -> Box<dyn Hyperelastic> {
     let law = Law::named(name).expect("a law of the library");
@@ -22,11 +22,11 @@ fn stretched(stretches: [f64; 3]) -> DeformationGradient {
 
 /// The answer, and the waves from their definition.
 fn answer<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) -> (SpectrumSummary<D>, Waves<D>) {
-    let survey = SchemeSurvey::new(scheme, material).expect("a survey");
+    let survey = Survey::new(scheme, material).expect("a survey");
     let system = scheme.waves(material, f).expect("waves");
     let spectrum = survey.spectrum(f).expect("a spectrum");
     (spectrum, Waves::of_system(&system))
@@ -103,7 +103,7 @@ fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_sea
     let material = law("blatz-ko");
     let (spectrum, waves) = answer(&sph, &*material, &f);
     assert_grows_as(&spectrum, &waves, 1e-3);
-    let survey = SchemeSurvey::new(&sph, &*material).expect("a survey");
+    let survey = Survey::new(&sph, &*material).expect("a survey");
     let found = waves.searched(64, 20).scaled.0 / survey.speed_squared();
     assert!(
         spectrum.softest.scaled <= found + 1e-9,

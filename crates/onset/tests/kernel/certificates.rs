@@ -6,7 +6,7 @@ use onset::certificate::{Certainty, certify};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{CurrentLattice, Discretization, Frame, Method};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Method};
 use onset::verdict::judge;
 
 fn stretched(first: f64, second: f64) -> DeformationGradient {
@@ -23,12 +23,12 @@ fn what_is_proved_of_any_kernel_agrees_with_the_search() {
             (Frame::Eulerian, 0.9, 0.93),
             (Frame::Eulerian, 1.3, 1.2),
         ] {
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 kernel,
                 frame,
                 lattice: CurrentLattice::Regular,
                 support: 1.8,
-                ..Discretization::default()
+                ..KernelMethodChoices::default()
             })
             .expect("a method");
             let f = stretched(first, second);
@@ -50,12 +50,12 @@ fn what_is_proved_of_any_kernel_agrees_with_the_search() {
 fn nothing_is_proved_where_the_matrix_jumps() {
     // At a support of two spacings six particles lie on the rim, where the curvature of the kernel is 8 within and zero without.
     let proved_at = |kernel: Kernel, support: f64| {
-        let method = Method::<2>::new(Discretization {
+        let method = Method::<2>::new(KernelMethodChoices {
             kernel,
             frame: Frame::Eulerian,
             lattice: CurrentLattice::Regular,
             support,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         })
         .expect("a method");
         let material = ModifiedMooneyRivlin::default();

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::certificate::{Certainty, certify};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Law, MaterialError, Symmetry, library};
-use onset::method::{Discretization, Method};
+use onset::method::{KernelMethodChoices, Method};
 use onset::real::Interval;
 
 /// Every law with its defaults, and with every parameter changed, angles away from the axes.
@@ -357,7 +357,7 @@ fn a_law_without_bounds_is_neither_proved_nor_refuted() {
         .expect("a law")
         .build(&[])
         .expect("defaults");
-    let method = Method::<2>::new(Discretization::default()).expect("a method");
+    let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
     for stretches in [[1.0, 1.0, 1.0], [1.1, 0.9, 1.0], [3.0, 0.3, 1.0]] {
         let f = DeformationGradient::from_stretches(stretches).expect("a state");
         let proof = certify(&method, &*hencky, &f, 1e-3).expect("a state");

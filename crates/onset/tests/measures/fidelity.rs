@@ -5,9 +5,9 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{StateWindow, fidelity};
-use onset::method::{Discretization, Frame};
+use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
-use onset::verdict::{SchemeSurvey, Verdict};
+use onset::verdict::{Survey, Verdict};
 
 /// A window in which the material is elliptic on a part only.
 const WINDOW: StateWindow = StateWindow {
@@ -20,12 +20,12 @@ fn shares_are_those_of_the_verdicts_one_by_one() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-            let method = method::<2>(Discretization {
+            let method = method::<2>(KernelMethodChoices {
                 frame,
                 quadrature,
                 ..nodal(Arrangement::Hexagonal)
             });
-            let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+            let survey = Survey::new(&method, &material).expect("a survey");
             let found = fidelity(&survey, &WINDOW).expect("shares");
             let (mut falsely, mut missed, mut deficient, mut undefined, mut right) =
                 (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -63,12 +63,12 @@ fn shares_are_those_of_the_verdicts_one_by_one() {
 #[test]
 fn want_of_neighbors_is_the_methods_and_not_the_laws() {
     // An Eulerian kernel of fixed size loses its neighbors in tension.
-    let method = method::<2>(Discretization {
+    let method = method::<2>(KernelMethodChoices {
         frame: Frame::Eulerian,
         ..nodal(Arrangement::Square)
     });
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    let survey = Survey::new(&method, &material).expect("a survey");
     let window = StateWindow {
         stretches: [2.2, 3.0],
         states: 2,

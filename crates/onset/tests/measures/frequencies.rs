@@ -4,11 +4,11 @@ use crate::{linear_complete, method, nodal};
 use onset::lattice::Arrangement;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{dispersion_errors, long_wave_error};
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, FiniteElements, Formulation,
 };
-use onset::verdict::SchemeSurvey;
+use onset::verdict::Survey;
 use std::f64::consts::PI;
 
 fn bars(mass: ElementMass) -> FiniteElements<1> {
@@ -24,9 +24,9 @@ fn bars(mass: ElementMass) -> FiniteElements<1> {
     .expect("a mesh")
 }
 
-fn errors<const D: usize>(scheme: &dyn Scheme<D>, wavelengths: &[f64]) -> Vec<f64> {
+fn errors<const D: usize>(scheme: &dyn Discretization<D>, wavelengths: &[f64]) -> Vec<f64> {
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    let survey = Survey::new(scheme, &material).expect("a survey");
     let found = dispersion_errors(&survey, wavelengths).expect("errors");
     found.iter().map(|error| error.error).collect()
 }
@@ -57,9 +57,9 @@ fn bars_with_consistent_masses_are_as_fast_as_their_closed_form() {
     }
 }
 
-fn of_long_waves<const D: usize>(scheme: &dyn Scheme<D>) -> f64 {
+fn of_long_waves<const D: usize>(scheme: &dyn Discretization<D>) -> f64 {
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    let survey = Survey::new(scheme, &material).expect("a survey");
     long_wave_error(&survey).expect("an error")
 }
 

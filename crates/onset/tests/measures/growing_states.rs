@@ -6,11 +6,11 @@ use onset::bloch::WaveSystem;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, Crystal};
 use onset::material::ModifiedMooneyRivlin;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
 use onset::scheme::stabilization::ArtificialViscosity;
 use onset::time_step::{Amplification, Integrator};
-use onset::verdict::SchemeSurvey;
+use onset::verdict::Survey;
 
 fn moduli(matrix: DMatrix<Complex>) -> Vec<f64> {
     let values = matrix.schur().eigenvalues().expect("eigenvalues");
@@ -43,7 +43,7 @@ fn the_damped_step_of_a_growing_state_is_that_of_its_waves_that_do_not_grow() {
     };
     let sph = UpdatedSph::new(Crystal::of_lattice(lattice), choices).expect("a method");
     let law = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(&sph, &law).expect("a survey");
+    let survey = Survey::new(&sph, &law).expect("a survey");
     let state = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
     assert!(survey.spectrum(&state).expect("a spectrum").growth_rate() > 0.0);
     let waves = sph.waves(&law, &state).expect("waves");

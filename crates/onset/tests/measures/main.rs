@@ -12,25 +12,25 @@ mod hunt;
 
 use onset::approximation::Approximation;
 use onset::lattice::Arrangement;
-use onset::method::{Discretization, Method};
+use onset::method::{KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 
 /// A Lagrangian kernel method with nodal quadrature.
-fn nodal(arrangement: Arrangement) -> Discretization {
-    Discretization {
+fn nodal(arrangement: Arrangement) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         quadrature: Quadrature::Nodal,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
-fn method<const D: usize>(discretization: Discretization) -> Method<D> {
+fn method<const D: usize>(discretization: KernelMethodChoices) -> Method<D> {
     Method::new(discretization).expect("a method")
 }
 
 /// The same with several particles in a cell.
-fn on_crystal<const D: usize>(discretization: &Discretization) -> KernelScheme<D> {
+fn on_crystal<const D: usize>(discretization: &KernelMethodChoices) -> KernelScheme<D> {
     let crystal = discretization.crystal::<D>().expect("a crystal");
     let choices = KernelChoices {
         density: discretization.density,
@@ -44,10 +44,10 @@ fn on_crystal<const D: usize>(discretization: &Discretization) -> KernelScheme<D
 }
 
 /// Moving least squares with stress points.
-fn linear_complete(arrangement: Arrangement) -> Discretization {
-    Discretization {
+fn linear_complete(arrangement: Arrangement) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         approximation: Approximation::Mls,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }

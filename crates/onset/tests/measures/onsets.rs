@@ -5,9 +5,9 @@ use onset::kinematics::StraightPath;
 use onset::lattice::Arrangement;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{Load, StretchOnset, onset};
-use onset::method::{Discretization, Frame};
+use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
-use onset::verdict::{PathScan, SchemeSurvey, scan_discretization, scan_material};
+use onset::verdict::{PathScan, Survey, scan_discretization, scan_material};
 
 /// The first loss of stability along a scanned path from stretch 1 to `end`.
 fn first(scan: &PathScan, end: f64) -> Option<f64> {
@@ -34,12 +34,12 @@ fn assert_same(found: StretchOnset, expected: Option<f64>) {
 fn onsets_are_those_that_a_scan_of_the_path_finds() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
-        let method = method::<2>(Discretization {
+        let method = method::<2>(KernelMethodChoices {
             frame,
             quadrature: Quadrature::StressPoints,
             ..nodal(Arrangement::Hexagonal)
         });
-        let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+        let survey = Survey::new(&method, &material).expect("a survey");
         for (load, end) in [
             (Load::UniaxialTension, 3.0),
             (Load::EquibiaxialTension, 2.0),
@@ -48,7 +48,7 @@ fn onsets_are_those_that_a_scan_of_the_path_finds() {
             let ends = [1.0, end].map(|stretch| load.at(stretch).expect("a state"));
             let path = StraightPath::new(ends[0], ends[1]).expect("a path");
             let of_material = scan_material::<2>(&material, &path).expect("a scan");
-            let of_method = scan_discretization(&method, &material, &path).expect("a scan");
+            let of_method = scan_discretization(&survey, &path).expect("a scan");
             assert_same(found.material, first(&of_material, end));
             assert_same(found.method, first(&of_method, end));
         }
@@ -58,11 +58,11 @@ fn onsets_are_those_that_a_scan_of_the_path_finds() {
 #[test]
 fn a_faithful_method_has_the_ratio_one() {
     let material = ModifiedMooneyRivlin::default();
-    let method = method::<2>(Discretization {
+    let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
         ..nodal(Arrangement::Hexagonal)
     });
-    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    let survey = Survey::new(&method, &material).expect("a survey");
     for load in Load::ALL {
         let end = if load.is_tension() { 3.0 } else { 0.4 };
         let found = onset(&survey, load, end).expect("onsets");

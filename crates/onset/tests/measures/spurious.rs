@@ -8,20 +8,23 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BrillouinZone};
 use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
-use onset::method::Discretization;
+use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
-use onset::verdict::SchemeSurvey;
+use onset::scheme::Discretization;
+use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
-fn found<const D: usize>(scheme: &dyn Scheme<D>, threshold: f64) -> SpuriousModes<D> {
+fn found<const D: usize>(scheme: &dyn Discretization<D>, threshold: f64) -> SpuriousModes<D> {
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(scheme, &material).expect("a survey");
+    let survey = Survey::new(scheme, &material).expect("a survey");
     spurious_modes(&survey, threshold).expect("modes")
 }
 
 /// The wave vectors without energy in units of the reciprocal vectors, each coordinate from 0 to 1, of `k` and `-k` the first.
-fn zeros<const D: usize>(scheme: &dyn Scheme<D>, modes: &SpuriousModes<D>) -> Vec<[f64; D]> {
+fn zeros<const D: usize>(
+    scheme: &dyn Discretization<D>,
+    modes: &SpuriousModes<D>,
+) -> Vec<[f64; D]> {
     let vectors = scheme.crystal().lattice().vectors();
     let fractional = |k: SVector<f64, D>| -> [f64; D] {
         let x = vectors.transpose() * k / TAU;
@@ -84,7 +87,7 @@ fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
 
 #[test]
 fn stress_points_leave_weak_modes_and_none_without_energy() {
-    let method = method::<2>(Discretization {
+    let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
         ..nodal(Arrangement::Hexagonal)
     });
@@ -93,7 +96,7 @@ fn stress_points_leave_weak_modes_and_none_without_energy() {
     assert!(modes.modes.iter().all(|mode| !mode.is_zero()));
     // Brute force on a grid that shares no point with that of the search.
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+    let survey = Survey::new(&method, &material).expect("a survey");
     let stiffness = Stiffness::<2>::at(&material, &DeformationGradient::identity());
     let stiffness = stiffness.expect("a stiffness");
     let mut least = f64::INFINITY;
@@ -103,7 +106,8 @@ fn stress_points_leave_weak_modes_and_none_without_energy() {
             let k = method.lattice().reciprocal() * SVector::<f64, 2>::new(at(i), at(j));
             let k = survey.search().folded(&k);
             let exact = stiffness.acoustic_tensor(&k).symmetric_eigenvalues().min();
-            let found = survey.reference().omega_squared(&k)[0].re * method.density();
+            let found =
+                survey.reference().expect("waves").omega_squared(&k)[0].re * method.density();
             least = least.min((found / exact).sqrt());
         }
     }
@@ -114,18 +118,18 @@ fn stress_points_leave_weak_modes_and_none_without_energy() {
 #[test]
 fn minima_are_listed_once_and_are_minima() {
     for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
-        let method = method::<2>(Discretization {
+        let method = method::<2>(KernelMethodChoices {
             quadrature: Quadrature::StressPoints,
             ..nodal(arrangement)
         });
         let material = ModifiedMooneyRivlin::default();
-        let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+        let survey = Survey::new(&method, &material).expect("a survey");
         let stiffness = Stiffness::<2>::at(&material, &DeformationGradient::identity());
         let stiffness = stiffness.expect("a stiffness");
         let ratio = |k: SVector<f64, 2>| {
             let k = survey.search().folded(&k);
             let exact = stiffness.acoustic_tensor(&k).symmetric_eigenvalues().min();
-            survey.reference().omega_squared(&k)[0].re * method.density() / exact
+            survey.reference().expect("waves").omega_squared(&k)[0].re * method.density() / exact
         };
         let modes = spurious_modes(&survey, 0.9).expect("modes").modes;
         assert!(!modes.is_empty());
@@ -151,7 +155,7 @@ fn minima_are_listed_once_and_are_minima() {
 #[test]
 fn a_larger_cell_has_the_same_modes_at_rest() {
     // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
-    let cell = on_crystal::<2>(&Discretization {
+    let cell = on_crystal::<2>(&KernelMethodChoices {
         cells: 2,
         ..nodal(Arrangement::Square)
     });
@@ -187,8 +191,8 @@ fn law(name: &str, parameters: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
 
 /// The lowest relative frequency of a dense search over the closed zone: of its inside, and along each of its edges, where opposite
 /// ones are different waves of the material.
-fn densely<const D: usize>(survey: &SchemeSurvey<'_, D>, steps: usize) -> f64 {
-    let lattice = *survey.scheme().crystal().lattice();
+fn densely<const D: usize>(survey: &Survey<'_, D>, steps: usize) -> f64 {
+    let lattice = *survey.discretization().crystal().lattice();
     let zone = BrillouinZone::new(lattice);
     let stiffness = Stiffness::<D>::at(survey.material(), &DeformationGradient::identity());
     let stiffness = stiffness.expect("a stiffness");
@@ -196,7 +200,8 @@ fn densely<const D: usize>(survey: &SchemeSurvey<'_, D>, steps: usize) -> f64 {
         let tensor = stiffness.acoustic_tensor(k);
         let tensor = nalgebra::DMatrix::from_fn(D, D, |i, j| tensor[(i, j)]);
         let exact = tensor.symmetric_eigenvalues().min();
-        let found = survey.reference().omega_squared(k)[0].re * survey.scheme().density();
+        let found = survey.reference().expect("waves").omega_squared(k)[0].re
+            * survey.discretization().density();
         (found / exact).max(0.0).sqrt()
     };
     let mut least = f64::INFINITY;
@@ -223,7 +228,7 @@ fn densely<const D: usize>(survey: &SchemeSurvey<'_, D>, steps: usize) -> f64 {
 
 #[test]
 fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
-    let stabilized = |arrangement| Discretization {
+    let stabilized = |arrangement| KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         approximation: Approximation::Mls,
         ..nodal(arrangement)
@@ -246,7 +251,7 @@ fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
         (
             "saint-venant-orthotropic",
             &angle,
-            Discretization {
+            KernelMethodChoices {
                 quadrature: Quadrature::StressPoints,
                 ..nodal(Arrangement::Square)
             },
@@ -256,7 +261,7 @@ fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
     for (name, parameters, discretization, expected) in cases {
         let material = law(name, parameters);
         let method = method::<2>(discretization);
-        let survey = SchemeSurvey::new(&method, &*material).expect("a survey");
+        let survey = Survey::new(&method, &*material).expect("a survey");
         let weakest = spurious_modes(&survey, 0.5).expect("modes").weakest;
         let least = densely(&survey, 160);
         assert!(

@@ -12,10 +12,10 @@ use onset::scheme::element::{
 };
 use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
 use onset::scheme::{
-    BondModel, Influence, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
-    Scheme, ZeroEnergyControl,
+    BondModel, Discretization, Influence, MaterialPointChoices, MaterialPoints, Peridynamics,
+    PeridynamicsChoices, ZeroEnergyControl,
 };
-use onset::verdict::SchemeSurvey;
+use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
 /// Three laws with stress-free reference states: Lame constants far apart, and one that is not isotropic.
@@ -31,8 +31,11 @@ fn laws() -> Vec<Box<dyn Hyperelastic>> {
     ]
 }
 
-fn found<const D: usize>(scheme: &dyn Scheme<D>, law: &dyn Hyperelastic) -> SpuriousModes<D> {
-    let survey = SchemeSurvey::new(scheme, law).expect("a survey");
+fn found<const D: usize>(
+    scheme: &dyn Discretization<D>,
+    law: &dyn Hyperelastic,
+) -> SpuriousModes<D> {
+    let survey = Survey::new(scheme, law).expect("a survey");
     spurious_modes(&survey, 0.1).expect("modes")
 }
 
@@ -152,7 +155,7 @@ fn is_same<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
 
 /// Every root of a dense search is listed, and nothing else; each listed one once.
 fn assert_all<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     gradient: &Gradient<D>,
     starts: usize,
     name: &str,
@@ -310,7 +313,7 @@ fn every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else() {
 
 /// The wave vectors and nullities, in the order of the list.
 fn zeros<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     law: &dyn Hyperelastic,
 ) -> Vec<(SVector<f64, D>, usize)> {
     let modes = found(scheme, law).modes.into_iter();
@@ -318,7 +321,7 @@ fn zeros<const D: usize>(
     zeros.map(|mode| (mode.wave_vector, mode.nullity)).collect()
 }
 
-fn assert_geometry<const D: usize>(scheme: &dyn Scheme<D>, name: &str) {
+fn assert_geometry<const D: usize>(scheme: &dyn Discretization<D>, name: &str) {
     let laws = laws();
     let first = zeros(scheme, &*laws[0]);
     for law in &laws {

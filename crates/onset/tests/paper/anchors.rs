@@ -6,13 +6,23 @@ use crate::reference::{
 use nalgebra::{Vector2, vector};
 use onset::algebra::Complex;
 use onset::approximation::Order;
-use onset::bloch::{dynamical_matrix, gradient_norm};
+use onset::bloch::{ZoneSearch, dynamical_matrix, gradient_norm};
 use onset::kinematics::{DeformationGradient, StraightPath};
 use onset::lattice::BrillouinZone;
-use onset::method::{Background, Discretization};
+use onset::method::{Background, KernelMethodChoices};
 use onset::quadrature::QuadraturePoint;
-use onset::verdict::{Phase, assess, scan_discretization, scan_material, zone_search};
+use onset::verdict::{Phase, Survey, assess, scan_discretization, scan_material, speed_squared};
 use std::f64::consts::{PI, TAU};
+
+/// The search over the zone of a method at a state.
+fn search_of(
+    method: &onset::method::Method<2>,
+    material: &dyn onset::material::Hyperelastic,
+    f: &DeformationGradient,
+) -> ZoneSearch<2> {
+    let speed_squared = speed_squared(method, material).expect("a scale");
+    ZoneSearch::new(method, f, speed_squared).expect("a search")
+}
 
 #[test]
 fn stresses_and_effective_tangents() {
@@ -150,7 +160,7 @@ fn kernel_sums_and_completeness_errors() {
 
 /// `omega^2`, both real, at a reference wave vector.
 fn omega_squared(
-    discretization: Discretization,
+    discretization: KernelMethodChoices,
     name: &str,
     f: &DeformationGradient,
     k: Vector2<f64>,
@@ -321,7 +331,7 @@ fn equibiaxial_onset_with_the_interpolated_background() {
             number(reference),
         );
         let base = lagrangian("hex", "sp", support);
-        let method = method(Discretization {
+        let method = method(KernelMethodChoices {
             background: Background::Interpolated,
             ..base
         });
@@ -330,8 +340,7 @@ fn equibiaxial_onset_with_the_interpolated_background() {
         let measure = |stretch: f64| {
             let f = stretched(stretch, stretch);
             let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
-            zone_search(&method, &*material, &f)
-                .expect("a search")
+            search_of(&method, &*material, &f)
                 .long_wave_limit(&matrix)
                 .scaled
         };
@@ -342,7 +351,10 @@ fn equibiaxial_onset_with_the_interpolated_background() {
         );
 
         let path = StraightPath::new(stretched(1.5, 1.5), stretched(1.8, 1.8)).expect("a path");
-        let scan = scan_discretization(&method, &*material, &path).expect("a scan");
+        let scan = {
+            let survey = Survey::new(&method, &*material).expect("a survey");
+            scan_discretization(&survey, &path).expect("a scan")
+        };
         let onset = 1.5 + 0.3 * scan.crossings[0].parameter();
         // Shorter waves can be unstable before: where the stress points carry a larger stretch than the
         // nodes, they reach the limit of the material first, and at K the nodes do not resist.
@@ -437,7 +449,7 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
         }
         let identity = DeformationGradient::identity();
         let matrix = dynamical_matrix(&method, &*material, &identity).expect("a matrix");
-        let search = zone_search(&method, &*material, &identity).expect("a search");
+        let search = search_of(&method, &*material, &identity);
         let maximum = search.summary(&matrix).maximum_omega.powi(2);
         // The reference is the maximum of a 96 x 96 grid: never above ours, and close.
         let sampled = number(&reference["max over zone"]);
@@ -472,7 +484,7 @@ fn minima_over_the_zone_are_met_or_beaten() {
         );
         let method = method(discretization);
         let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
-        let search = zone_search(&method, &*material, &f).expect("a search");
+        let search = search_of(&method, &*material, &f);
         let lowest = search.summary(&matrix).lowest;
         let reference = number(&reference["w2"]);
         // Below 1e-13 the reference is the zero of k = 0: the state is stable.
@@ -513,7 +525,10 @@ fn eulerian_onsets(name: &str) -> [usize; 2] {
         };
         let state = |stretch: f64| stretched(stretch, if uniaxial { 1.0 } else { stretch });
         let path = StraightPath::new(state(1.0), state(far)).expect("a path");
-        let scan = scan_discretization(&method, &*material, &path).expect("a scan");
+        let scan = {
+            let survey = Survey::new(&method, &*material).expect("a survey");
+            scan_discretization(&survey, &path).expect("a scan")
+        };
         let divergence = scan
             .crossings
             .iter()

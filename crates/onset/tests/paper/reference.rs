@@ -4,7 +4,9 @@ use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize};
+use onset::method::{
+    CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
+};
 use onset::quadrature::Quadrature;
 use serde_json::Value;
 
@@ -55,8 +57,8 @@ pub fn material(name: &str) -> Box<dyn Hyperelastic> {
 }
 
 /// A Lagrangian discretization: `hex` or `square`, `nodal` or `sp`.
-pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> Discretization {
-    Discretization {
+pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement: match arrangement {
             "hex" => Arrangement::Hexagonal,
             "square" => Arrangement::Square,
@@ -68,20 +70,20 @@ pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> Discreti
             _ => panic!("unknown quadrature {quadrature}"),
         },
         support,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
 /// `lagrange`, `lagrange_mls`, or `euler` with geometry (`fixed-stretched`, ...) and linearization.
 pub fn with_frame(
-    base: Discretization,
+    base: KernelMethodChoices,
     frame: &str,
     geometry: &str,
     linearization: &str,
-) -> Discretization {
+) -> KernelMethodChoices {
     match frame {
         "lagrange" => base,
-        "lagrange_mls" => Discretization {
+        "lagrange_mls" => KernelMethodChoices {
             approximation: Approximation::Mls,
             ..base
         },
@@ -101,7 +103,7 @@ pub fn with_frame(
                 "frozenS" => Linearization::FrozenNormalization,
                 _ => panic!("unknown linearization {linearization}"),
             };
-            Discretization {
+            KernelMethodChoices {
                 frame: Frame::Eulerian,
                 support_size,
                 lattice,
@@ -113,7 +115,7 @@ pub fn with_frame(
     }
 }
 
-pub fn method(discretization: Discretization) -> Method<2> {
+pub fn method(discretization: KernelMethodChoices) -> Method<2> {
     Method::new(discretization).expect("an admissible method")
 }
 

@@ -8,7 +8,7 @@ use onset::bloch::dynamical_matrix;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, Method, SupportSize,
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
 };
 use onset::quadrature::{Quadrature, QuadraturePoint};
 use std::f64::consts::{PI, TAU};
@@ -48,7 +48,7 @@ struct Point<const D: usize> {
 }
 
 pub struct Patch<const D: usize> {
-    choices: Discretization,
+    choices: KernelMethodChoices,
     law: Law,
     reference_vectors: SMatrix<f64, D, D>,
     /// Particles in the coordinates of the kernel, at rest.
@@ -91,7 +91,7 @@ fn counter<const D: usize>(index: usize, side: usize) -> SVector<f64, D> {
 }
 
 /// Places in the cell, particles at the origin, and fractions of its volume.
-fn rule(choices: &Discretization, only_up: bool) -> Vec<([f64; 2], f64)> {
+fn rule(choices: &KernelMethodChoices, only_up: bool) -> Vec<([f64; 2], f64)> {
     let equal = |places: &[f64]| -> Vec<([f64; 2], f64)> {
         places
             .iter()
@@ -152,14 +152,14 @@ fn rule(choices: &Discretization, only_up: bool) -> Vec<([f64; 2], f64)> {
 }
 
 impl<const D: usize> Patch<D> {
-    pub fn new(choices: Discretization, law: Law, f: &DeformationGradient) -> Self {
+    pub fn new(choices: KernelMethodChoices, law: Law, f: &DeformationGradient) -> Self {
         Self::with_triangles(choices, law, f, false)
     }
 
     /// As `new`; of the hexagonal stress points, `only_up` keeps those in triangles that point up, with the
     /// volume of both.
     pub fn with_triangles(
-        choices: Discretization,
+        choices: KernelMethodChoices,
         law: Law,
         f: &DeformationGradient,
         only_up: bool,
@@ -711,7 +711,11 @@ fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
 
 /// Asserts that patch and dynamical matrix agree; the tolerance leaves the error of the differences.
 #[track_caller]
-pub fn assert_agrees<const D: usize>(choices: Discretization, law: Law, f: &DeformationGradient) {
+pub fn assert_agrees<const D: usize>(
+    choices: KernelMethodChoices,
+    law: Law,
+    f: &DeformationGradient,
+) {
     let deviation = Patch::<D>::new(choices.clone(), law, f).deviation(f);
     assert!(
         deviation < 2e-9,

@@ -7,15 +7,15 @@ use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::method::{
-    Background, CurrentLattice, Discretization, Frame, Linearization, SupportSize,
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
 };
 use onset::quadrature::Quadrature;
 
 const DIAGONAL: [[f64; 2]; 2] = [[1.15, 0.0], [0.0, 0.9]];
 const SHEARED: [[f64; 2]; 2] = [[1.05, 0.25], [-0.1, 0.92]];
 
-fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> Discretization {
-    Discretization {
+fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         quadrature,
         // No distance in the states of this file is on the rim of the support, where the derivative of
@@ -27,7 +27,7 @@ fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> Discretization 
         },
         frame: Frame::Eulerian,
         linearization: Linearization::Exact,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
@@ -54,7 +54,7 @@ fn every_correction_of_the_weights_agrees() {
         Approximation::Mls,
     ] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 approximation,
                 ..eulerian(Arrangement::Hexagonal, quadrature)
             };
@@ -75,7 +75,7 @@ fn every_support_and_every_arrangement_of_the_particles_agrees() {
                 (Arrangement::Hexagonal, Approximation::Shepard),
                 (Arrangement::Square, Approximation::Raw),
             ] {
-                let choices = Discretization {
+                let choices = KernelMethodChoices {
                     lattice,
                     support_size,
                     approximation,
@@ -95,7 +95,7 @@ fn the_interpolated_background_agrees() {
             (Approximation::Raw, Law::BlatzKo),
         ] {
             for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-                let choices = Discretization {
+                let choices = KernelMethodChoices {
                     lattice,
                     approximation,
                     background: Background::Interpolated,
@@ -136,7 +136,7 @@ fn a_chain_agrees() {
                 SupportSize::Convected,
             ),
         ] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 support: 2.3,
                 approximation,
                 lattice,
@@ -190,7 +190,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
         Approximation::KrongauzBelytschko,
     ] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 approximation,
                 support: if approximation == Approximation::Mls3 {
                     2.6
@@ -206,15 +206,15 @@ fn every_order_and_every_corrected_derivative_agrees() {
 
 #[test]
 fn gauss_points_any_weights_and_points_of_ones_own_agree() {
-    let base = |quadrature| Discretization {
+    let base = |quadrature| KernelMethodChoices {
         approximation: Approximation::KrongauzBelytschko,
         ..eulerian(Arrangement::Square, quadrature)
     };
-    let weighted = Discretization {
+    let weighted = KernelMethodChoices {
         stress_point_weight: Some(0.8),
         ..base(Quadrature::StressPoints)
     };
-    let points = Discretization {
+    let points = KernelMethodChoices {
         points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
         ..base(Quadrature::Points)
     };
@@ -229,7 +229,7 @@ fn corrected_derivatives_agree_when_only_the_point_moves() {
         Approximation::RandlesLibersky,
         Approximation::KrongauzBelytschko,
     ] {
-        let choices = Discretization {
+        let choices = KernelMethodChoices {
             approximation,
             linearization: Linearization::PaperInterpolated,
             ..eulerian(Arrangement::Hexagonal, Quadrature::StressPoints)

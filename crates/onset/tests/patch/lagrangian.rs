@@ -6,7 +6,7 @@ use onset::algebra::eigenvalues;
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
-use onset::method::{Background, Discretization, Frame};
+use onset::method::{Background, Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 
 const DIAGONAL: [[f64; 2]; 2] = [[1.2, 0.0], [0.0, 0.9]];
@@ -17,20 +17,20 @@ fn lagrangian(
     quadrature: Quadrature,
     approximation: Approximation,
     background: Background,
-) -> Discretization {
+) -> KernelMethodChoices {
     let support = if arrangement == Arrangement::Square {
         1.9
     } else {
         1.6
     };
-    Discretization {
+    KernelMethodChoices {
         arrangement,
         quadrature,
         approximation,
         background,
         support,
         frame: Frame::Lagrangian,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
@@ -63,7 +63,7 @@ fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
 
 #[test]
 fn a_stretch_out_of_plane_and_units_of_length_and_mass_are_respected() {
-    let choices = Discretization {
+    let choices = KernelMethodChoices {
         spacing: 0.013,
         density: 1130.0,
         ..lagrangian(
@@ -88,7 +88,7 @@ fn a_chain_agrees() {
             Approximation::Shepard,
             Approximation::Mls,
         ] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 support: 2.3,
                 ..lagrangian(
                     Arrangement::Chain,
@@ -142,22 +142,22 @@ const APPROXIMATIONS: [Approximation; 4] = [
 ];
 
 /// Quadratures beyond particles and stress points with Voronoi volumes.
-fn quadratures(base: &Discretization) -> Vec<Discretization> {
-    let gauss = [1, 2, 3, 4].map(|gauss_points| Discretization {
+fn quadratures(base: &KernelMethodChoices) -> Vec<KernelMethodChoices> {
+    let gauss = [1, 2, 3, 4].map(|gauss_points| KernelMethodChoices {
         quadrature: Quadrature::Gauss,
         gauss_points,
         ..base.clone()
     });
-    let weighted = Discretization {
+    let weighted = KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
         stress_point_weight: Some(0.3),
         ..base.clone()
     };
-    let stabilized = Discretization {
+    let stabilized = KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         ..base.clone()
     };
-    let points = Discretization {
+    let points = KernelMethodChoices {
         quadrature: Quadrature::Points,
         points: match base.arrangement {
             Arrangement::Chain => vec![0.0, 0.4, 0.3, 0.6],
@@ -181,7 +181,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
                 approximation,
                 Background::Interpolated,
             );
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 support: if approximation == Approximation::Mls3 {
                     2.6
                 } else {
@@ -211,7 +211,7 @@ fn every_quadrature_agrees() {
             assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
         }
     }
-    let base = Discretization {
+    let base = KernelMethodChoices {
         support: 2.3,
         ..lagrangian(
             Arrangement::Chain,

@@ -5,19 +5,19 @@ use crate::law::Law;
 use nalgebra::Vector2;
 use onset::approximation::Approximation;
 use onset::lattice::Arrangement;
-use onset::method::{CurrentLattice, Discretization, Frame, Linearization};
+use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization};
 use onset::quadrature::Quadrature;
 
 const SHEARED: [[f64; 2]; 2] = [[1.05, 0.25], [-0.1, 0.92]];
 
-fn choices(linearization: Linearization, quadrature: Quadrature) -> Discretization {
-    Discretization {
+fn choices(linearization: Linearization, quadrature: Quadrature) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement: Arrangement::Hexagonal,
         quadrature,
         support: 1.6,
         frame: Frame::Eulerian,
         linearization,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
@@ -29,7 +29,7 @@ fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
         Approximation::Mls,
     ] {
         for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 approximation,
                 lattice,
                 ..choices(Linearization::Paper, Quadrature::Nodal)
@@ -44,7 +44,7 @@ fn with_interpolated_stress_points_equation_49_agrees() {
     for approximation in [Approximation::Shepard, Approximation::Mls] {
         for quadrature in [Quadrature::StressPoints, Quadrature::StressPointsOnly] {
             for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
-                let choices = Discretization {
+                let choices = KernelMethodChoices {
                     approximation,
                     arrangement,
                     ..choices(Linearization::PaperInterpolated, quadrature)
@@ -64,7 +64,7 @@ fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
         Linearization::FrozenNormalization,
     ] {
         for approximation in [Approximation::Shepard, Approximation::Mls] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 approximation,
                 ..choices(linearization, Quadrature::StressPoints)
             };
@@ -121,7 +121,7 @@ fn quadrature_without_an_inversion_center_agrees_in_both_frames() {
     let f = state(SHEARED, 1.0);
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for linearization in [Linearization::Exact, Linearization::PaperInterpolated] {
-            let choices = Discretization {
+            let choices = KernelMethodChoices {
                 frame,
                 ..choices(linearization, Quadrature::StressPointsOnly)
             };

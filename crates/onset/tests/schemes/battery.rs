@@ -6,12 +6,12 @@ use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Particle;
 use onset::material::Hyperelastic;
-use onset::scheme::{PeriodicPatch, Scheme};
+use onset::scheme::{Discretization, PeriodicPatch};
 
 /// Checks a scheme at a state: derivatives of the forces of a patch against the stiffness, and what a translation does.
 #[track_caller]
 pub fn assert_scheme<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) {
@@ -23,7 +23,7 @@ pub fn assert_scheme<const D: usize>(
 /// A patch of particles is displaced by plane waves that fit into it; central differences of its forces are compared with `K(k)`.
 #[track_caller]
 pub fn assert_waves_are_those_of_a_patch<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) {
@@ -85,7 +85,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
 /// A rigid translation costs no force, and the sum of all forces is zero.
 #[track_caller]
 pub fn assert_translations_are_free<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) {
@@ -111,7 +111,7 @@ pub fn assert_translations_are_free<const D: usize>(
 /// No particle of the homogeneous state feels a force.
 #[track_caller]
 pub fn assert_equilibrium<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
 ) {
@@ -131,7 +131,7 @@ pub fn assert_equilibrium<const D: usize>(
 /// The acoustic tensor of long waves is that of the material, per density, to a relative tolerance.
 #[track_caller]
 pub fn assert_long_waves_are_those_of_the_material<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     tolerance: f64,

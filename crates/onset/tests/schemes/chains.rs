@@ -4,18 +4,18 @@ use crate::states::saint_venant_kirchhoff;
 use nalgebra::SVector;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
-use onset::method::{Discretization, Method};
+use onset::method::{KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use std::f64::consts::PI;
 
 /// `omega^2` of the wave with alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
 fn alternating(quadrature: Quadrature, support: f64) -> f64 {
-    let method = Method::<1>::new(Discretization {
+    let method = Method::<1>::new(KernelMethodChoices {
         arrangement: Arrangement::Chain,
         quadrature,
         support,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     })
     .expect("a method");
     // lambda + 2 mu = 1.

@@ -5,10 +5,10 @@ use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{BlatzKo, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Frame, Linearization, Method, MethodError};
+use onset::method::{Frame, KernelMethodChoices, Linearization, Method, MethodError};
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
-use onset::verdict::{SchemeSurvey, assess};
+use onset::scheme::Discretization;
+use onset::verdict::{Survey, assess};
 
 fn state(stretches: [f64; 3]) -> DeformationGradient {
     DeformationGradient::from_stretches(stretches).expect("a state")
@@ -19,12 +19,12 @@ fn the_dynamical_matrix_is_the_derivative_of_the_forces_of_a_patch() {
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
             for approximation in [Approximation::Shepard, Approximation::Mls] {
-                let method = Method::<2>::new(Discretization {
+                let method = Method::<2>::new(KernelMethodChoices {
                     frame,
                     quadrature,
                     approximation,
                     support: 1.9,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 })
                 .expect("a method");
                 assert_scheme(
@@ -39,10 +39,10 @@ fn the_dynamical_matrix_is_the_derivative_of_the_forces_of_a_patch() {
 
 #[test]
 fn natural_stabilization_has_forces_too() {
-    let method = Method::<2>::new(Discretization {
+    let method = Method::<2>::new(KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         arrangement: Arrangement::Square,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     })
     .expect("a method");
     assert_scheme(&method, &BlatzKo::default(), &state([1.1, 0.95, 1.0]));
@@ -51,11 +51,11 @@ fn natural_stabilization_has_forces_too() {
 #[test]
 fn chains_are_schemes_in_one_dimension() {
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
-        let method = Method::<1>::new(Discretization {
+        let method = Method::<1>::new(KernelMethodChoices {
             arrangement: Arrangement::Chain,
             approximation: Approximation::Mls,
             frame,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         })
         .expect("a method");
         let material = ModifiedMooneyRivlin::default();
@@ -72,13 +72,13 @@ fn a_survey_of_a_scheme_says_what_the_assessment_of_the_method_says() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
-            let method = Method::<2>::new(Discretization {
+            let method = Method::<2>::new(KernelMethodChoices {
                 frame,
                 quadrature,
-                ..Discretization::default()
+                ..KernelMethodChoices::default()
             })
             .expect("a method");
-            let survey = SchemeSurvey::new(&method, &material).expect("a survey");
+            let survey = Survey::new(&method, &material).expect("a survey");
             for stretches in [[1.1, 1.05, 1.0], [0.85, 0.9, 1.0], [1.6, 1.5, 1.0]] {
                 let f = state(stretches);
                 let surveyed = survey.state(&f).expect("a state");
@@ -96,10 +96,10 @@ fn a_survey_of_a_scheme_says_what_the_assessment_of_the_method_says() {
 
 #[test]
 fn what_is_no_derivative_of_forces_has_none() {
-    let method = Method::<2>::new(Discretization {
+    let method = Method::<2>::new(KernelMethodChoices {
         frame: Frame::Eulerian,
         linearization: Linearization::Paper,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     })
     .expect("a method");
     let error = method.waves(&ModifiedMooneyRivlin::default(), &state([1.1, 1.0, 1.0]));

@@ -13,7 +13,7 @@ use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
-use onset::scheme::{LagrangianPoint, Scheme};
+use onset::scheme::{Discretization, LagrangianPoint};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

@@ -12,7 +12,7 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, FiniteElements, Formulation, HourglassScale,
     Integration, Mesh,

@@ -10,7 +10,7 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
     HourglassScale, Integration, Mesh, MeshError,

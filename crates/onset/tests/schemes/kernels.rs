@@ -12,9 +12,9 @@ use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal};
 use onset::material::ModifiedMooneyRivlin;
-use onset::method::{Discretization, Frame, Method, SupportSize};
+use onset::method::{Frame, KernelMethodChoices, Method, SupportSize};
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 
 fn lattice<const D: usize>(arrangement: Arrangement) -> BravaisLattice<D> {
@@ -35,7 +35,7 @@ fn nodal<const D: usize>(crystal: Crystal<D>, choices: KernelChoices) -> KernelS
 
 /// The scheme of a method, on the crystal of its lattice.
 fn scheme_of<const D: usize>(method: &Method<D>) -> KernelScheme<D> {
-    let discretization = method.discretization();
+    let discretization = method.choices();
     let points = method.quadrature_points().iter();
     let points = points.map(|point| (point.place, point.volume)).collect();
     let choices = KernelChoices {
@@ -51,7 +51,7 @@ fn scheme_of<const D: usize>(method: &Method<D>) -> KernelScheme<D> {
 }
 
 #[track_caller]
-fn assert_same_waves<const D: usize>(discretization: Discretization, f: &DeformationGradient) {
+fn assert_same_waves<const D: usize>(discretization: KernelMethodChoices, f: &DeformationGradient) {
     let material = ModifiedMooneyRivlin::default();
     let method = Method::<D>::new(discretization.clone()).expect("a method");
     let closed = dynamical_matrix(&method, &material, f).expect("a state");
@@ -69,7 +69,7 @@ fn assert_same_waves<const D: usize>(discretization: Discretization, f: &Deforma
     }
 }
 
-fn discretizations(arrangement: Arrangement) -> Vec<Discretization> {
+fn discretizations(arrangement: Arrangement) -> Vec<KernelMethodChoices> {
     let mut all = Vec::new();
     for approximation in Approximation::ALL {
         for quadrature in [
@@ -84,7 +84,7 @@ fn discretizations(arrangement: Arrangement) -> Vec<Discretization> {
                 (Frame::Eulerian, SupportSize::Convected),
             ];
             for (frame, support_size) in layouts {
-                all.push(Discretization {
+                all.push(KernelMethodChoices {
                     arrangement,
                     support: if approximation.degree() > Some(1) {
                         3.4
@@ -96,7 +96,7 @@ fn discretizations(arrangement: Arrangement) -> Vec<Discretization> {
                     quadrature,
                     frame,
                     support_size,
-                    ..Discretization::default()
+                    ..KernelMethodChoices::default()
                 });
             }
         }
@@ -122,11 +122,11 @@ fn on_bravais_lattices_dual_numbers_and_closed_forms_give_the_same_waves() {
 #[test]
 fn and_so_they_do_for_every_kernel() {
     for kernel in Kernel::ALL {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             kernel,
             support: 2.3,
             frame: Frame::Eulerian,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         assert_same_waves::<2>(discretization, &plane([[1.15, 0.2], [-0.1, 0.9]]));
     }
@@ -193,7 +193,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
 
 /// Eigenvalues at all wave vectors of the primitive cell that a supercell folds onto one.
 fn folded<const D: usize>(
-    scheme: &dyn Scheme<D>,
+    scheme: &dyn Discretization<D>,
     f: &DeformationGradient,
     k: &SVector<f64, D>,
 ) -> Vec<f64> {
@@ -329,13 +329,13 @@ fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
     let sheared = [[1.1, 0.12, -0.05], [0.04, 0.93, 0.08], [0.07, -0.03, 1.06]];
     let sheared = DeformationGradient::new(sheared).expect("a deformation");
     for approximation in [Approximation::Shepard, Approximation::Mls] {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement: Arrangement::FaceCenteredCubic,
             support: 1.6,
             approximation,
             quadrature: Quadrature::Nodal,
             frame: Frame::Eulerian,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         assert_same_waves::<3>(discretization, &sheared);
     }

@@ -9,7 +9,8 @@ use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, MethodError};
 use onset::scheme::{
-    Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout, Scheme,
+    Discretization, Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints,
+    PointLayout,
 };
 use std::f64::consts::PI;
 

@@ -9,8 +9,8 @@ use onset::lattice::{Arrangement, BravaisLattice, Crystal};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::scheme::{
-    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices, Scheme,
-    ZeroEnergyControl,
+    BondModel, Calibration, Discretization, Influence, PartialVolumes, Peridynamics,
+    PeridynamicsChoices, ZeroEnergyControl,
 };
 use std::f64::consts::PI;
 

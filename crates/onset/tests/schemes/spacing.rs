@@ -6,13 +6,13 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::dispersion_errors;
-use onset::method::Discretization;
+use onset::method::KernelMethodChoices;
 use onset::scheme::element::ElementMesh;
 use onset::scheme::{
-    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices, Scheme,
-    ZeroEnergyControl,
+    BondModel, Calibration, Discretization, Influence, PartialVolumes, Peridynamics,
+    PeridynamicsChoices, ZeroEnergyControl,
 };
-use onset::verdict::SchemeSurvey;
+use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
 fn family(horizon: f64) -> PeridynamicsChoices {
@@ -25,7 +25,7 @@ fn family(horizon: f64) -> PeridynamicsChoices {
     }
 }
 
-fn crystal<const D: usize>(discretization: &Discretization) -> Crystal<D> {
+fn crystal<const D: usize>(discretization: &KernelMethodChoices) -> Crystal<D> {
     discretization.crystal().expect("a crystal")
 }
 
@@ -50,26 +50,26 @@ fn counted<const D: usize>(crystal: &Crystal<D>, distance: f64) -> f64 {
     (0..sites).map(near).sum::<usize>() as f64 / sites as f64
 }
 
-fn disordered(cells: u32, amplitude: f64, seed: u32) -> Discretization {
-    Discretization {
+fn disordered(cells: u32, amplitude: f64, seed: u32) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement: Arrangement::Square,
         cells,
         perturbation: amplitude,
         seed,
         spacing: 0.7,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 
 #[test]
 fn the_spacing_of_every_arrangement_is_the_distance_of_its_neighbors() {
     fn checked<const D: usize>(arrangement: Arrangement, spacing: f64) {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement,
             spacing,
             vectors: vec![1.0, 0.1, 0.0, -0.2, 1.3, 0.1, 0.3, 0.2, 1.1][..D * D].to_vec(),
             aspect: 0.6,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let crystal = crystal::<D>(&discretization);
         let nearest = crystal.nearest_distance();
@@ -149,11 +149,11 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
         let from = place - first;
         [from[0], from[1]]
     });
-    let told = crystal::<2>(&Discretization {
+    let told = crystal::<2>(&KernelMethodChoices {
         arrangement: Arrangement::Square,
         spacing: 2.1,
         basis: basis.collect(),
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     });
     assert!((told.spacing() - 0.7).abs() < 1e-12, "{}", told.spacing());
     let size = |crystal| {
@@ -163,22 +163,22 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     };
     assert_eq!(size(told), size(moved));
     // Of square and cubic cells it is the root of the volume of a particle.
-    let centered = crystal::<3>(&Discretization {
+    let centered = crystal::<3>(&KernelMethodChoices {
         arrangement: Arrangement::SimpleCubic,
         basis: vec![0.45, 0.5, 0.52],
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     });
     assert!((centered.spacing() - 0.5_f64.cbrt()).abs() < 1e-12);
 }
 
 #[test]
 fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
-    let chain = crystal::<1>(&Discretization {
+    let chain = crystal::<1>(&KernelMethodChoices {
         arrangement: Arrangement::Chain,
         cells: 5,
         perturbation: 0.2,
         spacing: 0.7,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     });
     assert!(chain.nearest_distance() < 0.6);
     // Bonds have no modes without energy, whose branches would lie below.
@@ -190,7 +190,7 @@ fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
     };
     let scheme = Peridynamics::new(chain, choices).expect("a scheme");
     let material = ModifiedMooneyRivlin::default();
-    let survey = SchemeSurvey::new(&scheme, &material).expect("a survey");
+    let survey = Survey::new(&scheme, &material).expect("a survey");
     let [found] = dispersion_errors(&survey, &[12.0]).expect("errors")[..] else {
         panic!("one wavelength");
     };

@@ -12,9 +12,9 @@ use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Method, MethodError, SupportSize};
+use onset::method::{KernelMethodChoices, Method, MethodError, SupportSize};
 use onset::quadrature::Quadrature;
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{
     DensityEvolution, MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph,
@@ -54,7 +54,10 @@ pub fn updated<const D: usize>(crystal: Crystal<D>, choices: UpdatedSphChoices) 
     UpdatedSph::new(crystal, choices).expect("a scheme")
 }
 
-pub fn waves<const D: usize>(scheme: &dyn Scheme<D>, f: &DeformationGradient) -> WaveSystem<D> {
+pub fn waves<const D: usize>(
+    scheme: &dyn Discretization<D>,
+    f: &DeformationGradient,
+) -> WaveSystem<D> {
     scheme
         .waves(&ModifiedMooneyRivlin::default(), f)
         .expect("a state")
@@ -176,12 +179,12 @@ fn assert_same<const D: usize>(
 #[test]
 fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels() {
     for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        let discretization = Discretization {
+        let discretization = KernelMethodChoices {
             arrangement,
             approximation: Approximation::Raw,
             quadrature: Quadrature::Nodal,
             support: 2.3,
-            ..Discretization::default()
+            ..KernelMethodChoices::default()
         };
         let method = Method::<2>::new(discretization).expect("a method");
         let material = ModifiedMooneyRivlin::default();
@@ -267,7 +270,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
         let density = 1.3 / stretch;
         let curvatures = [1.0, 3.0].map(|n| curvature(kernel, radius, n * stretch));
         let expected = -8.0 * stress * stretch / density * curvatures.iter().sum::<f64>();
-        let at_the_end = |scheme: &dyn Scheme<1>| {
+        let at_the_end = |scheme: &dyn Discretization<1>| {
             waves(scheme, &f).omega_squared(&SVector::from_element(PI))[0].re
         };
         for density_evolution in DENSITIES {

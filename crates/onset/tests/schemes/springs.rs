@@ -10,7 +10,7 @@ use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::real::Real;
 use onset::scheme::{
-    Interaction, Motion, PeriodicPatch, Scheme, SeenForm, StrainOperator, linearized,
+    Discretization, Interaction, Motion, PeriodicPatch, SeenForm, StrainOperator, linearized,
     lumped_masses, patch_forces,
 };
 use std::f64::consts::PI;
@@ -69,7 +69,7 @@ impl Chain {
     }
 }
 
-impl Scheme<1> for Chain {
+impl Discretization<1> for Chain {
     fn crystal(&self) -> &Crystal<1> {
         &self.crystal
     }

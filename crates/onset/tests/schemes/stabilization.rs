@@ -9,7 +9,7 @@ use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Arrangement, BravaisLattice, Crystal};
 use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
-use onset::scheme::Scheme;
+use onset::scheme::Discretization;
 use onset::scheme::sph::{
     MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
 };

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use onset::bloch::dynamical_matrix;
 use onset::lattice::Arrangement;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Frame, Method};
+use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 
 /// Half step of the differentiation; the five-point formula is exact to its fourth power.
@@ -32,9 +32,9 @@ fn weight(relative: &Vector3<f64>, radius: f64) -> Option<(f64, Vector3<f64>)> {
 }
 
 impl Body {
-    fn new(discretization: Discretization, f: Matrix3<f64>) -> Self {
+    fn new(discretization: KernelMethodChoices, f: Matrix3<f64>) -> Self {
         let method = Method::<3>::new(discretization).expect("a method");
-        let home = match method.discretization().frame {
+        let home = match method.choices().frame {
             Frame::Eulerian => f,
             Frame::Lagrangian => Matrix3::identity(),
         };
@@ -71,7 +71,7 @@ impl Body {
     /// The force on the particle at the origin when the particles are displaced by a wave `u(X)`.
     fn force(&self, wave: &dyn Fn(&Vector3<f64>) -> Vector3<f64>) -> Vector3<f64> {
         let law = ModifiedMooneyRivlin::default();
-        let eulerian = self.method.discretization().frame == Frame::Eulerian;
+        let eulerian = self.method.choices().frame == Frame::Eulerian;
         let u: Vec<Vector3<f64>> = self.particles.iter().map(|(_, x)| wave(x)).collect();
         let still = vec![Vector3::zeros(); u.len()];
         let vectors = self.method.lattice().vectors();
@@ -134,7 +134,7 @@ impl Body {
 }
 
 #[track_caller]
-fn assert_agrees(discretization: Discretization, f: Matrix3<f64>, k: Vector3<f64>) {
+fn assert_agrees(discretization: KernelMethodChoices, f: Matrix3<f64>, k: Vector3<f64>) {
     let body = Body::new(discretization.clone(), f);
     let law = ModifiedMooneyRivlin::default();
     let d = dynamical_matrix(&body.method, &law, &state(&f))
@@ -184,7 +184,7 @@ fn so_they_are_with_stress_points_in_the_holes() {
     ] {
         let choices = discretization(arrangement, frame, Quadrature::StressPoints);
         assert_agrees(
-            Discretization {
+            KernelMethodChoices {
                 support: 1.3,
                 ..choices
             },

@@ -8,12 +8,12 @@ use onset::bloch::dynamical_matrix;
 use onset::continuum::Stiffness;
 use onset::lattice::Arrangement;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Frame, Method};
+use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 use onset::verdict::assess;
 use proptest::prelude::*;
 
-fn any() -> impl Strategy<Value = Discretization> {
+fn any() -> impl Strategy<Value = KernelMethodChoices> {
     (
         prop::sample::select(CUBIC.to_vec()),
         prop::sample::select(vec![Frame::Lagrangian, Frame::Eulerian]),
@@ -23,8 +23,11 @@ fn any() -> impl Strategy<Value = Discretization> {
 }
 
 /// The same lattice by other primitive vectors, given freely.
-fn with_vectors(discretization: &Discretization, vectors: &Matrix3<f64>) -> Discretization {
-    Discretization {
+fn with_vectors(
+    discretization: &KernelMethodChoices,
+    vectors: &Matrix3<f64>,
+) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement: Arrangement::Triclinic,
         vectors: vectors.iter().copied().collect(),
         ..discretization.clone()
@@ -66,7 +69,7 @@ proptest! {
     ) {
         let law = ModifiedMooneyRivlin::default();
         let choices = discretization(arrangement, Frame::Lagrangian, Quadrature::Nodal);
-        let method = Method::<3>::new(Discretization { approximation: Approximation::Mls, ..choices });
+        let method = Method::<3>::new(KernelMethodChoices { approximation: Approximation::Mls, ..choices });
         let d = dynamical_matrix(&method.expect("a method"), &law, &state(&f)).expect("finite");
         let material = Stiffness::<3>::of(&law.response(&state(&f)).expect("finite"));
         let (q, expected) = (d.long_wave_stiffness().acoustic_tensor(&n), material.acoustic_tensor(&n));
@@ -82,7 +85,7 @@ proptest! {
         let law = ModifiedMooneyRivlin::default();
         let f = state(&Matrix3::from_diagonal(&Vector3::from(stretches)));
         let choices = discretization(arrangement, Frame::Lagrangian, quadrature);
-        let choices = Discretization { approximation: Approximation::Mls, support: 1.7, ..choices };
+        let choices = KernelMethodChoices { approximation: Approximation::Mls, support: 1.7, ..choices };
         let method = Method::<3>::new(choices).expect("a method");
         let d = dynamical_matrix(&method, &law, &f).expect("finite");
         prop_assert!(d.is_centrosymmetric() && d.is_hermitian());

@@ -7,7 +7,7 @@ mod search;
 use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
-use onset::method::{Discretization, Frame};
+use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence};
@@ -36,13 +36,13 @@ fn discretization(
     arrangement: Arrangement,
     frame: Frame,
     quadrature: Quadrature,
-) -> Discretization {
-    Discretization {
+) -> KernelMethodChoices {
+    KernelMethodChoices {
         arrangement,
         frame,
         quadrature,
         support: 1.65,
-        ..Discretization::default()
+        ..KernelMethodChoices::default()
     }
 }
 

@@ -2,13 +2,13 @@
 
 use crate::{CUBIC, config, deformation, discretization, state};
 use nalgebra::{Matrix3, Vector3};
-use onset::bloch::{Stability, dynamical_matrix, growth_rate};
+use onset::bloch::{Stability, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Arrangement;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{Discretization, Frame, Linearization, Method};
+use onset::method::{Frame, KernelMethodChoices, Linearization, Method};
 use onset::quadrature::{Quadrature, QuadraturePoint};
-use onset::verdict::{speed_squared, zone_search};
+use onset::verdict::speed_squared;
 use proptest::prelude::*;
 
 /// What a dense grid sees.
@@ -51,10 +51,19 @@ fn sampled(
     seen
 }
 
+fn search_of(
+    method: &Method<3>,
+    law: &ModifiedMooneyRivlin,
+    f: &DeformationGradient,
+) -> ZoneSearch<3> {
+    let speed_squared = speed_squared(method, law).expect("a scale");
+    ZoneSearch::new(method, f, speed_squared).expect("finite")
+}
+
 fn compared(method: &Method<3>, f: &DeformationGradient) -> Result<(), TestCaseError> {
     let law = ModifiedMooneyRivlin::default();
     let d = dynamical_matrix(method, &law, f).expect("finite");
-    let search = zone_search(method, &law, f).expect("finite");
+    let search = search_of(method, &law, f);
     let summary = search.summary(&d);
     let seen = sampled(method, &law, f, 18);
     prop_assert!(
@@ -117,7 +126,7 @@ proptest! {
 #[test]
 fn flutter_in_space_is_found_and_its_mode_grows_as_it_says() {
     // Two branches that meet: an Eulerian kernel whose normalization is held fixed has no potential at all.
-    let choices = Discretization {
+    let choices = KernelMethodChoices {
         linearization: Linearization::Paper,
         ..discretization(
             Arrangement::FaceCenteredCubic,
@@ -142,7 +151,7 @@ fn flutter_in_space_is_found_and_its_mode_grows_as_it_says() {
         ));
         let seen = sampled(&method, &law, &f, 24);
         let d = dynamical_matrix(&method, &law, &f).expect("finite");
-        let summary = zone_search(&method, &law, &f).expect("finite").summary(&d);
+        let summary = search_of(&method, &law, &f).summary(&d);
         assert!(summary.growth_rate() >= seen.growth * (1.0 - 1e-6));
         fluttering += usize::from(summary.flutters || summary.stability() == Stability::Flutter);
     }

@@ -4,7 +4,8 @@ use super::super::{
     Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
 };
 use super::Study;
-use crate::methods::Discretized;
+use crate::methods::method;
+use onset::analysis::check_method;
 use onset::kinematics::KinematicsError;
 use onset::lattice::LatticeError;
 use onset::material::MaterialError;
@@ -285,9 +286,5 @@ fn built(settings: &Settings) -> Result<(), MethodError> {
     if !settings.material.is_library() {
         settings.material.build()?;
     }
-    match settings.dimension() {
-        1 => Discretized::<1>::new(settings).map(drop),
-        2 => Discretized::<2>::new(settings).map(drop),
-        _ => Discretized::<3>::new(settings).map(drop),
-    }
+    check_method(&method(settings))
 }

@@ -103,7 +103,7 @@ impl<const D: usize> GradientMoments<D> {
     /// # Errors
     /// [`MethodError`] when the method cannot be evaluated.
     pub fn new(method: &Method<D>, speed_squared: f64) -> Result<Option<Self>, MethodError> {
-        let discretization = method.discretization();
+        let discretization = method.choices();
         if D != 2
             || discretization.frame != Frame::Lagrangian
             || discretization.background != Background::Imposed

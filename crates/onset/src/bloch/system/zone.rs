@@ -24,9 +24,9 @@ const POINTS_PER_PERIOD: usize = 10;
 const ROUNDING: f64 = 16.0;
 /// The same for the limit of long waves, where the forces of particles that relax cancel others.
 const RELAXED: f64 = 1024.0;
-/// What is not told from the largest and the smallest frequency, over the scale of frequencies, and the part of the work for a bound that
+/// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
 /// is done for them.
-const FREQUENCY_GAP: f64 = 4e-7;
+const FREQUENCY_GAP: f64 = 1e-6;
 const FREQUENCY_SHARE: usize = 4;
 /// Differences of a bound from the smallest value, over the scale, from which the smallest value is searched too.
 const LOOSE: f64 = 1e-3;

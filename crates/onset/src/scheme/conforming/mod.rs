@@ -10,7 +10,7 @@ mod gauss;
 mod region;
 
 use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
-use super::{PeriodicPatch, Scheme, StrainOperator, linearized, lumped_masses};
+use super::{Discretization, PeriodicPatch, StrainOperator, linearized, lumped_masses};
 use crate::approximation::{Approximation, Order};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -92,7 +92,7 @@ impl Default for ConformingChoices {
 /// use onset::kinematics::DeformationGradient;
 /// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::Scheme;
+/// use onset::scheme::Discretization;
 /// use onset::scheme::conforming::{ConformingChoices, ConformingIntegration};
 /// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
 /// let scheme = ConformingIntegration::new(chain, &ConformingChoices::default())?;
@@ -160,7 +160,7 @@ impl<const D: usize> ConformingIntegration<D> {
     }
 }
 
-impl<const D: usize> Scheme<D> for ConformingIntegration<D> {
+impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

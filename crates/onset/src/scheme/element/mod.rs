@@ -14,7 +14,7 @@ pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
 use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
-use super::{Forced, PeriodicPatch, Scheme, StrainOperator};
+use super::{Discretization, Forced, PeriodicPatch, StrainOperator};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -144,7 +144,7 @@ impl Default for ElementChoices {
 /// use nalgebra::Vector1;
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::Law;
-/// use onset::scheme::Scheme;
+/// use onset::scheme::Discretization;
 /// use onset::scheme::element::{ElementChoices, ElementMesh, FiniteElements};
 /// // Bars with lumped masses: at most omega = 2 c / h, here with lambda + 2 mu = 3.
 /// let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
@@ -270,7 +270,7 @@ impl<const D: usize> FiniteElements<D> {
     }
 }
 
-impl<const D: usize> Scheme<D> for FiniteElements<D> {
+impl<const D: usize> Discretization<D> for FiniteElements<D> {
     fn crystal(&self) -> &Crystal<D> {
         self.mesh.crystal()
     }

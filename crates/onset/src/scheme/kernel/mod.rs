@@ -11,7 +11,7 @@ mod shape;
 use super::lagrangian::{LagrangianPoint, Stressed, forces_at_rest, strains, stressed};
 use super::layout::{Layout, assert_planar, assert_positive};
 use super::{
-    Interaction, Motion, PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized,
+    Discretization, Interaction, Motion, PeriodicPatch, PointResponse, StrainOperator, linearized,
     lumped_masses,
 };
 use crate::approximation::Approximation;
@@ -80,7 +80,7 @@ pub enum CrystalQuadrature<const D: usize> {
 /// use onset::kinematics::DeformationGradient;
 /// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::{Scheme, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
+/// use onset::scheme::{Discretization, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
 /// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
 /// let choices = KernelChoices { radius: 2.5, ..KernelChoices::default() };
 /// let scheme = KernelScheme::new(honeycomb, CrystalQuadrature::Nodal, choices)?;
@@ -281,7 +281,7 @@ impl<const D: usize> Interaction<D> for KernelPoint<'_, D> {
     }
 }
 
-impl<const D: usize> Scheme<D> for KernelScheme<D> {
+impl<const D: usize> Discretization<D> for KernelScheme<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

@@ -10,7 +10,7 @@ mod step;
 
 pub use functions::GridFunctions;
 
-use super::{Forced, PeriodicPatch, Scheme, StrainOperator, patch_forces};
+use super::{Discretization, Forced, PeriodicPatch, StrainOperator, patch_forces};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
@@ -131,12 +131,12 @@ impl Default for MaterialPointChoices {
     }
 }
 
-/// A material point method on its grid. Its [`Scheme::crystal`] is that of the unknowns: the nodes, or the points.
+/// A material point method on its grid. Its [`Discretization::crystal`] is that of the unknowns: the nodes, or the points.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::{MaterialPointChoices, MaterialPoints, Scheme};
+/// use onset::scheme::{MaterialPointChoices, MaterialPoints, Discretization};
 /// use nalgebra::Vector2;
 /// let points = MaterialPoints::<2>::new(MaterialPointChoices::default())?;
 /// let waves = points.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
@@ -357,7 +357,7 @@ fn laid_out<const D: usize>(
     Ok(points)
 }
 
-impl<const D: usize> Scheme<D> for MaterialPoints<D> {
+impl<const D: usize> Discretization<D> for MaterialPoints<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

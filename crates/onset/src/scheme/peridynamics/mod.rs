@@ -9,7 +9,7 @@ mod correspondence;
 mod family;
 
 use super::lagrangian::forces_at_rest;
-use super::{PeriodicPatch, Scheme, SeenForm, StrainOperator, linearized, lumped_masses};
+use super::{Discretization, PeriodicPatch, SeenForm, StrainOperator, linearized, lumped_masses};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Crystal;
@@ -199,7 +199,7 @@ impl Default for PeridynamicsChoices {
 /// use onset::kinematics::DeformationGradient;
 /// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::{Peridynamics, PeridynamicsChoices, Scheme};
+/// use onset::scheme::{Peridynamics, PeridynamicsChoices, Discretization};
 /// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0)?);
 /// let body = Peridynamics::new(square, PeridynamicsChoices::default())?;
 /// assert_eq!(body.neighbors(), 29.0);
@@ -358,7 +358,7 @@ fn trace<const D: usize>(material: &dyn Hyperelastic) -> Result<f64, MaterialErr
     Ok(entries.map(|entry| tangent[entry]).sum())
 }
 
-impl<const D: usize> Scheme<D> for Peridynamics<D> {
+impl<const D: usize> Discretization<D> for Peridynamics<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

@@ -7,7 +7,7 @@ use super::super::stabilization::{
     assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
-    PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
+    Discretization, PeriodicPatch, PointResponse, StrainOperator, linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -69,7 +69,7 @@ impl Default for TotalLagrangianChoices {
 /// use onset::kinematics::DeformationGradient;
 /// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::{Scheme, sph::{TotalLagrangianChoices, TotalLagrangianSph}};
+/// use onset::scheme::{Discretization, sph::{TotalLagrangianChoices, TotalLagrangianSph}};
 /// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0)?);
 /// let sph = TotalLagrangianSph::new(square, TotalLagrangianChoices::default())?;
 /// let waves = sph.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
@@ -203,7 +203,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
     }
 }
 
-impl<const D: usize> Scheme<D> for TotalLagrangianSph<D> {
+impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

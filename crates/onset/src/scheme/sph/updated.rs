@@ -7,7 +7,7 @@ use super::super::stabilization::{
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
-    PeriodicPatch, PointResponse, Scheme, StrainOperator, linearized, lumped_masses,
+    Discretization, PeriodicPatch, PointResponse, StrainOperator, linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -116,7 +116,7 @@ impl Default for UpdatedSphChoices {
 /// use onset::kinematics::DeformationGradient;
 /// use onset::lattice::{Arrangement, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
-/// use onset::scheme::{Scheme, sph::{UpdatedSph, UpdatedSphChoices}};
+/// use onset::scheme::{Discretization, sph::{UpdatedSph, UpdatedSphChoices}};
 /// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
 /// let sph = UpdatedSph::new(chain, UpdatedSphChoices { radius: 1.5, ..UpdatedSphChoices::default() })?;
 /// // Beyond the inflection of the kernel tension is unstable.
@@ -381,7 +381,7 @@ impl<const D: usize> UpdatedSph<D> {
 /// Principal stresses below this fraction of the stiffness are rounding.
 const TENSIONLESS: f64 = 1e-12;
 
-impl<const D: usize> Scheme<D> for UpdatedSph<D> {
+impl<const D: usize> Discretization<D> for UpdatedSph<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

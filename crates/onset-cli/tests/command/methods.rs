@@ -1,0 +1,198 @@
+//! Every command for every method of `comparisons/methods-*.toml`: what they answer, they answer for all of them.
+
+use super::{fresh_place, onset};
+use serde_json::Value;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The comparisons, by the number of dimensions less one.
+const COMPARISONS: [&str; 3] = [
+    include_str!("../../../../comparisons/methods-1d.toml"),
+    include_str!("../../../../comparisons/methods-2d.toml"),
+    include_str!("../../../../comparisons/methods-3d.toml"),
+];
+
+/// What is asked, beginning with the name of the command; `STUDY`, `STORE` and `OUT` stand for files, `F`, `FROM`, `TO` and `K` for
+/// stretches and a wave vector of as many dimensions as the method has.
+const COMMANDS: [&str; 9] = [
+    "state STUDY --stretch F --json",
+    "state STUDY --stretch F --certify --json",
+    "dispersion STUDY --stretch F --wave-vector K --json",
+    "path STUDY --from FROM --to TO --json",
+    "modes STUDY --cells 3 --out OUT --json",
+    "map STUDY --out STORE --json",
+    "plot STORE --out OUT/traced.svg",
+    "plot STORE --no-trace --out OUT/cells.svg",
+    "boundary STUDY --out OUT --json",
+];
+
+/// A method, and the comparison in which it stands.
+struct Method {
+    name: String,
+    dimension: usize,
+    /// The keys of `[discretization]`.
+    keys: Vec<(String, String)>,
+}
+
+/// The methods of a comparison, each with the keys that all have in common.
+fn methods(dimension: usize, text: &str) -> Vec<Method> {
+    let (mut section, mut common, mut methods) = (String::new(), Vec::new(), Vec::<Method>::new());
+    for line in text.lines().map(str::trim) {
+        if line.starts_with('[') {
+            section = line.trim_matches(['[', ']']).to_owned();
+            if section == "methods" {
+                methods.push(Method {
+                    name: String::new(),
+                    dimension,
+                    keys: Vec::clone(&common),
+                });
+            }
+            continue;
+        }
+        let Some((key, value)) = line.split_once(" = ").filter(|_| !line.starts_with('#')) else {
+            continue;
+        };
+        let entry = (key.to_owned(), value.to_owned());
+        match (section.as_str(), methods.last_mut()) {
+            ("discretization", _) => common.push(entry),
+            ("methods", Some(method)) if key == "name" => method.name = value.to_owned(),
+            ("methods", Some(method)) => {
+                method.keys.retain(|(own, _)| own != key);
+                method.keys.push(entry);
+            }
+            _ => {}
+        }
+    }
+    methods
+}
+
+impl Method {
+    /// The value of a key.
+    fn value(&self, key: &str) -> &str {
+        let mut own = self.keys.iter().filter(|(name, _)| name == key);
+        own.next().map_or("", |(_, value)| value.trim_matches('"'))
+    }
+
+    /// Whether the method reads a key that those of its comparison have in common.
+    fn reads(&self, key: &str) -> bool {
+        match self.value("method") {
+            "finite-elements" => !matches!(key, "arrangement" | "support"),
+            "peridynamics" | "material-points" => key != "support",
+            _ => true,
+        }
+    }
+
+    /// A study of few states.
+    fn study(&self) -> String {
+        let keys = self.keys.iter().filter(|(key, _)| self.reads(key));
+        let lines = keys.map(|(key, value)| format!("{key} = {value}\n"));
+        let axis = |n: usize| {
+            format!("[[axes]]\nquantity = \"stretch-{n}\"\nrange = [0.97, 1.03]\nstates = 2\n")
+        };
+        format!(
+            "[discretization]\n{}{}{}[map]\ncertify = true\n",
+            lines.collect::<String>(),
+            axis(1),
+            axis(2)
+        )
+    }
+
+    /// Asks everything; what was not answered.
+    fn asked(&self) -> Vec<String> {
+        let folder = fresh_place("methods");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let study = folder.join("study.toml");
+        std::fs::write(&study, self.study()).expect("a file");
+        let numbers = |all: [&str; 3]| all[..self.dimension].join(",");
+        let words = [
+            ("STUDY", study.display().to_string()),
+            ("STORE", folder.join("map.zarr").display().to_string()),
+            ("OUT", folder.display().to_string()),
+            ("F", numbers(["1.02", "0.99", "1.01"])),
+            ("FROM", numbers(["1.0", "1.0", "1.0"])),
+            ("TO", numbers(["1.1", "1.0", "1.0"])),
+            ("K", numbers(["0.7", "0.4", "0.2"])),
+        ];
+        let mut unanswered = Vec::new();
+        for line in COMMANDS {
+            let word = |word: &str| {
+                let stands_for = |(name, text): &(&str, String)| match word.strip_prefix(name) {
+                    Some("") => Some(text.clone()),
+                    Some(rest) if rest.starts_with('/') => Some(format!("{text}{rest}")),
+                    _ => None,
+                };
+                words.iter().find_map(stands_for).unwrap_or(word.to_owned())
+            };
+            let arguments: Vec<String> = line.split(' ').map(word).collect();
+            let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+            let answer = onset(&arguments);
+            let complaint = match answer.code {
+                Some(0) if line.contains("--json") => wrong(line, &answer.stdout, self.dimension),
+                Some(0) => None,
+                _ => Some(answer.stderr),
+            };
+            if let Some(complaint) = complaint {
+                unanswered.push(format!(
+                    "{}D {}: {line}: {complaint}",
+                    self.dimension, self.name
+                ));
+            }
+        }
+        std::fs::remove_dir_all(&folder).expect("the folder");
+        unanswered
+    }
+}
+
+/// What is wrong with an answer.
+fn wrong(line: &str, text: &str, dimension: usize) -> Option<String> {
+    let Ok(answer) = serde_json::from_str::<Value>(text) else {
+        return Some(format!("no document: {text}"));
+    };
+    let length = |pointer: &str| {
+        answer
+            .pointer(pointer)
+            .and_then(Value::as_array)
+            .map(Vec::len)
+    };
+    let is_right = match line.split(' ').next() {
+        Some("state") => {
+            let step = answer.pointer("/discretization/critical_time_step");
+            let proof = answer.pointer("/certificate/material/certainty");
+            let waves = answer.pointer("/certificate/discretization/certainty");
+            let is_proved =
+                proof.and_then(Value::as_str) == Some("proved-stable") && waves.is_some();
+            length("/discretization/wave_vector") == Some(dimension)
+                && step.is_some_and(|step| step.as_f64().is_some_and(|step| step > 0.0))
+                && (!line.contains("--certify") || is_proved)
+        }
+        Some("dispersion") => length("/omega_squared").is_some_and(|count| count >= dimension),
+        Some("path") => answer["discretization_crossings"].is_array(),
+        Some("modes") => answer["modes"].is_array(),
+        Some("boundary") => answer["curves"].is_array() && answer["fidelity"].is_object(),
+        _ => true,
+    };
+    (!is_right).then(|| text.to_owned())
+}
+
+#[test]
+fn every_command_answers_for_every_method() {
+    let all: Vec<Method> = COMPARISONS
+        .iter()
+        .enumerate()
+        .flat_map(|(n, text)| methods(n + 1, text))
+        .collect();
+    assert_eq!(all.len(), 47);
+    let (next, unanswered) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some(method) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let found = method.asked();
+                    unanswered.lock().expect("a list").extend(found);
+                }
+            });
+        }
+    });
+    let unanswered = unanswered.into_inner().expect("a list");
+    assert!(unanswered.is_empty(), "{}", unanswered.join("\n"));
+}

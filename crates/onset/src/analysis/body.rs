@@ -1,0 +1,300 @@
+//! A discretization and a material in `D` dimensions, which answer without them.
+
+use super::in_space::InSpace;
+use super::{Analysis, PatchParticle, PlaneWaves};
+use crate::algebra::{Complex, eigenvalues};
+use crate::bloch::{SpectrumSummary, Stability, ZoneSearch};
+use crate::certificate::{Certificate, Certifier, Foundation};
+use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::kinematics::{DeformationGradient, StraightPath};
+use crate::lattice::Arrangement;
+use crate::material::{Hyperelastic, MaterialError};
+use crate::measures::{
+    DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow, dispersion_errors,
+    fidelity, long_wave_error, onset, spurious_modes,
+};
+use crate::method::MethodError;
+use crate::scheme::{Discretization, PeriodicPatch};
+use crate::time_step::Integrator;
+use crate::verdict::{
+    Assessment, Ground, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState, Verdict,
+    scan_discretization,
+};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use std::f64::consts::TAU;
+use std::sync::{Arc, OnceLock};
+
+/// The smallest acoustic eigenvalue of a material.
+pub(super) fn acoustic_minimum<const D: usize>(
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<AcousticMinimum<3>, MaterialError> {
+    let response = material.response(f)?;
+    Ok(Stiffness::<D>::of(&response).minimum().in_space())
+}
+
+/// A discretization and a material, with what their states share once a state has been asked about.
+pub(super) struct Body<const D: usize> {
+    discretization: Box<dyn Discretization<D>>,
+    material: Arc<dyn Hyperelastic>,
+    ground: OnceLock<Result<Arc<Ground<D>>, MethodError>>,
+    foundation: OnceLock<Result<Foundation<D>, MethodError>>,
+}
+
+/// The waves of a state and of the continuum beside it.
+struct Waves<const D: usize> {
+    waves: StateWaves<D>,
+    stiffness: Stiffness<D>,
+    density: f64,
+    /// From the wave vectors of the waves to reference wave vectors.
+    to_reference: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Body<D> {
+    pub(super) fn new(
+        discretization: Box<dyn Discretization<D>>,
+        material: Arc<dyn Hyperelastic>,
+    ) -> Self {
+        Self {
+            discretization,
+            material,
+            ground: OnceLock::new(),
+            foundation: OnceLock::new(),
+        }
+    }
+
+    fn survey(&self) -> Result<Survey<'_, D>, MethodError> {
+        let (discretization, material) = (&*self.discretization, &*self.material);
+        let new = || Survey::new(discretization, material).map(|survey| survey.ground());
+        let ground = self.ground.get_or_init(new).clone()?;
+        Ok(Survey::on(ground, discretization, material))
+    }
+
+    fn certifier(&self, tolerance: f64) -> Result<Certifier<'_, D>, MethodError> {
+        let (discretization, material) = (&*self.discretization, &*self.material);
+        let new = || {
+            let certifier = Certifier::new(discretization, material, tolerance);
+            certifier.map(|certifier| certifier.foundation())
+        };
+        let foundation = self.foundation.get_or_init(new).clone()?;
+        Ok(Certifier::founded(
+            foundation,
+            discretization,
+            material,
+            tolerance,
+        ))
+    }
+}
+
+/// The first components of a vector of which there may be more or fewer.
+fn vector<const D: usize>(components: &[f64]) -> SVector<f64, D> {
+    SVector::from_fn(|i, _| components.get(i).copied().unwrap_or(0.0))
+}
+
+impl<const D: usize> Analysis for Body<D> {
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn spacing(&self) -> f64 {
+        self.discretization.crystal().spacing()
+    }
+
+    fn sites(&self) -> usize {
+        self.discretization.crystal().sites().len()
+    }
+
+    fn neighbors(&self) -> f64 {
+        self.discretization.neighbors()
+    }
+
+    fn is_regular(&self) -> bool {
+        self.discretization.is_regular()
+    }
+
+    fn speed_squared(&self) -> Result<f64, MethodError> {
+        Ok(self.survey()?.speed_squared())
+    }
+
+    fn for_many_states(self: Box<Self>) -> Result<Box<dyn Analysis>, MethodError> {
+        let ground = self.survey()?.for_many_states()?.ground();
+        Ok(Box::new(Self {
+            ground: OnceLock::from(Ok(ground)),
+            ..*self
+        }))
+    }
+
+    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
+        Ok(self.survey()?.assess(f)?.in_space())
+    }
+
+    fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
+        self.survey()?.judge(f)
+    }
+
+    fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>> {
+        match self.survey() {
+            Ok(survey) => {
+                let found = survey.states(states).into_iter();
+                found.map(|state| Ok(state?.in_space())).collect()
+            }
+            Err(error) => states.iter().map(|_| Err(error.clone())).collect(),
+        }
+    }
+
+    fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
+        self.survey()?.probe(f)
+    }
+
+    fn acoustic_minimum(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<AcousticMinimum<3>, MaterialError> {
+        acoustic_minimum::<D>(&*self.material, f)
+    }
+
+    fn scan(&self, path: &StraightPath) -> Result<PathScan, PathError> {
+        let survey = self.survey().map_err(|source| PathError::Method {
+            parameter: 0.0,
+            source,
+        })?;
+        scan_discretization(&survey, path)
+    }
+
+    fn certify(
+        &self,
+        f: &DeformationGradient,
+        tolerance: f64,
+    ) -> Result<Certificate<3>, MethodError> {
+        Ok(self.certifier(tolerance)?.certify(f)?.in_space())
+    }
+
+    fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<3>, MethodError> {
+        Ok(self.survey()?.spectrum(f)?.in_space())
+    }
+
+    fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError> {
+        // A law that carries no waves at rest has no scale of wave speeds, of which the waves themselves know nothing.
+        let scale = self.speed_squared().unwrap_or(1.0);
+        let zone = || ZoneSearch::of_lattice(*self.discretization.crystal().lattice(), scale);
+        let waves = StateWaves::of(&*self.discretization, &*self.material, f, scale, zone)?;
+        let response = self.material.response(f)?;
+        Ok(Box::new(Waves {
+            waves,
+            stiffness: Stiffness::<D>::of(&response),
+            density: self.discretization.density(),
+            // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial, and
+            // that of the reference F^T k.
+            to_reference: match self.is_regular() {
+                true => f.leading::<D>().transpose(),
+                false => SMatrix::identity(),
+            },
+        }))
+    }
+
+    fn gradient_norm(
+        &self,
+        f: &DeformationGradient,
+        k: &[f64],
+    ) -> Result<Option<f64>, MethodError> {
+        self.discretization.gradient_norm(f, &vector(k), false)
+    }
+
+    fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3> {
+        if self.is_regular() {
+            return *k;
+        }
+        let map = f.leading::<D>();
+        let solved = DMatrix::from_fn(D, D, |i, j| map[(j, i)])
+            .lu()
+            .solve(&DVector::from_fn(D, |i, _| k[i]));
+        solved.map_or(*k, |solved| vector(solved.as_slice()))
+    }
+
+    fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64> {
+        let vectors = self.discretization.crystal().lattice().vectors();
+        let fractional = vectors.transpose() * vector::<D>(k.as_slice()) / TAU;
+        fractional.iter().copied().collect()
+    }
+
+    fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)> {
+        let reciprocal = self.discretization.crystal().lattice().reciprocal();
+        let corners = zone.zone_path::<D>().into_iter();
+        let corner = |(name, place)| {
+            let k: SVector<f64, D> = reciprocal * place;
+            (name, k.iter().copied().collect())
+        };
+        corners.map(corner).collect()
+    }
+
+    fn is_damped(&self) -> bool {
+        self.survey().is_ok_and(|survey| survey.is_damped())
+    }
+
+    fn damped_time_steps(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Vec<(Integrator, f64)>, MethodError> {
+        self.survey()?.damped_time_steps(f)
+    }
+
+    fn critical_time_step(
+        &self,
+        f: &DeformationGradient,
+        integrator: Integrator,
+    ) -> Result<f64, MethodError> {
+        self.survey()?.critical_time_step(f, integrator)
+    }
+
+    fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError> {
+        Ok(spurious_modes(&self.survey()?, threshold)?.in_space())
+    }
+
+    fn patch(&self, cells: usize) -> Vec<PatchParticle> {
+        let crystal = self.discretization.crystal();
+        let particles = PeriodicPatch::new(crystal, [cells; D]).particles();
+        let placed = particles.iter().map(|particle| PatchParticle {
+            site: particle.site,
+            position: crystal.position(particle).in_space(),
+        });
+        placed.collect()
+    }
+
+    fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {
+        dispersion_errors(&self.survey()?, wavelengths)
+    }
+
+    fn long_wave_error(&self) -> Result<f64, MethodError> {
+        long_wave_error(&self.survey()?)
+    }
+
+    fn onset(&self, load: Load, end: f64) -> Result<OnsetPair, MethodError> {
+        onset(&self.survey()?, load, end)
+    }
+
+    fn fidelity(&self, window: &StateWindow) -> Result<Fidelity, MethodError> {
+        fidelity(&self.survey()?, window)
+    }
+}
+
+impl<const D: usize> PlaneWaves for Waves<D> {
+    fn dynamical_matrix_at(&self, k: &[f64]) -> DMatrix<Complex> {
+        self.waves.dynamical_matrix_at(&vector(k))
+    }
+
+    fn omega_squared(&self, k: &[f64]) -> Vec<Complex> {
+        self.waves.omega_squared(&vector(k))
+    }
+
+    fn frequencies(&self, k: &[f64]) -> Vec<Complex> {
+        self.waves.frequencies(&vector(k))
+    }
+
+    fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64> {
+        let k = self.to_reference * vector::<D>(k);
+        let tensor = self.stiffness.acoustic_tensor(&k);
+        let tensor = tensor.map(|entry| Complex::new(entry / self.density, 0.0));
+        let values = eigenvalues(&tensor, 0.0);
+        values.iter().map(|value| value.re).collect()
+    }
+}

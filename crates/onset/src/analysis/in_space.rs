@@ -1,0 +1,140 @@
+//! Answers of fewer dimensions as answers in space: vectors get zeros beyond their dimensions.
+
+use crate::bloch::{Mode, SpectrumSummary};
+use crate::certificate::Certificate;
+use crate::continuum::AcousticMinimum;
+use crate::measures::{SpuriousMode, SpuriousModes};
+use crate::verdict::{Assessment, MaterialAssessment, SurveyedState};
+use nalgebra::{SVector, Scalar};
+
+/// What has a counterpart in space.
+pub(super) trait InSpace {
+    /// The counterpart.
+    type Shown;
+
+    /// The same, in space.
+    fn in_space(&self) -> Self::Shown;
+}
+
+impl<T: Scalar + Default, const D: usize> InSpace for SVector<T, D> {
+    type Shown = SVector<T, 3>;
+
+    fn in_space(&self) -> SVector<T, 3> {
+        SVector::from_fn(|i, _| self.get(i).cloned().unwrap_or_default())
+    }
+}
+
+impl<const D: usize> InSpace for AcousticMinimum<D> {
+    type Shown = AcousticMinimum<3>;
+
+    fn in_space(&self) -> AcousticMinimum<3> {
+        AcousticMinimum {
+            eigenvalue: self.eigenvalue,
+            direction: self.direction.in_space(),
+            polarization: self.polarization.in_space(),
+            bound: self.bound,
+            rounding: self.rounding,
+        }
+    }
+}
+
+impl<const D: usize> InSpace for Mode<D> {
+    type Shown = Mode<3>;
+
+    fn in_space(&self) -> Mode<3> {
+        Mode {
+            wave_vector: self.wave_vector.in_space(),
+            is_long_wave: self.is_long_wave,
+            omega_squared: self.omega_squared,
+            scaled: self.scaled,
+            polarization: self.polarization.in_space(),
+        }
+    }
+}
+
+impl<const D: usize> InSpace for SpectrumSummary<D> {
+    type Shown = SpectrumSummary<3>;
+
+    fn in_space(&self) -> SpectrumSummary<3> {
+        SpectrumSummary {
+            softest: self.softest.in_space(),
+            long_wave: self.long_wave.in_space(),
+            lowest: self.lowest.in_space(),
+            fastest_growing: self.fastest_growing.in_space(),
+            maximum_omega: self.maximum_omega,
+            tolerance: self.tolerance,
+            bound: self.bound,
+            flutters: self.flutters,
+        }
+    }
+}
+
+impl<const D: usize> InSpace for Assessment<D> {
+    type Shown = Assessment<3>;
+
+    fn in_space(&self) -> Assessment<3> {
+        let material = &self.material;
+        Assessment {
+            verdict: self.verdict,
+            material: MaterialAssessment {
+                response: material.response.clone(),
+                minimum: material.minimum.in_space(),
+                mean_stress: material.mean_stress,
+            },
+            spectrum: self.spectrum.in_space(),
+            gradient_norm: self.gradient_norm,
+            is_gradient: self.is_gradient,
+        }
+    }
+}
+
+impl<const D: usize> InSpace for SurveyedState<D> {
+    type Shown = SurveyedState<3>;
+
+    fn in_space(&self) -> SurveyedState<3> {
+        SurveyedState {
+            verdict: self.verdict,
+            stability: self.stability,
+            acoustic: self.acoustic.in_space(),
+            scaled_minimum: self.scaled_minimum,
+            wave_vector: self.wave_vector.in_space(),
+            is_long_wave: self.is_long_wave,
+            long_wave_minimum: self.long_wave_minimum,
+            long_waves_grow: self.long_waves_grow,
+            lowest_omega_squared: self.lowest_omega_squared,
+            growth_rate: self.growth_rate,
+            maximum_omega: self.maximum_omega,
+        }
+    }
+}
+
+impl<const D: usize> InSpace for Certificate<D> {
+    type Shown = Certificate<3>;
+
+    fn in_space(&self) -> Certificate<3> {
+        Certificate {
+            material: self.material.in_dimensions(),
+            discretization: self.discretization.in_dimensions(),
+        }
+    }
+}
+
+impl<const D: usize> InSpace for SpuriousModes<D> {
+    type Shown = SpuriousModes<3>;
+
+    fn in_space(&self) -> SpuriousModes<3> {
+        let mode = |mode: &SpuriousMode<D>| SpuriousMode {
+            wave_vector: mode.wave_vector.in_space(),
+            relative_frequency: mode.relative_frequency,
+            nullity: mode.nullity,
+            extent: mode.extent,
+            displacements: mode.displacements.iter().map(InSpace::in_space).collect(),
+        };
+        SpuriousModes {
+            modes: self.modes.iter().map(mode).collect(),
+            zero_extent: self.zero_extent,
+            is_complete: self.is_complete,
+            weakest: self.weakest,
+        }
+    }
+}

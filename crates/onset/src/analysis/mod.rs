@@ -1,0 +1,304 @@
+//! A method and a material in any number of dimensions: the questions that programs ask, without a number of dimensions in their types.
+//!
+//! Everything below this room is written for a lattice of `D` dimensions. Here, and only here, `D` becomes a number of the run: of a
+//! [`MethodChoices`] and a material [`analysis`] makes an [`Analysis`]. Its answers are those of the other rooms for `D = 3`, in which
+//! vectors of a line or a plane have zeros beyond their dimensions; reference wave vectors that are asked for are slices of
+//! [`Analysis::dimension`] components.
+
+mod body;
+mod in_space;
+
+use crate::algebra::Complex;
+use crate::bloch::{SpectrumSummary, Stability};
+use crate::certificate::Certificate;
+use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::kinematics::{DeformationGradient, StraightPath};
+use crate::lattice::Arrangement;
+use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
+use crate::method::MethodError;
+use crate::scheme::MethodChoices;
+use crate::time_step::Integrator;
+use crate::verdict::{
+    Assessment, PathError, PathScan, Probe, SurveyedState, Verdict, probe_material, scan_material,
+};
+use body::{Body, acoustic_minimum};
+use nalgebra::{DMatrix, SVector};
+use std::sync::Arc;
+
+/// A discretization and a material, ready to be asked.
+pub trait Analysis: Send + Sync {
+    /// The number of space dimensions.
+    fn dimension(&self) -> usize;
+
+    /// The distance of the particles; length.
+    fn spacing(&self) -> f64;
+
+    /// The particles of a cell.
+    fn sites(&self) -> usize;
+
+    /// See [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
+    fn neighbors(&self) -> f64;
+
+    /// Whether particles that have not moved stand for deformed ones.
+    fn is_regular(&self) -> bool;
+
+    /// The scale `c^2` of wave speeds. Length^2/time^2.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the undeformed material cannot be evaluated, or carries no waves.
+    fn speed_squared(&self) -> Result<f64, MethodError>;
+
+    /// The same, prepared for many states; see [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method cannot be evaluated.
+    fn for_many_states(self: Box<Self>) -> Result<Box<dyn Analysis>, MethodError>;
+
+    /// The verdict on a state with its evidence.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError>;
+
+    /// The verdict on a state and how perturbations develop, several times faster.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError>;
+
+    /// What a map shows of states, each as it would be computed alone.
+    fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>>;
+
+    /// The phase of the particles.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain.
+    fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError>;
+
+    /// The smallest acoustic eigenvalue of the material for waves in the dimensions of the method.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when the material cannot be evaluated there.
+    fn acoustic_minimum(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<AcousticMinimum<3>, MaterialError>;
+
+    /// All losses and returns of the stability of the particles along a path.
+    ///
+    /// # Errors
+    /// [`PathError`] when a state cannot be evaluated.
+    fn scan(&self, path: &StraightPath) -> Result<PathScan, PathError>;
+
+    /// What is proved of a state. Waves of a method whose force constants are not enclosed in intervals are undecided.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the material cannot be evaluated there, or a method of which waves are proved.
+    fn certify(
+        &self,
+        f: &DeformationGradient,
+        tolerance: f64,
+    ) -> Result<Certificate<3>, MethodError>;
+
+    /// The extremes of the spectrum at a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<3>, MethodError>;
+
+    /// The plane waves of a state.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError>;
+
+    /// The squared norm of the discrete gradient of a wave over that of the exact one, where the method tells it.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the method cannot be evaluated there.
+    fn gradient_norm(&self, f: &DeformationGradient, k: &[f64])
+    -> Result<Option<f64>, MethodError>;
+
+    /// A reference wave vector in the deformed lattice, `F^-T k`; of a regular arrangement `k` itself.
+    fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3>;
+
+    /// A wave vector in units of the reciprocal vectors.
+    fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64>;
+
+    /// The usual path through a zone: names and reference wave vectors of its corners. 1/length.
+    fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)>;
+
+    /// Whether forces depend on velocities.
+    fn is_damped(&self) -> bool;
+
+    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise. Time.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn damped_time_steps(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Vec<(Integrator, f64)>, MethodError>;
+
+    /// The largest stable time step of an integrator at a state, damping included. Time.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn critical_time_step(
+        &self,
+        f: &DeformationGradient,
+        integrator: Integrator,
+    ) -> Result<f64, MethodError>;
+
+    /// The waves of the undeformed body that the method does not resist, or too little.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated.
+    fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError>;
+
+    /// The particles of a periodic patch with so many cells along each primitive vector.
+    fn patch(&self, cells: usize) -> Vec<PatchParticle>;
+
+    /// The errors of frequencies at wavelengths in spacings of the particles.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated.
+    fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError>;
+
+    /// The error of the stiffness that long waves feel.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated.
+    fn long_wave_error(&self) -> Result<f64, MethodError>;
+
+    /// The first instability of material and method along a loading up to a stretch.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+    fn onset(&self, load: Load, end: f64) -> Result<OnsetPair, MethodError>;
+
+    /// Shares of a window of states on which method and material differ.
+    ///
+    /// # Errors
+    /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+    fn fidelity(&self, window: &StateWindow) -> Result<Fidelity, MethodError>;
+}
+
+/// The plane waves of a state. Wave vectors are reference ones, with as many components as there are dimensions; 1/length.
+pub trait PlaneWaves: Send + Sync {
+    /// `D(k)`; 1/time^2.
+    fn dynamical_matrix_at(&self, k: &[f64]) -> DMatrix<Complex>;
+
+    /// All `omega^2` without damping, by increasing real part; 1/time^2.
+    fn omega_squared(&self, k: &[f64]) -> Vec<Complex>;
+
+    /// All `omega`, damping included; 1/time.
+    fn frequencies(&self, k: &[f64]) -> Vec<Complex>;
+
+    /// Those of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
+    fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64>;
+}
+
+/// A particle of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchParticle {
+    /// Its number in its cell.
+    pub site: usize,
+    /// Where it is in the reference state; length.
+    pub position: SVector<f64, 3>,
+}
+
+/// Calls a function that is generic in the dimension.
+macro_rules! in_dimension {
+    ($dimension:expr, $function:ident($($argument:expr),*)) => {
+        match $dimension {
+            1 => $function::<1>($($argument),*),
+            2 => $function::<2>($($argument),*),
+            _ => $function::<3>($($argument),*),
+        }
+    };
+}
+
+/// A method with a material.
+///
+/// ```
+/// use onset::analysis::analysis;
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::scheme::{MethodChoices, element::ElementChoices};
+/// use onset::verdict::Verdict;
+/// let elements = MethodChoices::FiniteElements(ElementChoices::default());
+/// let analysis = analysis(&elements, std::sync::Arc::new(ModifiedMooneyRivlin::default()))?;
+/// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
+/// assert_eq!(analysis.assess(&f)?.verdict, Verdict::Stable);
+/// assert_eq!(analysis.waves(&f)?.omega_squared(&[1.0, 0.5]).len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`MethodError`] when the method cannot be set up.
+pub fn analysis(
+    method: &MethodChoices,
+    material: Arc<dyn Hyperelastic>,
+) -> Result<Box<dyn Analysis>, MethodError> {
+    fn of<const D: usize>(
+        method: &MethodChoices,
+        material: Arc<dyn Hyperelastic>,
+    ) -> Result<Box<dyn Analysis>, MethodError> {
+        Ok(Box::new(Body::<D>::new(method.discretization()?, material)))
+    }
+    in_dimension!(method.dimension(), of(method, material))
+}
+
+/// Whether a method can be set up, whatever the material.
+///
+/// # Errors
+/// [`MethodError`] when it cannot.
+pub fn check_method(method: &MethodChoices) -> Result<(), MethodError> {
+    fn of<const D: usize>(method: &MethodChoices) -> Result<(), MethodError> {
+        method.discretization::<D>().map(drop)
+    }
+    in_dimension!(method.dimension(), of(method))
+}
+
+/// Whether waves of a material grow at a state, for perturbations in so many dimensions; see [`probe_material`].
+///
+/// # Errors
+/// [`MaterialError`] when the response is not finite.
+pub fn probe_material_in(
+    dimension: usize,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<Probe, MaterialError> {
+    in_dimension!(dimension, probe_material(material, f))
+}
+
+/// All losses and returns of strong ellipticity along a path, for perturbations in so many dimensions; see [`scan_material`].
+///
+/// # Errors
+/// [`PathError`] when a state of the path cannot be evaluated.
+pub fn scan_material_in(
+    dimension: usize,
+    material: &dyn Hyperelastic,
+    path: &StraightPath,
+) -> Result<PathScan, PathError> {
+    in_dimension!(dimension, scan_material(material, path))
+}
+
+/// The smallest acoustic eigenvalue of a material for perturbations in so many dimensions.
+///
+/// # Errors
+/// [`MaterialError`] when the response is not finite.
+pub fn acoustic_minimum_in(
+    dimension: usize,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<AcousticMinimum<3>, MaterialError> {
+    in_dimension!(dimension, acoustic_minimum(material, f))
+}
+
+/// The smallest acoustic eigenvalue of a response over all directions of space.
+pub fn minimum_in_space(response: &Response) -> AcousticMinimum<3> {
+    Stiffness::<3>::of(response).minimum()
+}

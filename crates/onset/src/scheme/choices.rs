@@ -1,0 +1,173 @@
+//! A method by its choices, whatever its family and its number of dimensions.
+
+use super::conforming::{ConformingChoices, ConformingIntegration};
+use super::element::{ElementChoices, FiniteElements};
+use super::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
+use super::sph::{TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices};
+use super::{
+    Discretization, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
+};
+use crate::approximation::Approximation;
+use crate::lattice::{Crystal, delaunay_centers, voronoi_volumes};
+use crate::method::{Background, Frame, KernelMethodChoices, Linearization, Method, MethodError};
+use crate::quadrature::{CellRule, Quadrature};
+
+/// A method of any family. Where a family has particles on a lattice, the first entry says where they are; its other choices are those of
+/// kernel methods.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MethodChoices {
+    /// Galerkin methods of kernels.
+    Kernel(Box<KernelMethodChoices>),
+    /// Smoothed particle hydrodynamics with kernels of material coordinates.
+    TotalLagrangianSph(Box<KernelMethodChoices>, TotalLagrangianChoices),
+    /// Smoothed particle hydrodynamics with kernels of current coordinates. Artificial stress is measured by the distance of the particles.
+    UpdatedSph(Box<KernelMethodChoices>, UpdatedSphChoices),
+    /// Finite elements.
+    FiniteElements(ElementChoices),
+    /// Conforming nodal integration.
+    Conforming(Box<KernelMethodChoices>, ConformingChoices),
+    /// Peridynamics.
+    Peridynamics(Box<KernelMethodChoices>, PeridynamicsChoices),
+    /// Material points.
+    MaterialPoints(Box<KernelMethodChoices>, MaterialPointChoices),
+}
+
+impl MethodChoices {
+    /// The number of space dimensions.
+    pub fn dimension(&self) -> usize {
+        match self {
+            Self::FiniteElements(choices) => choices.mesh.dimension(),
+            Self::Kernel(particles)
+            | Self::TotalLagrangianSph(particles, _)
+            | Self::UpdatedSph(particles, _)
+            | Self::Conforming(particles, _)
+            | Self::Peridynamics(particles, _)
+            | Self::MaterialPoints(particles, _) => particles.arrangement.dimension(),
+        }
+    }
+
+    /// The discretization.
+    ///
+    /// ```
+    /// use onset::method::KernelMethodChoices;
+    /// use onset::scheme::{MethodChoices, element::ElementChoices};
+    /// let kernels = MethodChoices::Kernel(Box::new(KernelMethodChoices::default()));
+    /// assert_eq!(kernels.discretization::<2>()?.crystal().sites().len(), 1);
+    /// let elements = MethodChoices::FiniteElements(ElementChoices::default());
+    /// assert_eq!(elements.discretization::<2>()?.neighbors(), 9.0);
+    /// # Ok::<(), onset::method::MethodError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MethodError`] when a number is out of range, or the number of dimensions is not `D`.
+    pub fn discretization<const D: usize>(
+        &self,
+    ) -> Result<Box<dyn Discretization<D>>, MethodError> {
+        Ok(match self {
+            Self::Kernel(choices) => return kernel(choices),
+            Self::TotalLagrangianSph(particles, choices) => Box::new(TotalLagrangianSph::new(
+                particles.crystal::<D>()?,
+                choices.clone(),
+            )?),
+            Self::UpdatedSph(particles, choices) => {
+                let crystal = particles.crystal::<D>()?;
+                let mut choices = choices.clone();
+                if let Some(stress) = &mut choices.artificial_stress {
+                    stress.spacing = crystal.spacing();
+                }
+                Box::new(UpdatedSph::new(crystal, choices)?)
+            }
+            Self::FiniteElements(choices) => Box::new(FiniteElements::<D>::new(choices)?),
+            Self::Conforming(particles, choices) => {
+                if matches!(
+                    choices.approximation,
+                    Approximation::RandlesLibersky | Approximation::KrongauzBelytschko
+                ) {
+                    return Err(MethodError::Incompatible {
+                        choice: "an approximation that corrects gradients alone",
+                        other: "conforming integration, which takes its gradients from functions",
+                        hint: "choose \"shepard\", whose functions these approximations have, or \"mls\"",
+                    });
+                }
+                let crystal = particles.crystal::<D>()?;
+                Box::new(ConformingIntegration::new(crystal, choices)?)
+            }
+            Self::Peridynamics(particles, choices) => Box::new(Peridynamics::new(
+                particles.crystal::<D>()?,
+                choices.clone(),
+            )?),
+            Self::MaterialPoints(_, choices) => {
+                Box::new(MaterialPoints::<D>::new(choices.clone())?)
+            }
+        })
+    }
+}
+
+/// A kernel method; with several particles in a cell its forces are differentiated, with one they are in closed form.
+fn kernel<const D: usize>(
+    choices: &KernelMethodChoices,
+) -> Result<Box<dyn Discretization<D>>, MethodError> {
+    let crystal = choices.crystal::<D>()?;
+    if crystal.sites().len() == 1 {
+        return Ok(Box::new(Method::new(choices.clone())?));
+    }
+    let refused = |choice, hint| MethodError::Incompatible {
+        choice,
+        other: "several particles in a cell",
+        hint,
+    };
+    if choices.background != Background::Imposed {
+        return Err(refused("the interpolated background", "choose \"imposed\""));
+    }
+    if choices.frame == Frame::Eulerian && choices.linearization != Linearization::Exact {
+        return Err(MethodError::NotOfForces {
+            linearization: choices.linearization.name(),
+        });
+    }
+    let quadrature = quadrature(choices, &crystal)?;
+    let kernel = KernelChoices {
+        density: choices.density,
+        kernel: choices.kernel,
+        radius: choices.support * choices.spacing,
+        approximation: choices.approximation,
+        frame: choices.frame,
+        support_size: choices.support_size,
+    };
+    Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
+}
+
+/// The quadrature points of a cell with several particles: at the particles, and in the centers of the Delaunay cells.
+fn quadrature<const D: usize>(
+    choices: &KernelMethodChoices,
+    crystal: &Crystal<D>,
+) -> Result<CrystalQuadrature<D>, MethodError> {
+    let lattice = crystal.lattice();
+    let centers = || delaunay_centers(lattice, crystal.sites());
+    let places = match choices.quadrature {
+        Quadrature::Nodal => return Ok(CrystalQuadrature::Nodal),
+        Quadrature::StressPoints if choices.stress_point_weight.is_none() => {
+            crystal.sites().iter().copied().chain(centers()?).collect()
+        }
+        Quadrature::StressPointsOnly => centers()?,
+        Quadrature::Gauss | Quadrature::Points => {
+            let rule = CellRule {
+                stress_point_weight: None,
+                ..choices.cell_rule::<D>()?
+            };
+            let points = choices.quadrature.points(lattice, &rule)?;
+            let points = points.iter().map(|point| (point.place, point.volume));
+            return Ok(CrystalQuadrature::Points(points.collect()));
+        }
+        Quadrature::StressPoints | Quadrature::NodalStabilized => {
+            return Err(MethodError::Incompatible {
+                choice: "this quadrature (nodal-stabilized, or a stress-point-weight)",
+                other: "several particles in a cell",
+                hint: "choose nodal, stress-points, stress-points-only, gauss or points",
+            });
+        }
+    };
+    let volumes = voronoi_volumes(lattice, &places)?;
+    Ok(CrystalQuadrature::Points(
+        places.into_iter().zip(volumes).collect(),
+    ))
+}
