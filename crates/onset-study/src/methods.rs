@@ -3,7 +3,7 @@
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
 use nalgebra::SVector;
 use onset::approximation::Approximation;
-use onset::kinematics::{DeformationGradient, StraightPath};
+use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::lattice::{BravaisLattice, Crystal};
 use onset::material::Hyperelastic;
 use onset::method::{
@@ -74,7 +74,7 @@ impl<const D: usize> Discretized<D> {
     pub fn scan(
         &self,
         material: &dyn Hyperelastic,
-        path: &StraightPath,
+        path: &dyn DeformationPath,
     ) -> Result<PathScan, PathError> {
         match self {
             Self::Kernel(method) => scan_discretization(method, material, path),

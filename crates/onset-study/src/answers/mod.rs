@@ -1,6 +1,7 @@
 //! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
 
 mod certificate;
+mod course;
 mod dispersion;
 mod mode;
 mod next;
@@ -12,6 +13,7 @@ mod state;
 mod summary;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
+pub use course::{Course, LoadingOfPath, PathSample, PathSamples};
 pub use dispersion::{Diagram, DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};

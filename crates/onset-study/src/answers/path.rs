@@ -1,5 +1,6 @@
 //! The answer to: where along this path is stability lost, and regained?
 
+use super::course::{Course, LoadingOfPath};
 use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::notes;
@@ -7,9 +8,9 @@ use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
 use crate::methods::Discretized;
 use crate::number::{told, vector};
-use crate::settings::Effective;
+use crate::settings::{Effective, Units};
 use onset::continuum::{Ellipticity, Stiffness};
-use onset::kinematics::{DeformationGradient, StraightPath};
+use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
 use serde::Serialize;
 
@@ -26,6 +27,9 @@ pub struct PathAnswer {
     pub notes: Vec<String>,
     /// Every choice in effect.
     pub settings: Effective,
+    /// The loading, where the path is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loading: Option<LoadingOfPath>,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
@@ -110,16 +114,26 @@ impl PathAnswer {
     /// # Errors
     /// [`ProblemError`] when the ends are the same or a state on the way cannot be evaluated.
     pub fn new(problem: &Problem, from: &Strain, to: &Strain) -> Result<Self, ProblemError> {
-        in_dimension_of!(problem, answer(problem, &from.0, &to.0))
+        Self::along(problem, &Course::Straight(*from, *to))
+    }
+
+    /// Follows any path.
+    ///
+    /// # Errors
+    /// As for [`PathAnswer::new`], and where a loading cannot be followed.
+    pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
+        course.follow(problem, |path, loading| {
+            let answer: Self = in_dimension_of!(problem, answer(problem, path))?;
+            Ok(Self { loading, ..answer })
+        })
     }
 }
 
 fn answer<const D: usize>(
     problem: &Problem,
-    from: &DeformationGradient,
-    to: &DeformationGradient,
+    path: &dyn DeformationPath,
 ) -> Result<PathAnswer, ProblemError> {
-    let path = StraightPath::new(*from, *to)?;
+    let (from, to) = (&path.at(0.0)?, &path.at(1.0)?);
     let method = Discretized::<D>::new(&problem.settings)?;
     // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
     // stress, as on a kink, is a state like others.
@@ -133,15 +147,15 @@ fn answer<const D: usize>(
         let stiffness = Stiffness::<D>::at(&*problem.material, f);
         stiffness.is_ok_and(|stiffness| stiffness.ellipticity() == Ellipticity::Undecided)
     };
-    let continuum = scan_material::<D>(&*problem.material, &path)?;
-    let particles = method.scan(&*problem.material, &path)?;
+    let continuum = scan_material::<D>(&*problem.material, path)?;
+    let particles = method.scan(&*problem.material, path)?;
 
     let material_onset = match onset(&continuum) {
         Some((parameter, witness, tolerance, _)) => {
             let critical = MaterialAssessment::<D>::new(&*problem.material, &path.at(witness)?)
                 .map_err(onset::method::MethodError::from)?;
             Some(MaterialOnset {
-                place: place::<D>(problem, &path, parameter, tolerance)?,
+                place: place::<D>(problem, path, parameter, tolerance)?,
                 direction: list(&critical.minimum.direction),
                 polarization: list(&critical.minimum.polarization),
             })
@@ -161,7 +175,7 @@ fn answer<const D: usize>(
             };
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
-                place: place::<D>(problem, &path, parameter, tolerance)?,
+                place: place::<D>(problem, path, parameter, tolerance)?,
                 phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
@@ -183,12 +197,13 @@ fn answer<const D: usize>(
         is_marginal: is_marginal(from) || is_marginal(to),
         notes: notes(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
+        loading: None,
         from: *from.components(),
         to: *to.components(),
         material_onset,
         discretization_onset,
-        material_crossings: crossings::<D>(&path, &continuum)?,
-        discretization_crossings: crossings::<D>(&path, &particles)?,
+        material_crossings: crossings::<D>(path, &continuum)?,
+        discretization_crossings: crossings::<D>(path, &particles)?,
     })
 }
 
@@ -227,7 +242,7 @@ fn stretch<const D: usize>(f: &DeformationGradient) -> Vec<f64> {
 
 fn place<const D: usize>(
     problem: &Problem,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     parameter: f64,
     tolerance: f64,
 ) -> Result<Place, ProblemError> {
@@ -246,7 +261,7 @@ fn place<const D: usize>(
 }
 
 fn crossings<const D: usize>(
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     scan: &PathScan,
 ) -> Result<Vec<CrossingAnswer>, ProblemError> {
     let answer = |crossing: &Crossing| {
@@ -263,11 +278,15 @@ fn crossings<const D: usize>(
 
 impl std::fmt::Display for PathAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let units = self.settings.units();
+        if let Some(loading) = &self.loading {
+            writeln!(formatter, "{loading}\n")?;
+        }
         match &self.material_onset {
             Some(onset) => writeln!(
                 formatter,
                 "The material loses ellipticity at {} for waves along N = {}.",
-                at(&onset.place),
+                at(&onset.place, units),
                 vector(&onset.direction)
             )?,
             None if self.is_marginal => writeln!(
@@ -289,7 +308,7 @@ impl std::fmt::Display for PathAnswer {
             Some(onset) if onset.long_wave => writeln!(
                 formatter,
                 "The particles become unstable at {} for long waves along {}.",
-                at(&onset.place),
+                at(&onset.place, units),
                 vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
@@ -300,8 +319,8 @@ impl std::fmt::Display for PathAnswer {
                 } else {
                     "become unstable"
                 },
-                at(&onset.place),
-                vector(&onset.wave_vector)
+                at(&onset.place, units),
+                units.of(vector(&onset.wave_vector), "1/m")
             )?,
             None => writeln!(
                 formatter,
@@ -339,7 +358,7 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-fn at(place: &Place) -> String {
+fn at(place: &Place, units: Units) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"
     } else {
@@ -347,7 +366,7 @@ fn at(place: &Place) -> String {
     };
     // Those of the plane, and in space all.
     let stresses: Vec<String> = (0..place.stretch.len().max(2))
-        .map(|i| format!("s{0}{0} = {1}", i + 1, told(place.cauchy[i][i])))
+        .map(|i| format!("s{0}{0} = {1}", i + 1, units.of(told(place.cauchy[i][i]), "Pa")))
         .collect();
     format!(
         "stretch {}{start} ({})",

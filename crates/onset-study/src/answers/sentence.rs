@@ -3,7 +3,7 @@
 use super::mode::{critical_mode, finite_wave_vector};
 use crate::methods::Discretized;
 use crate::number::{told, vector};
-use crate::settings::Family;
+use crate::settings::{Family, Units};
 use nalgebra::SVector;
 use onset::bloch::Stability;
 use onset::continuum::Ellipticity;
@@ -41,12 +41,13 @@ pub(super) fn of<const D: usize>(
     assessment: &Assessment<D>,
     in_space: Ellipticity,
     f: &DeformationGradient,
+    units: Units,
 ) -> String {
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let k = method.spatial(f, &finite_wave_vector(mode));
-    let wave = wave(&k);
-    let growth = growth(spectrum.growth_rate());
+    let wave = wave(&k, units);
+    let growth = growth(spectrum.growth_rate(), units);
     let tension = if assessment.material.mean_stress() >= 0.0 {
         "tensile"
     } else {
@@ -148,7 +149,7 @@ fn in_plane(in_space: Ellipticity) -> &'static str {
     }
 }
 
-fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
+fn wave<const D: usize>(k: &SVector<f64, D>, units: Units) -> String {
     let norm = k.norm();
     if norm == 0.0 {
         "infinitely long waves".to_owned()
@@ -156,15 +157,19 @@ fn wave<const D: usize>(k: &SVector<f64, D>) -> String {
         let direction = k / norm;
         format!(
             "wavelength {} along {}",
-            told(std::f64::consts::TAU / norm),
+            units.of(told(std::f64::consts::TAU / norm), "m"),
             vector(direction.as_slice())
         )
     }
 }
 
-fn growth(rate: f64) -> String {
+fn growth(rate: f64, units: Units) -> String {
     if rate > 0.0 {
-        format!("grows e-fold in {} time units", told(1.0 / rate))
+        let time = match units {
+            Units::Own => format!("{} time units", told(1.0 / rate)),
+            Units::Si => format!("{} s", told(1.0 / rate)),
+        };
+        format!("grows e-fold in {time}")
     } else {
         "grows the faster the shorter the wave".to_owned()
     }

@@ -211,7 +211,14 @@ fn answer<const D: usize>(
     let (mut verdict, mut certificate) = (searched.0, None);
     let family = problem.settings.method.method;
     let in_space = SpaceAnswer::new(&assessment.material.response);
-    let mut sentence = sentence::of(&method, family, &assessment, in_space.ellipticity, f);
+    let mut sentence = sentence::of(
+        &method,
+        family,
+        &assessment,
+        in_space.ellipticity,
+        f,
+        problem.settings.units(),
+    );
     if let Some(tolerance) = tolerance {
         let kernel = problem.method::<D>()?;
         let proved = certify(&kernel, &*problem.material, f, tolerance)?;
@@ -339,7 +346,8 @@ impl std::fmt::Display for StateAnswer {
         if !defaults.is_empty() {
             line(&of("by default"), defaults)?;
         }
-        line(&of("Cauchy stress"), material.stresses())?;
+        let units = self.settings.units();
+        line(&of("Cauchy stress"), units.of(material.stresses(), "(Pa)"))?;
         line(
             &of("strongly elliptic"),
             match (material.ellipticity, in_space.ellipticity) {
@@ -359,7 +367,7 @@ impl std::fmt::Display for StateAnswer {
             },
         )?;
         let stiffness = material.stiffness();
-        let eigenvalue = |value: f64| told_of(value, stiffness);
+        let eigenvalue = |value: f64| units.of(told_of(value, stiffness), "Pa");
         line(
             &of("smallest eigenvalue"),
             format!(
@@ -391,7 +399,7 @@ impl std::fmt::Display for StateAnswer {
                 None => format!("{real} + {imaginary} i"),
             },
         };
-        line(&of("smallest omega^2"), omega_squared)?;
+        line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         line(&of("scaled minimum"), told_of(d.minimum_scaled, 1.0))?;
         line(
             &of(if d.stable {
@@ -401,12 +409,12 @@ impl std::fmt::Display for StateAnswer {
             }),
             format!(
                 "{} (reference), {} (deformed)",
-                vector(&d.wave_vector),
-                vector(&d.spatial_wave_vector)
+                units.of(vector(&d.wave_vector), "1/m"),
+                units.of(vector(&d.spatial_wave_vector), "1/m")
             ),
         )?;
         line(&of("polarization"), vector(&d.polarization))?;
-        line(&of("growth rate"), told(d.growth_rate))?;
+        line(&of("growth rate"), units.of(told(d.growth_rate), "1/s"))?;
         let without = match d.damped_time_steps.is_empty() {
             true => "",
             false => "without damping ",
@@ -414,12 +422,12 @@ impl std::fmt::Display for StateAnswer {
         let step = d.critical_time_step.map_or_else(String::new, |step| {
             format!(
                 "; central differences {without}need a time step below {}",
-                told(step)
+                units.of(told(step), "s")
             )
         });
         line(
             &of("largest frequency"),
-            format!("{}{step}", told(d.maximum_omega)),
+            format!("{}{step}", units.of(told(d.maximum_omega), "1/s")),
         )?;
         for (integrator, step) in &d.damped_time_steps {
             let whose = if d.stable {
@@ -431,7 +439,7 @@ impl std::fmt::Display for StateAnswer {
                 &of("with damping"),
                 format!(
                     "{integrator} needs a time step below {}{whose}",
-                    told(*step)
+                    units.of(told(*step), "s")
                 ),
             )?;
         }

@@ -1,9 +1,9 @@
-//! Where stability is lost, and regained, along a straight path of deformations.
+//! Where stability is lost, and regained, along a path of deformations.
 
 use super::SchemeSurvey;
 use super::probe::{DiscretizationProbe, Phase, Probe, probe_material};
 use crate::algebra::GoldenSection;
-use crate::kinematics::{DeformationGradient, KinematicsError, StraightPath};
+use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
 use thiserror::Error;
@@ -124,7 +124,7 @@ pub enum PathError {
 /// [`PathError`] when a state of the path cannot be evaluated.
 pub fn scan_material<const D: usize>(
     material: &dyn Hyperelastic,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     scan_states(path, |f| Ok(probe_material::<D>(material, f)?))
 }
@@ -136,7 +136,7 @@ pub fn scan_material<const D: usize>(
 pub fn scan_discretization<const D: usize>(
     method: &Method<D>,
     material: &dyn Hyperelastic,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     let probe = DiscretizationProbe::new(method, material).map_err(|source| PathError::Method {
         parameter: 0.0,
@@ -151,14 +151,14 @@ pub fn scan_discretization<const D: usize>(
 /// [`PathError`] when a state cannot be evaluated for another reason than its support.
 pub fn scan_scheme<const D: usize>(
     survey: &SchemeSurvey<'_, D>,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     scan_states(path, |f| survey.probe(f))
 }
 
 /// All changes of phase along a path, from the answers to its states.
 fn scan_states(
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     probe: impl Fn(&DeformationGradient) -> Result<Probe, MethodError>,
 ) -> Result<PathScan, PathError> {
     scan(&|s| {
