@@ -18,7 +18,11 @@ fn line(key: &Key) -> String {
         default => format!(" [default: {default}]"),
     };
     let (name, meaning) = (key.name, key.meaning);
-    format!("  {name:<31} {meaning}{default}\n{:34}{}\n", "", key.expects())
+    format!(
+        "  {name:<31} {meaning}{default}\n{:34}{}\n",
+        "",
+        key.expects()
+    )
 }
 
 /// The keys of laws, from the one table that defines them.
@@ -374,7 +378,12 @@ pub struct CourseArguments {
     )]
     pub from: Option<String>,
     /// End, likewise.
-    #[arg(long, value_name = "L1,L2", allow_hyphen_values = true, help_heading = "Path")]
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        help_heading = "Path"
+    )]
     pub to: String,
 }
 

@@ -320,11 +320,7 @@ impl StrainArguments {
     }
 }
 
-fn diagram(
-    problem: &Problem,
-    strain: &Strain,
-    out: Option<&Path>,
-) -> Result<ExitCode, Failure> {
+fn diagram(problem: &Problem, strain: &Strain, out: Option<&Path>) -> Result<ExitCode, Failure> {
     let names = ["dispersion.svg", "dispersion.png", "dispersion.csv"];
     let output = out.map(|out| Output::at(out, &names)).transpose()?;
     let diagram = Diagram::new(problem, strain)?;
@@ -419,7 +415,10 @@ fn path(
     let mut written = Vec::new();
     if let (Some(output), Some(samples)) = (output, &samples) {
         let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
-            crossings.iter().map(|crossing| crossing.parameter).collect()
+            crossings
+                .iter()
+                .map(|crossing| crossing.parameter)
+                .collect()
         };
         let particles = parameters(&answer.discretization_crossings);
         let material = parameters(&answer.material_crossings);
@@ -458,7 +457,8 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
         ))
     };
     if let Some((keys, method)) = topic.and_then(|topic| keys_of(topic, name)) {
-        let keys = keys.map_err(|error| Failure::input(format!("{error}{}", of_methods(method))))?;
+        let keys =
+            keys.map_err(|error| Failure::input(format!("{error}{}", of_methods(method))))?;
         return printing::print(&keys, keys.to_string().trim_end(), None);
     }
     if let (Some(topic), Some(name)) = (topic, name) {

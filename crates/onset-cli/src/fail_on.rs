@@ -44,7 +44,9 @@ impl FailOn {
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut names = Vec::new();
         for word in text.split(',').map(str::trim) {
-            let verdict = Verdict::ALL.into_iter().find(|verdict| verdict.name() == word);
+            let verdict = Verdict::ALL
+                .into_iter()
+                .find(|verdict| verdict.name() == word);
             let group = GROUPS.iter().find(|(name, _)| *name == word);
             match (verdict, group) {
                 (Some(verdict), _) => names.push(verdict.name()),
@@ -73,7 +75,9 @@ impl FailOn {
                 None => counts.push((name, states)),
             }
         }
-        let hit = counts.into_iter().find(|(name, states)| *states > 0 && self.0.contains(name));
+        let hit = counts
+            .into_iter()
+            .find(|(name, states)| *states > 0 && self.0.contains(name));
         match hit {
             Some((name, states)) => {
                 tell(format_args!(
@@ -93,9 +97,18 @@ mod tests {
 
     #[test]
     fn groups_are_verdicts_and_what_is_neither_is_refused() {
-        assert_eq!(FailOn::parse("kernel, missed"), Ok(FailOn(vec!["kernel", "missed"])));
-        assert_eq!(FailOn::parse("unstable"), Ok(FailOn(vec!["material", "kernel"])));
-        assert_eq!(FailOn::parse("zero-energy,undefined"), Ok(FailOn(vec!["rank-deficient", "undefined"])));
+        assert_eq!(
+            FailOn::parse("kernel, missed"),
+            Ok(FailOn(vec!["kernel", "missed"]))
+        );
+        assert_eq!(
+            FailOn::parse("unstable"),
+            Ok(FailOn(vec!["material", "kernel"]))
+        );
+        assert_eq!(
+            FailOn::parse("zero-energy,undefined"),
+            Ok(FailOn(vec!["rank-deficient", "undefined"]))
+        );
         assert!(FailOn::parse("broken").is_err_and(|told| told.contains("rank-deficient")));
         assert!(FailOn::parse("").is_err());
     }

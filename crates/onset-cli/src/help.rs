@@ -18,8 +18,16 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
         &[],
     ),
     ("A method", &["recommend", "compare", "tune"], &[]),
-    ("A law", &["notions", "card"], &["audit", "localize", "umat-utilities"]),
-    ("A study", &["check", "map", "plot"], &["boundary", "schema"]),
+    (
+        "A law",
+        &["notions", "card"],
+        &["audit", "localize", "umat-utilities"],
+    ),
+    (
+        "A study",
+        &["check", "map", "plot"],
+        &["boundary", "schema"],
+    ),
     ("Help", &["list"], &["completions", "man", "reproduce"]),
 ];
 
@@ -52,25 +60,34 @@ pub fn command(is_long: bool) -> Command {
         true => ("\n{options}\n", format!("{EXAMPLES}\n\n{MORE}")),
         false => (
             "\n",
-            format!("{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` lists all of them with the options."),
+            format!(
+                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` lists all of them with the options."
+            ),
         ),
     };
-    let template = format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{overview}{options}{end}\n");
+    let template =
+        format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{overview}{options}{end}\n");
     command.help_template(template)
 }
 
 /// Parses the command line; ends the process where help is asked for, or an argument is wrong.
 pub fn parse() -> Arguments {
     let typed: Vec<OsString> = std::env::args_os().collect();
-    let is_long = typed.get(1).is_some_and(|first| first == "--help" || first == "help");
+    let is_long = typed
+        .get(1)
+        .is_some_and(|first| first == "--help" || first == "help");
     let command = command(is_long).color(color(&typed));
-    Arguments::from_arg_matches(&command.get_matches_from(typed)).unwrap_or_else(|error| error.exit())
+    Arguments::from_arg_matches(&command.get_matches_from(typed))
+        .unwrap_or_else(|error| error.exit())
 }
 
 /// Whether help and errors of arguments are colored: what `--color` says, and else what the terminal has.
 fn color(typed: &[OsString]) -> ColorChoice {
     let typed: Vec<&str> = typed.iter().filter_map(|word| word.to_str()).collect();
-    let of_pair = typed.windows(2).find(|pair| pair[0] == "--color").map(|pair| pair[1]);
+    let of_pair = typed
+        .windows(2)
+        .find(|pair| pair[0] == "--color")
+        .map(|pair| pair[1]);
     let said = of_pair.or_else(|| typed.iter().find_map(|word| word.strip_prefix("--color=")));
     match said {
         Some("always") => ColorChoice::Always,
@@ -98,7 +115,10 @@ pub fn manual(out: &Path) -> Result<ExitCode, Failure> {
         Ok::<_, Failure>(text(format!("{name}.1"), page))
     };
     let mut pages = vec![page(&command, "onset".to_owned())?];
-    for own in command.get_subcommands().filter(|own| own.get_name() != "help") {
+    for own in command
+        .get_subcommands()
+        .filter(|own| own.get_name() != "help")
+    {
         pages.push(page(own, format!("onset-{}", own.get_name()))?);
     }
     let names: Vec<OsString> = pages.iter().map(|(name, _)| name.clone()).collect();
@@ -114,7 +134,9 @@ mod tests {
 
     #[test]
     fn every_command_is_in_the_overview_once() {
-        let listed = GROUPS.iter().flat_map(|(_, first, others)| first.iter().chain(*others));
+        let listed = GROUPS
+            .iter()
+            .flat_map(|(_, first, others)| first.iter().chain(*others));
         let listed: Vec<&str> = listed.copied().collect();
         let once: BTreeSet<&str> = listed.iter().copied().collect();
         assert_eq!(once.len(), listed.len());
@@ -131,7 +153,10 @@ mod tests {
     fn the_short_overview_fits_on_a_screen() {
         let text = command(false).render_help().to_string();
         assert!(text.lines().count() <= 36, "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= 110), "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 110),
+            "{text}"
+        );
         assert_eq!(text.matches("\n  onset ").count(), 3);
     }
 }

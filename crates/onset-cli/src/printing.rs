@@ -167,7 +167,11 @@ pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
     let stdout = std::io::stdout();
     let text = readable(text);
     let is_colored = format() == Format::Text && has_color(stdout.is_terminal());
-    let text = if is_colored { painted(&text) } else { text.to_string() };
+    let text = if is_colored {
+        painted(&text)
+    } else {
+        text.to_string()
+    };
     match writeln!(stdout.lock(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(format!(
             "cannot print the answer: {error}"
@@ -182,7 +186,11 @@ pub fn tell(text: impl Display) {
     let stderr = std::io::stderr();
     // What a file says must not command the terminal.
     let text = readable(&text.to_string()).to_string();
-    let text = if has_color(stderr.is_terminal()) { painted(&text) } else { text };
+    let text = if has_color(stderr.is_terminal()) {
+        painted(&text)
+    } else {
+        text
+    };
     let _ = writeln!(stderr.lock(), "{text}");
 }
 
@@ -233,7 +241,9 @@ fn painted(text: &str) -> String {
 /// Green for what holds, yellow for what is the material's, red for what is the method's.
 fn color_of(verdict: &str) -> Option<&'static str> {
     use onset_study::Verdict;
-    let verdict = Verdict::ALL.into_iter().find(|known| known.name() == verdict)?;
+    let verdict = Verdict::ALL
+        .into_iter()
+        .find(|known| known.name() == verdict)?;
     Some(match verdict {
         Verdict::Stable => GREEN,
         Verdict::Material => YELLOW,
@@ -250,7 +260,10 @@ mod tests {
         for (line, expected) in [
             ("error: no", "\x1b[31merror:\x1b[0m no"),
             ("  hint: this", "\x1b[36m  hint:\x1b[0m this"),
-            ("verdict      stable", "verdict      \x1b[1;32mstable\x1b[0m"),
+            (
+                "verdict      stable",
+                "verdict      \x1b[1;32mstable\x1b[0m",
+            ),
             ("material     hint: no", "material     hint: no"),
         ] {
             assert_eq!(painted(line), expected);

@@ -1,6 +1,8 @@
 //! What there is to choose from: every word of every choice, with its formula, its parameters and its source.
 
-use crate::settings::{KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys};
+use crate::settings::{
+    KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
+};
 use onset::formula::{FUNCTIONS, VARIABLES};
 use onset::kernel::Kernel;
 use onset::material::{Law, Parameter};
@@ -196,7 +198,9 @@ impl KeyList {
             let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
             Some(KeyEntry::new(key, told.join(" and ")))
         };
-        let own = KEYS.iter().filter(|key| key.parts().0 == "discretization" && key.name != METHOD);
+        let own = KEYS
+            .iter()
+            .filter(|key| key.parts().0 == "discretization" && key.name != METHOD);
         Ok(Self {
             method: match settings.value(METHOD) {
                 Some(Value::Word(word)) => Some(word),
@@ -222,7 +226,10 @@ impl KeyEntry {
 impl std::fmt::Display for KeyList {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if let Some(method) = &self.method {
-            writeln!(formatter, "keys that discretization.method = {method} reads\n")?;
+            writeln!(
+                formatter,
+                "keys that discretization.method = {method} reads\n"
+            )?;
         }
         for key in &self.keys {
             let default = match key.default.as_str() {

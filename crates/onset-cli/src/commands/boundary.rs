@@ -48,11 +48,7 @@ impl Watch for Counter {
 }
 
 /// Traces, writes and tells.
-pub fn boundary(
-    study: &Study,
-    tracing: Tracing,
-    out: Option<&Path>,
-) -> Result<ExitCode, Failure> {
+pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<ExitCode, Failure> {
     let output = out.map(|out| Output::at(out, &["boundary.geojson", "boundary.csv"]));
     let output = output.transpose()?;
     let counter = Counter::new();

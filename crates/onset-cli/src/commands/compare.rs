@@ -53,7 +53,11 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     };
     let recommendation = Recommendation::new(table);
     let ranking = recommendation.csv();
-    print(&recommendation, &with_files(&recommendation, &written), Some(ranking))
+    print(
+        &recommendation,
+        &with_files(&recommendation, &written),
+        Some(ranking),
+    )
 }
 
 fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison, Failure> {

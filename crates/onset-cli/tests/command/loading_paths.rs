@@ -27,12 +27,20 @@ fn the_onset_of_a_loading_is_where_the_criteria_have_it() {
     let law = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
     let notions = document(&format!("notions --mode uniaxial {law}"));
     let loadings = notions["loadings"].as_array().expect("loadings");
-    let loading = loadings.iter().find(|one| one["lateral"] == "plane-strain").expect("a loading");
+    let loading = loadings
+        .iter()
+        .find(|one| one["lateral"] == "plane-strain")
+        .expect("a loading");
     let of_plane = loading["notions"].as_array().expect("notions");
-    let of_plane = of_plane.iter().find(|one| one["notion"] == "plane-ellipticity").expect("a notion");
+    let of_plane = of_plane
+        .iter()
+        .find(|one| one["notion"] == "plane-ellipticity")
+        .expect("a notion");
     for (side, to) in [("compression", 0.12), ("tension", 8.0)] {
         let limit = of_plane[side]["limit"].as_f64();
-        let path = document(&format!("path --mode uniaxial --lateral plane-strain --to {to} {law}"));
+        let path = document(&format!(
+            "path --mode uniaxial --lateral plane-strain --to {to} {law}"
+        ));
         let onset = path["material_onset"]["stretch"][0].as_f64();
         match (limit, onset) {
             (Some(limit), Some(onset)) => assert_close(onset, limit, 1e-8),
@@ -49,19 +57,28 @@ fn a_path_is_written_as_table_and_figure() {
     let line = format!("path --mode equibiaxial --to 1.6 {OGDEN} --out {out}");
     let answer = onset_line(&line);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
-    assert!(answer.stdout.contains("equibiaxial, plane stress"), "{}", answer.stdout);
+    assert!(
+        answer.stdout.contains("equibiaxial, plane stress"),
+        "{}",
+        answer.stdout
+    );
     let csv = std::fs::read_to_string(place.join("path.csv")).expect("a file");
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows[0][1], "abscissa");
     assert_eq!(rows.len(), 98);
     assert!(rows.iter().all(|row| row.len() == rows[0].len()));
-    let stretch: Vec<f64> = rows[1..].iter().map(|row| row[1].parse().expect("a number")).collect();
+    let stretch: Vec<f64> = rows[1..]
+        .iter()
+        .map(|row| row[1].parse().expect("a number"))
+        .collect();
     assert_eq!((stretch[0], stretch[96]), (1.0, 1.6));
     for file in ["path.svg", "path.png"] {
         assert!(place.join(file).is_file(), "{file}");
     }
     // The same table on standard output.
-    let printed = onset_line(&format!("path --mode equibiaxial --to 1.6 {OGDEN} --format csv"));
+    let printed = onset_line(&format!(
+        "path --mode equibiaxial --to 1.6 {OGDEN} --format csv"
+    ));
     assert_eq!(printed.stdout.trim_end(), csv.trim_end());
     std::fs::remove_dir_all(place).expect("removed");
 }
@@ -69,11 +86,17 @@ fn a_path_is_written_as_table_and_figure() {
 #[test]
 fn loadings_that_do_not_exist_are_refused_with_those_that_do() {
     for (line, fact) in [
-        ("path --mode uniaxial --lateral plane-stress --to 2", "it has free, plane-strain, held"),
+        (
+            "path --mode uniaxial --lateral plane-stress --to 2",
+            "it has free, plane-strain, held",
+        ),
         ("path --mode twist --to 2", "expected one of uniaxial"),
         ("path --mode uniaxial --to 2,1", "one imposed stretch"),
         ("path --mode uniaxial --to -2", "a positive number"),
-        ("path --mode uniaxial --from 2 --to 2", "from a state to itself"),
+        (
+            "path --mode uniaxial --from 2 --to 2",
+            "from a state to itself",
+        ),
         ("path --to 2,1", "--from"),
         ("path --lateral free --from 1,1 --to 2,1", "--mode"),
         ("path --mode uniaxial --to 1e6", "between 0.001 and 1000"),
@@ -92,10 +115,15 @@ fn a_loading_that_ends_early_says_where_and_why() {
     let end = number(&answer, "/loading/to");
     assert!(end > 2.0 && end < 5.0, "{end}");
     assert!(answer["loading"]["ends_early"].is_string());
-    let told = onset(&line.split(' ').map(|word| match word {
-        "method=fem" => "discretization.method=fem",
-        "set" => "--set",
-        other => other,
-    }).collect::<Vec<_>>());
+    let told = onset(
+        &line
+            .split(' ')
+            .map(|word| match word {
+                "method=fem" => "discretization.method=fem",
+                "set" => "--set",
+                other => other,
+            })
+            .collect::<Vec<_>>(),
+    );
     assert!(told.stdout.contains("It ends there"), "{}", told.stdout);
 }

@@ -29,6 +29,8 @@ mod notions;
 mod numbers;
 mod plot;
 mod printing;
+#[cfg(unix)]
+mod readme;
 mod refusals;
 mod settings;
 mod space;

@@ -9,9 +9,7 @@ use crate::number::told;
 use crate::output::{Files, text};
 use crate::settings::Effective;
 use onset::kinematics::{DeformationGradient, DeformationPath, StraightPath};
-use onset::notions::{
-    Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic,
-};
+use onset::notions::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -71,8 +69,17 @@ impl Course {
     ///
     /// # Errors
     /// The names of what can hold the other directions in this mode, where it is not what was asked for.
-    pub fn of_mode(mode: Mode, lateral: Option<Lateral>, from: f64, to: f64) -> Result<Self, String> {
-        let own = || Loading::ALL.into_iter().filter(|loading| loading.mode == mode);
+    pub fn of_mode(
+        mode: Mode,
+        lateral: Option<Lateral>,
+        from: f64,
+        to: f64,
+    ) -> Result<Self, String> {
+        let own = || {
+            Loading::ALL
+                .into_iter()
+                .filter(|loading| loading.mode == mode)
+        };
         let asked = own().find(|loading| lateral.is_none_or(|asked| loading.lateral == asked));
         let loading = asked.ok_or_else(|| {
             let known: Vec<&str> = own().map(|loading| loading.lateral.name()).collect();
@@ -130,7 +137,8 @@ impl Course {
             Self::Loading { from, to, .. } => ("imposed stretch λ (−)", from + (to - from) * s),
             Self::Straight(from, to) => {
                 let (from, to) = (from.0.components(), to.0.components());
-                let shears = (0..3).any(|i| (0..3).any(|j| i != j && (from[i][j] != 0.0 || to[i][j] != 0.0)));
+                let shears = (0..3)
+                    .any(|i| (0..3).any(|j| i != j && (from[i][j] != 0.0 || to[i][j] != 0.0)));
                 let names = ["stretch λ₁ (−)", "stretch λ₂ (−)", "stretch λ₃ (−)"];
                 let changing = (0..3).find(|i| from[*i][*i] != to[*i][*i]);
                 match changing.filter(|_| !shears) {
@@ -156,7 +164,14 @@ fn reached(path: &LoadingPath<'_>, stretch: f64) -> (f64, Option<String>) {
     let why = why.unwrap_or_else(|| "no state with free faces was found beyond".to_owned());
     // A little before: the last state is at the end to rounding.
     let before = 1.0 + (last - 1.0) * (1.0 - 1e-9);
-    (if path.at(before.ln()).is_some() { before } else { 1.0 }, Some(why))
+    (
+        if path.at(before.ln()).is_some() {
+            before
+        } else {
+            1.0
+        },
+        Some(why),
+    )
 }
 
 /// States that are looked at along a path.
@@ -287,13 +302,17 @@ impl PathSamples {
             let heights = points.iter().map(|point| point.1).chain([0.0]);
             let y = Axis::linear(label, (0.0, 1.0)).covering(heights.collect::<Vec<_>>());
             let x = Axis::linear(self.abscissa, (low, high));
-            let mut panel = Panel::new(name, x, y).with(Rule::horizontal(0.0).color(palette::BLACK));
+            let mut panel =
+                Panel::new(name, x, y).with(Rule::horizontal(0.0).color(palette::BLACK));
             for parameter in changes {
                 panel = panel.with(Rule::vertical(at(parameter)).color(palette::GREY).dashed());
             }
             panel.with(Line::new(points).color(color))
         };
-        let stress = self.settings.units().of("smallest acoustic eigenvalue", "(Pa)");
+        let stress = self
+            .settings
+            .units()
+            .of("smallest acoustic eigenvalue", "(Pa)");
         Figure::new(title)
             .columns(2)
             .with(panel(

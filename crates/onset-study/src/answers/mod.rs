@@ -4,6 +4,7 @@ mod certificate;
 mod course;
 mod dispersion;
 mod mode;
+mod mode_name;
 mod next;
 mod notes;
 mod path;

@@ -366,7 +366,13 @@ fn at(place: &Place, units: Units) -> String {
     };
     // Those of the plane, and in space all.
     let stresses: Vec<String> = (0..place.stretch.len().max(2))
-        .map(|i| format!("s{0}{0} = {1}", i + 1, units.of(told(place.cauchy[i][i]), "Pa")))
+        .map(|i| {
+            format!(
+                "s{0}{0} = {1}",
+                i + 1,
+                units.of(told(place.cauchy[i][i]), "Pa")
+            )
+        })
         .collect();
     format!(
         "stretch {}{start} ({})",

@@ -111,7 +111,10 @@ pub enum ProblemError {
 
 /// Notes as they follow a message.
 fn note_lines(notes: &[String]) -> String {
-    notes.iter().map(|note| format!("\n  note: {note}")).collect()
+    notes
+        .iter()
+        .map(|note| format!("\n  note: {note}"))
+        .collect()
 }
 
 /// A message without its hint, which is about one value alone.

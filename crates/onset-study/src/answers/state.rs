@@ -3,6 +3,7 @@
 use super::certificate::CertificateAnswer;
 use super::in_dimension_of;
 use super::mode::{critical_mode, finite_wave_vector};
+use super::mode_name;
 use super::next::next;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
@@ -140,6 +141,8 @@ impl SpaceAnswer {
 pub struct DiscretizationAnswer {
     /// Whether no mode grows.
     pub stable: bool,
+    /// The fastest growing mode in words; the softest one when stable.
+    pub mode: String,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
     pub minimum_omega_squared: ComplexNumber,
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit; where a mode grows at `k = 0`, so that this has no
@@ -247,7 +250,7 @@ fn answer<const D: usize>(
         deformation_gradient: *f.components(),
         material: material_answer(&problem.settings, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(&method, &assessment, f, steps),
+        discretization: discretization_answer(&problem.settings, &method, &assessment, f, steps),
     })
 }
 
@@ -283,6 +286,7 @@ fn material_answer<const D: usize>(
 }
 
 fn discretization_answer<const D: usize>(
+    settings: &Settings,
     method: &Discretized<D>,
     assessment: &Assessment<D>,
     f: &DeformationGradient,
@@ -291,8 +295,15 @@ fn discretization_answer<const D: usize>(
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
+    let named = mode_name::name(
+        settings,
+        method.lattice().reciprocal(),
+        mode,
+        &method.spatial(f, &mode.wave_vector),
+    );
     DiscretizationAnswer {
         stable: spectrum.is_stable(),
+        mode: named,
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,
         wave_vector: list(&wave_vector),
@@ -401,6 +412,14 @@ impl std::fmt::Display for StateAnswer {
         };
         line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         line(&of("scaled minimum"), told_of(d.minimum_scaled, 1.0))?;
+        line(
+            &of(if d.stable {
+                "softest mode"
+            } else {
+                "critical mode"
+            }),
+            d.mode.clone(),
+        )?;
         line(
             &of(if d.stable {
                 "softest wave vector"

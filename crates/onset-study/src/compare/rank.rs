@@ -150,7 +150,12 @@ impl Recommendation {
             if changes.is_empty() {
                 changes.push("the same methods".to_owned());
             }
-            format!("--{} {}: {}", one.threshold, crate::number::told(one.value), changes.join("; "))
+            format!(
+                "--{} {}: {}",
+                one.threshold,
+                crate::number::told(one.value),
+                changes.join("; ")
+            )
         };
         self.dependence.iter().map(told).collect()
     }
@@ -288,6 +293,10 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
             format!("{} of the window", share_of(fidelity.missed_instability)),
         ));
     }
-    (measured.long_wave_error > limits.long_waves)
-        .then(|| (5, format!("wrong by {}", share_of(measured.long_wave_error))))
+    (measured.long_wave_error > limits.long_waves).then(|| {
+        (
+            5,
+            format!("wrong by {}", share_of(measured.long_wave_error)),
+        )
+    })
 }

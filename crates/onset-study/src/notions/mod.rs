@@ -12,8 +12,8 @@ use crate::answers::notes_on_law;
 use crate::settings::{MaterialSettings, Value};
 use onset::material::{Hyperelastic, MaterialError};
 use onset::notions::{
-    Change, Event, Knowledge, Loading, LoadingError, LoadingPath, Notion, PathEnd,
-    PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
+    Change, Event, Knowledge, Loading, LoadingError, LoadingPath, Notion, PathEnd, PathState,
+    Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
 };
 use rayon::prelude::*;
 use serde::Serialize;

@@ -30,15 +30,35 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("discretization.method", "wcsph", Is("updated-sph")),
     ("discretization.method", "ulsph", Is("updated-sph")),
     ("discretization.method", "ul-sph", Is("updated-sph")),
-    ("discretization.method", "updated-lagrangian-sph", Is("updated-sph")),
+    (
+        "discretization.method",
+        "updated-lagrangian-sph",
+        Is("updated-sph"),
+    ),
     ("discretization.method", "tlsph", Is("total-lagrangian-sph")),
-    ("discretization.method", "tl-sph", Is("total-lagrangian-sph")),
+    (
+        "discretization.method",
+        "tl-sph",
+        Is("total-lagrangian-sph"),
+    ),
     ("discretization.method", "mpm", Is("material-points")),
-    ("discretization.method", "material-point", Is("material-points")),
-    ("discretization.method", "material-point-method", Is("material-points")),
+    (
+        "discretization.method",
+        "material-point",
+        Is("material-points"),
+    ),
+    (
+        "discretization.method",
+        "material-point-method",
+        Is("material-points"),
+    ),
     ("discretization.method", "fem", Is("finite-elements")),
     ("discretization.method", "fe", Is("finite-elements")),
-    ("discretization.method", "finite-element", Is("finite-elements")),
+    (
+        "discretization.method",
+        "finite-element",
+        Is("finite-elements"),
+    ),
     (
         "discretization.method",
         "rkpm",
@@ -62,16 +82,32 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("discretization.bonds", "bond", Is("bond-based")),
     ("discretization.bonds", "state-based", Is("correspondence")),
     ("discretization.bonds", "nosb", Is("correspondence")),
-    ("discretization.arrangement", "fcc", Is("face-centered-cubic")),
-    ("discretization.arrangement", "bcc", Is("body-centered-cubic")),
-    ("discretization.arrangement", "hcp", Is("hexagonal-close-packed")),
+    (
+        "discretization.arrangement",
+        "fcc",
+        Is("face-centered-cubic"),
+    ),
+    (
+        "discretization.arrangement",
+        "bcc",
+        Is("body-centered-cubic"),
+    ),
+    (
+        "discretization.arrangement",
+        "hcp",
+        Is("hexagonal-close-packed"),
+    ),
     ("discretization.arrangement", "sc", Is("simple-cubic")),
     ("discretization.arrangement", "cubic", Is("simple-cubic")),
     ("discretization.arrangement", "triangular", Is("hexagonal")),
     ("discretization.arrangement", "hex", Is("hexagonal")),
     ("discretization.arrangement", "line", Is("chain")),
     ("discretization.kernel", "cubic", Is("cubic-spline")),
-    ("discretization.kernel", "cubic-b-spline", Is("cubic-spline")),
+    (
+        "discretization.kernel",
+        "cubic-b-spline",
+        Is("cubic-spline"),
+    ),
     ("discretization.kernel", "quintic", Is("quintic-spline")),
     (
         "discretization.kernel",
@@ -202,10 +238,14 @@ fn plain(word: &str) -> String {
 pub(super) fn nearest_word(key: &str, typed: &str, words: &[&'static str]) -> Option<&'static str> {
     let typed = plain(typed);
     let mut names: Vec<(&str, &'static str)> = words.iter().map(|word| (*word, *word)).collect();
-    names.extend(WORDS.iter().filter_map(|(of, word, meaning)| match meaning {
-        Is(own) | With(own, _) if *of == key => Some((*word, *own)),
-        _ => None,
-    }));
+    names.extend(
+        WORDS
+            .iter()
+            .filter_map(|(of, word, meaning)| match meaning {
+                Is(own) | With(own, _) if *of == key => Some((*word, *own)),
+                _ => None,
+            }),
+    );
     let found = nearest(&typed, names.iter().map(|(name, _)| *name))?;
     names
         .iter()
@@ -283,15 +323,25 @@ mod tests {
     #[test]
     fn what_an_alias_brings_along_gives_way_to_what_is_set() {
         for assignments in [
-            ["discretization.method=rkpm", "discretization.approximation=mls-2"],
-            ["discretization.approximation=mls-2", "discretization.method=RKPM"],
+            [
+                "discretization.method=rkpm",
+                "discretization.approximation=mls-2",
+            ],
+            [
+                "discretization.approximation=mls-2",
+                "discretization.method=RKPM",
+            ],
         ] {
             let settings = Settings::from_assignments(&assignments).expect("valid");
-            let value = settings.value("discretization.approximation").map(|value| value.to_string());
+            let value = settings
+                .value("discretization.approximation")
+                .map(|value| value.to_string());
             assert_eq!(value.as_deref(), Some("\"mls-2\""), "{assignments:?}");
         }
         let settings = Settings::from_assignments(&["discretization.method=rkpm"]).expect("valid");
-        let value = settings.value("discretization.approximation").map(|value| value.to_string());
+        let value = settings
+            .value("discretization.approximation")
+            .map(|value| value.to_string());
         assert_eq!(value.as_deref(), Some("\"mls\""));
     }
 }

@@ -148,7 +148,9 @@ impl Effective {
         let told = |name: &str, choice: &Choice| match &choice.value {
             Value::Word(word) => format!("{name} {word}"),
             Value::Number(number) => {
-                let unit = choice.unit.map_or_else(String::new, |unit| format!(" {unit}"));
+                let unit = choice
+                    .unit
+                    .map_or_else(String::new, |unit| format!(" {unit}"));
                 format!("{name} {}{unit}", crate::number::exact(*number))
             }
             Value::Switch(true) => name.to_owned(),

@@ -445,6 +445,11 @@ pub const MAP_KEYS: &[Key] = &[
     ),
 ];
 
+/// The key of the smoothing length, which is in no table: what is effective is the support.
+pub(super) fn smoothing_length() -> &'static Key {
+    &SMOOTHING_LENGTH
+}
+
 /// Every key that a study can set, in the order of the documentation; axes and title apart.
 pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
     KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)

@@ -64,16 +64,34 @@ impl MaterialSettings {
         let is_law = matches!(self.model, Model::Law(_));
         // What follows from moduli has their units.
         let of_moduli: Vec<&str> = self.of_moduli().collect();
-        let moduli = self.set.keys().copied().filter(|name| self.reads_modulus(name));
-        let parameters = self.model.parameters().iter().map(|parameter| parameter.name);
-        let names = parameters.filter(move |name| !of_moduli.contains(name)).chain(moduli);
+        let moduli = self
+            .set
+            .keys()
+            .copied()
+            .filter(|name| self.reads_modulus(name));
+        let parameters = self
+            .model
+            .parameters()
+            .iter()
+            .map(|parameter| parameter.name);
+        let names = parameters
+            .filter(move |name| !of_moduli.contains(name))
+            .chain(moduli);
         let values = self.entries();
         names.filter(move |_| is_law).filter_map(move |name| {
             let key = Key::named(&format!("material.{name}"))?;
             key.unit().and_then(units::si)?;
-            let known = values.iter().find(|(own, _)| *own == name).map(|(_, value)| value);
+            let known = values
+                .iter()
+                .find(|(own, _)| *own == name)
+                .map(|(_, value)| value);
             let value = known.or_else(|| self.given(name))?.number()?;
-            Some((key, value, self.with_units.contains(name), self.origin(name)))
+            Some((
+                key,
+                value,
+                self.with_units.contains(name),
+                self.origin(name),
+            ))
         })
     }
 
@@ -103,9 +121,10 @@ impl MaterialSettings {
         if given.is_empty() {
             return Ok(Vec::new());
         }
-        let own = law.parameters.iter().filter_map(|parameter| {
-            Some((parameter.name, self.given(parameter.name)?.number()?))
-        });
+        let own = law
+            .parameters
+            .iter()
+            .filter_map(|parameter| Some((parameter.name, self.given(parameter.name)?.number()?)));
         moduli::parameters(law, &own.collect::<Vec<_>>(), &given)
     }
 

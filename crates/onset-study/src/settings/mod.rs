@@ -94,9 +94,10 @@ impl Settings {
         for (name, origin) in self.set_keys() {
             self.check_read(name, origin.clone(), open)?;
         }
-        if let (Some((_, origin)), Some(key)) =
-            (&self.smoothing_length, Key::named(aliases::SMOOTHING_LENGTH))
-        {
+        if let (Some((_, origin)), Some(key)) = (
+            &self.smoothing_length,
+            Key::named(aliases::SMOOTHING_LENGTH),
+        ) {
             self.check_read(key, origin.clone(), open)?;
         }
         self.check_units()?;
@@ -137,7 +138,11 @@ impl Settings {
     /// The support that a smoothing length and the kernel make.
     fn follow_smoothing_length(&mut self) {
         if let Some((length, _)) = self.smoothing_length {
-            let per_length = self.discretization.kernel.nominal_smoothing_length(1.0).recip();
+            let per_length = self
+                .discretization
+                .kernel
+                .nominal_smoothing_length(1.0)
+                .recip();
             self.discretization.support = length * per_length;
         }
     }
@@ -156,8 +161,9 @@ impl Settings {
                     "`{name}` sets the support, which {} has set already",
                     other.place()
                 );
-                Err(SettingError::new(origin.clone(), message)
-                    .hint("give discretization.support or discretization.smoothing-length, not both"))
+                Err(SettingError::new(origin.clone(), message).hint(
+                    "give discretization.support or discretization.smoothing-length, not both",
+                ))
             }
             _ => Ok(()),
         }

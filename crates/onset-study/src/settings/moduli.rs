@@ -46,29 +46,37 @@ const AGREEMENT: f64 = 1e-9;
 /// # Errors
 /// What is wrong with them, in words.
 fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
-    let of = |name: &str| given.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
+    let of = |name: &str| {
+        given
+            .iter()
+            .find(|(own, _)| *own == name)
+            .map(|(_, value)| *value)
+    };
     if let Some(nu) = of("poisson").filter(|nu| !(-1.0 < *nu && *nu < 0.5)) {
-        return Err(format!("material.poisson is {nu}; expected a number above -1 and below 0.5"));
+        return Err(format!(
+            "material.poisson is {nu}; expected a number above -1 and below 0.5"
+        ));
     }
     for name in ["young", "bulk", "shear"] {
         if let Some(value) = of(name).filter(|value| !(*value > 0.0 && value.is_finite())) {
-            return Err(format!("material.{name} is {value}; expected a positive number"));
+            return Err(format!(
+                "material.{name} is {value}; expected a positive number"
+            ));
         }
     }
     let bulk_of = |mu: f64, nu: f64| 2.0 * mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
     let (mu, kappa) = match (of("young"), of("poisson"), of("bulk"), of("shear")) {
-        (Some(e), Some(nu), None, None) => {
-            (e / (2.0 * (1.0 + nu)), e / (3.0 * (1.0 - 2.0 * nu)))
-        }
+        (Some(e), Some(nu), None, None) => (e / (2.0 * (1.0 + nu)), e / (3.0 * (1.0 - 2.0 * nu))),
         (Some(e), None, Some(k), None) => (3.0 * k * e / (9.0 * k - e), k),
         (Some(e), None, None, Some(mu)) => (mu, e * mu / (3.0 * (3.0 * mu - e))),
-        (None, Some(nu), Some(k), None) => {
-            (3.0 * k * (1.0 - 2.0 * nu) / (2.0 * (1.0 + nu)), k)
-        }
+        (None, Some(nu), Some(k), None) => (3.0 * k * (1.0 - 2.0 * nu) / (2.0 * (1.0 + nu)), k),
         (None, Some(nu), None, Some(mu)) => (mu, bulk_of(mu, nu)),
         (None, None, Some(k), Some(mu)) => (mu, k),
         _ => {
-            let names: Vec<String> = given.iter().map(|(name, _)| format!("material.{name}")).collect();
+            let names: Vec<String> = given
+                .iter()
+                .map(|(name, _)| format!("material.{name}"))
+                .collect();
             return Err(format!(
                 "{} given; two of material.young, material.poisson, material.bulk and material.shear determine an isotropic law",
                 match names.len() {
@@ -96,7 +104,11 @@ pub(super) fn parameters(
     set: &[(&'static str, f64)],
     given: &[(&str, f64)],
 ) -> Result<Vec<(&'static str, f64)>, String> {
-    let names: Vec<&str> = law.parameters.iter().map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = law
+        .parameters
+        .iter()
+        .map(|parameter| parameter.name)
+        .collect();
     if law.symmetry != Symmetry::Isotropic {
         return Err(format!(
             "{} is {}: {} do not determine it; its parameters are {}",
@@ -108,7 +120,9 @@ pub(super) fn parameters(
     }
     let (mu, kappa) = shear_and_bulk(given)?;
     let moduli = |values: &[(&str, f64)]| {
-        let stiffness = law.small_strain_stiffness(values).map_err(|error| error.to_string())?;
+        let stiffness = law
+            .small_strain_stiffness(values)
+            .map_err(|error| error.to_string())?;
         Ok::<_, String>((stiffness[3][3], stiffness[0][1] + stiffness[3][3] / 1.5))
     };
     let was_set = |name: &str| set.iter().any(|(own, _)| *own == name);
@@ -117,7 +131,10 @@ pub(super) fn parameters(
         .iter()
         .map(|parameter| {
             let own = set.iter().find(|(name, _)| *name == parameter.name);
-            (parameter.name, own.map_or(parameter.default, |(_, value)| *value))
+            (
+                parameter.name,
+                own.map_or(parameter.default, |(_, value)| *value),
+            )
         })
         .collect();
     let (mu_now, kappa_now) = moduli(&start)?;
@@ -135,15 +152,25 @@ pub(super) fn parameters(
     let is_of_shear = |share: f64| share.abs() > ROUNDING * mu_now.abs();
     let is_of_bulk = |share: f64| share.abs() > ROUNDING * kappa_now.abs();
     let factor = mu / mu_now;
-    let (of_shear, rest): (Vec<_>, Vec<_>) =
-        shares.into_iter().partition(|(_, share, _)| is_of_shear(*share));
-    let (of_bulk, others): (Vec<_>, Vec<_>) =
-        rest.into_iter().partition(|(_, _, share)| is_of_bulk(*share));
-    if let Some((n, ..)) = of_shear.iter().chain(&of_bulk).find(|(n, ..)| was_set(start[*n].0)) {
+    let (of_shear, rest): (Vec<_>, Vec<_>) = shares
+        .into_iter()
+        .partition(|(_, share, _)| is_of_shear(*share));
+    let (of_bulk, others): (Vec<_>, Vec<_>) = rest
+        .into_iter()
+        .partition(|(_, _, share)| is_of_bulk(*share));
+    if let Some((n, ..)) = of_shear
+        .iter()
+        .chain(&of_bulk)
+        .find(|(n, ..)| was_set(start[*n].0))
+    {
         return Err(format!(
             "material.{} is set, and follows from the moduli ({}) too",
             start[*n].0,
-            given.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+            given
+                .iter()
+                .map(|(name, _)| *name)
+                .collect::<Vec<_>>()
+                .join(", ")
         ));
     }
     let mut found = Vec::new();
@@ -151,13 +178,19 @@ pub(super) fn parameters(
     of_shear.iter().for_each(|(n, ..)| add(*n, factor));
     // Constants of higher powers follow the shear modulus, unless they are set.
     let follows = |n: &usize| !was_set(start[*n].0);
-    others.iter().map(|(n, ..)| *n).filter(follows).for_each(|n| add(n, factor));
+    others
+        .iter()
+        .map(|(n, ..)| *n)
+        .filter(follows)
+        .for_each(|n| add(n, factor));
     let by_shear = factor * of_shear.iter().map(|(.., share)| share).sum::<f64>();
     let by_bulk: f64 = of_bulk.iter().map(|(.., share)| share).sum();
     if of_bulk.is_empty() {
         found.extend(of_ratio(law, mu, kappa));
     } else {
-        of_bulk.iter().for_each(|(n, ..)| add(*n, (kappa - by_shear) / by_bulk));
+        of_bulk
+            .iter()
+            .for_each(|(n, ..)| add(*n, (kappa - by_shear) / by_bulk));
     }
     let mut all = start;
     for (name, value) in &mut all {
@@ -200,18 +233,26 @@ mod tests {
     #[test]
     fn every_isotropic_law_has_the_moduli_that_are_asked_for() {
         let mut count = 0;
-        for law in library().iter().filter(|law| law.symmetry == Symmetry::Isotropic) {
+        for law in library()
+            .iter()
+            .filter(|law| law.symmetry == Symmetry::Isotropic)
+        {
             // Blatz and Ko's foam has Poisson's ratio 1/4, whatever is asked for.
             if law.name == "blatz-ko" {
                 assert!(parameters(law, &[], &STEEL).is_err());
                 continue;
             }
-            let found = parameters(law, &[], &STEEL).unwrap_or_else(|told| panic!("{}: {told}", law.name));
+            let found =
+                parameters(law, &[], &STEEL).unwrap_or_else(|told| panic!("{}: {told}", law.name));
             let stiffness = law.small_strain_stiffness(&found).expect("admissible");
             let (mu, lambda) = (stiffness[3][3], stiffness[0][1]);
             let young = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
             assert!((young / 210.0 - 1.0).abs() < 1e-9, "{}: {young}", law.name);
-            assert!((lambda / (2.0 * (lambda + mu)) / 0.3 - 1.0).abs() < 1e-9, "{}", law.name);
+            assert!(
+                (lambda / (2.0 * (lambda + mu)) / 0.3 - 1.0).abs() < 1e-9,
+                "{}",
+                law.name
+            );
             assert!(law.build(&found).is_ok(), "{}", law.name);
             count += 1;
         }
@@ -233,8 +274,15 @@ mod tests {
         for pair in pairs {
             let found = parameters(law, &[], &pair).expect("moduli");
             for (name, value) in [("mu", mu), ("lambda", kappa - mu / 1.5)] {
-                let own = found.iter().find(|(own, _)| *own == name).expect("a parameter").1;
-                assert!((own / value - 1.0).abs() < 1e-12, "{pair:?}: {name} = {own}");
+                let own = found
+                    .iter()
+                    .find(|(own, _)| *own == name)
+                    .expect("a parameter")
+                    .1;
+                assert!(
+                    (own / value - 1.0).abs() < 1e-12,
+                    "{pair:?}: {name} = {own}"
+                );
             }
         }
     }
@@ -242,17 +290,42 @@ mod tests {
     #[test]
     fn what_is_too_much_too_little_or_impossible_is_told() {
         for (law, set, given, fact) in [
-            ("neo-hooke", vec![], vec![("young", 1.0)], "material.young alone is given"),
+            (
+                "neo-hooke",
+                vec![],
+                vec![("young", 1.0)],
+                "material.young alone is given",
+            ),
             (
                 "neo-hooke",
                 vec![],
                 vec![("young", 1.0), ("poisson", 0.3), ("bulk", 1.0)],
                 "two of material.young",
             ),
-            ("neo-hooke", vec![("mu", 1.0)], STEEL.to_vec(), "material.mu is set, and follows"),
-            ("neo-hooke", vec![], vec![("young", 1.0), ("poisson", 0.5)], "above -1 and below 0.5"),
-            ("neo-hooke", vec![], vec![("young", -1.0), ("poisson", 0.2)], "a positive number"),
-            ("neo-hooke", vec![], vec![("young", 9.0), ("bulk", 1.0)], "no positive shear"),
+            (
+                "neo-hooke",
+                vec![("mu", 1.0)],
+                STEEL.to_vec(),
+                "material.mu is set, and follows",
+            ),
+            (
+                "neo-hooke",
+                vec![],
+                vec![("young", 1.0), ("poisson", 0.5)],
+                "above -1 and below 0.5",
+            ),
+            (
+                "neo-hooke",
+                vec![],
+                vec![("young", -1.0), ("poisson", 0.2)],
+                "a positive number",
+            ),
+            (
+                "neo-hooke",
+                vec![],
+                vec![("young", 9.0), ("bulk", 1.0)],
+                "no positive shear",
+            ),
             ("blatz-ko", vec![], STEEL.to_vec(), "Poisson's ratio 1/4"),
             ("cubic", vec![], STEEL.to_vec(), "is cubic"),
         ] {

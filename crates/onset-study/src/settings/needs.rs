@@ -92,9 +92,14 @@ impl Key {
             return Some(Vec::new());
         }
         let is_unmet = |need: &Need| value(need.key).is_some_and(|value| !need.is_met(&value));
-        let lacking = |case: Vec<Need>| -> Vec<Need> { case.into_iter().filter(is_unmet).collect() };
+        let lacking =
+            |case: Vec<Need>| -> Vec<Need> { case.into_iter().filter(is_unmet).collect() };
         let possible = |lacking: &Vec<Need>| lacking.iter().all(|need| need.key != held);
-        cases.into_iter().map(lacking).filter(possible).min_by_key(Vec::len)
+        cases
+            .into_iter()
+            .map(lacking)
+            .filter(possible)
+            .min_by_key(Vec::len)
     }
 
     /// Who reads the key, in words; empty where it is always read.

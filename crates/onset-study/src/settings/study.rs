@@ -172,7 +172,8 @@ impl Study {
         match key.parts() {
             ("material", "model") => true,
             ("material", name) => {
-                self.settings.material.model.takes(name) || self.settings.material.reads_modulus(name)
+                self.settings.material.model.takes(name)
+                    || self.settings.material.reads_modulus(name)
             }
             _ => self.unmet(key).is_none(),
         }

@@ -48,11 +48,19 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ),
     (
         "deg",
-        &[("deg", 1.0), ("°", 1.0), ("rad", 180.0 / std::f64::consts::PI)],
+        &[
+            ("deg", 1.0),
+            ("°", 1.0),
+            ("rad", 180.0 / std::f64::consts::PI),
+        ],
     ),
     (
         "rad",
-        &[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0), ("°", std::f64::consts::PI / 180.0)],
+        &[
+            ("rad", 1.0),
+            ("deg", std::f64::consts::PI / 180.0),
+            ("°", std::f64::consts::PI / 180.0),
+        ],
     ),
 ];
 
@@ -100,9 +108,8 @@ pub(super) fn converted(
     let Some((number, unit)) = split(text) else {
         return Ok(None);
     };
-    let wrong = |message: String, hint: String| {
-        Err(SettingError::new(origin.clone(), message).hint(hint))
-    };
+    let wrong =
+        |message: String, hint: String| Err(SettingError::new(origin.clone(), message).hint(hint));
     let of = |dimension: &str| UNITS.iter().find(|(name, _)| *name == dimension);
     let is = |known: &str| plain(known) == plain(unit);
     // A parameter of a formula has the dimension that its formula gives it.
@@ -123,16 +130,25 @@ pub(super) fn converted(
     };
     match (of(dimension), other) {
         (None, _) => wrong(
-            format!("`{}` has no dimension, and takes no unit such as `{unit}`", key.name),
+            format!(
+                "`{}` has no dimension, and takes no unit such as `{unit}`",
+                key.name
+            ),
             format!("give a number without unit ({})", key.meaning),
         ),
         (Some((_, units)), Some((other, _))) => wrong(
-            format!("`{}` is {}; `{unit}` is a unit of {}", key.name, named(dimension), named(other)),
+            format!(
+                "`{}` is {}; `{unit}` is a unit of {}",
+                key.name,
+                named(dimension),
+                named(other)
+            ),
             format!("units of {} are {}", named(dimension), names(units)),
         ),
         (Some((_, units)), None) => {
             let nearest = nearest(unit, units.iter().map(|(known, _)| *known));
-            let meant = nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
+            let meant =
+                nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
             wrong(
                 format!("`{unit}` is no unit that is known"),
                 format!("{meant}units of {} are {}", named(dimension), names(units)),
@@ -279,7 +295,11 @@ mod tests {
             ("material.angle", "0.5rad", 0.5_f64.to_degrees()),
             ("state.rotation", "30 deg", 30.0_f64.to_radians()),
         ] {
-            assert_eq!(of(key, text), Ok(Some(Value::Number(value))), "{key} {text}");
+            assert_eq!(
+                of(key, text),
+                Ok(Some(Value::Number(value))),
+                "{key} {text}"
+            );
         }
         assert_eq!(of("material.mu", "soft"), Ok(None));
     }
@@ -287,9 +307,17 @@ mod tests {
     #[test]
     fn units_of_another_quantity_and_unknown_ones_are_told() {
         for (key, text, fact) in [
-            ("material.mu", "1 mm", "is a stress; `mm` is a unit of a length"),
+            (
+                "material.mu",
+                "1 mm",
+                "is a stress; `mm` is a unit of a length",
+            ),
             ("material.mu", "80 Gpa", "did you mean `GPa`?"),
-            ("discretization.spacing", "3 parsec", "units of a length are m, cm, mm"),
+            (
+                "discretization.spacing",
+                "3 parsec",
+                "units of a length are m, cm, mm",
+            ),
             ("discretization.support", "2 mm", "has no dimension"),
         ] {
             let told = of(key, text).expect_err("refused");

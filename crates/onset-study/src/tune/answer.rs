@@ -126,7 +126,9 @@ impl TuneAnswer {
                 source: Box::new(source),
             })?;
         }
-        let first = all.iter().position(|one| one.cures(&limits) && !one.hides(&limits));
+        let first = all
+            .iter()
+            .position(|one| one.cures(&limits) && !one.hides(&limits));
         let mut recommended = first.map(|n| all[n].value);
         if let Some(n) = first.filter(|n| *n > 0) {
             let (mut low, mut high) = (all[n - 1].value, all[n].value);
@@ -207,7 +209,11 @@ impl TuneAnswer {
             .with(marked(
                 Panel::new("Weakest wave of the undeformed body", axis(), unit())
                     .with(line(&|m| m.weakest).color(palette::BLUE))
-                    .with(Rule::horizontal(self.thresholds.weak).dotted().named("strong enough")),
+                    .with(
+                        Rule::horizontal(self.thresholds.weak)
+                            .dotted()
+                            .named("strong enough"),
+                    ),
             ))
             .with(marked(
                 Panel::new("Wrong verdicts", axis(), shares)
@@ -329,7 +335,9 @@ impl fmt::Display for TuneAnswer {
             percent(limits.later)
         )?;
         for one in &self.dependence {
-            let value = one.recommended.map_or("none".to_owned(), crate::number::told);
+            let value = one
+                .recommended
+                .map_or("none".to_owned(), crate::number::told);
             let limit = crate::number::told(one.value);
             writeln!(formatter, "  --{} {limit}: {value}", one.threshold)?;
         }

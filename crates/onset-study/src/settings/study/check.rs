@@ -66,7 +66,10 @@ impl Study {
             let is_length = quantity.name() == aliases::SMOOTHING_LENGTH;
             self.origin("discretization.support").filter(|_| is_length)
         };
-        match self.origin(quantity.key_name().as_str()).or_else(of_support) {
+        match self
+            .origin(quantity.key_name().as_str())
+            .or_else(of_support)
+        {
             Some(set) => refused(format!(
                 "{} is set twice, as an axis and at {}",
                 quantity.name(),

@@ -103,7 +103,8 @@ impl Study {
 
     /// The keys of parameters that follow from moduli which an axis varies.
     pub(in crate::settings) fn follows(&self) -> Vec<String> {
-        let is_modulus = |axis: &Axis| matches!(axis.quantity, Quantity::Setting(key) if key.is_modulus());
+        let is_modulus =
+            |axis: &Axis| matches!(axis.quantity, Quantity::Setting(key) if key.is_modulus());
         if !self.axes.iter().any(is_modulus) {
             return Vec::new();
         }
@@ -148,7 +149,10 @@ impl Study {
             if table == "axes" {
                 self.axes.iter().for_each(|axis| {
                     let (low, high) = axis.range;
-                    let end = |end: f64| match axis.si_unit().filter(|_| self.settings.units().are_si()) {
+                    let end = |end: f64| match axis
+                        .si_unit()
+                        .filter(|_| self.settings.units().are_si())
+                    {
                         Some(unit) => format!("\"{end:?} {unit}\""),
                         None => format!("{end:?}"),
                     };
@@ -175,8 +179,11 @@ impl Study {
                 }
                 let si = key.unit().and_then(units::si);
                 let value = match (value, key.unit()) {
-                    (Value::Number(number), Some(_)) if self.settings.units().are_si() && si.is_some() => {
-                        toml::Value::from(format!("{number:?} {}", si.unwrap_or_default())).to_string()
+                    (Value::Number(number), Some(_))
+                        if self.settings.units().are_si() && si.is_some() =>
+                    {
+                        toml::Value::from(format!("{number:?} {}", si.unwrap_or_default()))
+                            .to_string()
                     }
                     (Value::Number(number), Some(_)) => format!("{number:?}"),
                     (Value::Word(text), _) => toml::Value::from(text).to_string(),
