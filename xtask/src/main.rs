@@ -1,9 +1,10 @@
-//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `schema` and `bench`.
+//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `readme`, `schema` and `bench`.
 
 mod bench;
 mod fortran;
 mod hunt;
 mod python;
+mod readme;
 
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
@@ -93,13 +94,14 @@ fn main() -> ExitCode {
             reported(hunt::run(&arguments))
         }
         Some("schema") => write_schema(),
+        Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
         Some("bench") => reported(bench::run(
             std::env::args().nth(2).as_deref() == Some("--quick"),
         )),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md"
             );
             return ExitCode::from(2);
         }

@@ -127,7 +127,7 @@ fn files_and_comparisons_take_the_same_words() {
     std::fs::write(&place, text.replace("\"tlsph\"", "\"sph\"")).expect("a file");
     let refused = onset(&["compare", &place.display().to_string()]);
     assert_eq!(refused.code, Some(2));
-    assert!(refused.stderr.contains(":11:10: "), "{}", refused.stderr);
+    assert!(refused.stderr.contains(":12:10: "), "{}", refused.stderr);
     std::fs::remove_file(place).expect("removed");
 }
 

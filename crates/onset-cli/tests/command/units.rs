@@ -103,8 +103,7 @@ fn a_study_with_units_is_written_out_and_read_back_with_them() {
     assert_eq!(number(&first, "/tiles_computed"), 1.0);
     let again = document(&format!("{map} --resume"));
     assert_eq!(number(&again, "/tiles_found"), 1.0);
-    let mixed = text.replace("[\"70 GPa\", \"90 GPa\"]", "[70e9, 90e9]");
-    std::fs::write(&place, mixed.replace("\"1 mm\"", "1e-3")).expect("a file");
+    std::fs::write(&place, text.replace("\"1 mm\"", "1e-3")).expect("a file");
     let refused = onset_line(&format!("check {file}"));
     assert_eq!(refused.code, Some(2));
     assert!(
