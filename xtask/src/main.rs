@@ -1,9 +1,10 @@
-//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `schema`, `bench` and `timings`.
+//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
 
 mod bench;
 mod fortran;
 mod hunt;
 mod python;
+mod readme;
 mod timings;
 
 use std::path::Path;
@@ -94,6 +95,7 @@ fn main() -> ExitCode {
             reported(hunt::run(&arguments))
         }
         Some("schema") => write_schema(),
+        Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
         Some("bench") => reported(bench::run(
             std::env::args().nth(2).as_deref() == Some("--quick"),
@@ -101,7 +103,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }

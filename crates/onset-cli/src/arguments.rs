@@ -1,42 +1,113 @@
 //! The arguments of the command line.
 
+use crate::fail_on::FailOn;
+use crate::printing::PrintingArguments;
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::localization::PARAMETERS;
-use onset_study::notions::{Mode, Range as Stretches};
+use onset_study::notions::{Lateral, Mode, Range as Stretches};
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// The keys that `--set` takes, from the one table that defines them.
-fn keys() -> String {
-    let line = |key: &Key| {
-        let default = match key.default_value().as_str() {
-            "" => String::new(),
-            default => format!(" [default: {default}]"),
-        };
-        let meaning = key.meaning;
-        format!(
-            "  {:<31} {meaning}{default}\n{:34}{}\n",
-            key.name,
-            "",
-            key.expects()
-        )
+/// A key with what it expects and means.
+fn line(key: &Key) -> String {
+    let default = match key.default_value().as_str() {
+        "" => String::new(),
+        default => format!(" [default: {default}]"),
     };
-    let (of_laws, others): (Vec<&Key>, Vec<&Key>) = KEYS.iter().partition(|key| key.is_parameter());
+    let (name, meaning) = (key.name, key.meaning);
+    format!(
+        "  {name:<31} {meaning}{default}\n{:34}{}\n",
+        "",
+        key.expects()
+    )
+}
+
+/// The keys of laws, from the one table that defines them.
+fn law_keys() -> String {
+    let (of_laws, others): (Vec<&Key>, Vec<&Key>) = KEYS
+        .iter()
+        .filter(|key| key.parts().0 == "material")
+        .partition(|key| key.is_parameter());
     let (model, others): (Vec<&Key>, Vec<&Key>) = others
         .into_iter()
         .partition(|key| key.name == "material.model");
     let lines = |keys: Vec<&Key>| keys.into_iter().map(line).collect::<String>();
     format!(
-        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` tells which it has\n{}",
+        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` tells which it has; or two of\n\
+         {:34}young, poisson, bulk and shear\n{}",
         lines(model),
         "material.<parameter>",
         of_laws.len(),
         "",
+        "",
         lines(others)
     )
 }
+
+/// The keys that `--set` takes.
+fn keys() -> String {
+    let own = KEYS.iter().filter(|key| key.parts().0 == "discretization");
+    let own: String = own.map(line).collect();
+    format!(
+        "{}{own}\n`onset list method NAME` tells which keys a method reads. Values with dimensions may have units, and then all must: \
+         material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Words that people type, such as tlsph, \
+         fem or fcc, are taken: `onset list aliases`.\n",
+        law_keys()
+    )
+}
+
+/// Examples, and behind them in the long help the keys.
+fn with_keys(examples: &str, keys: &str) -> String {
+    format!("{examples}\n\n{keys}")
+}
+
+const STATE_EXAMPLES: &str = "Examples:
+  onset state --stretch 1.15,1 --set discretization.method=tlsph
+  onset state --stretch 1.5,1 --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1
+  onset state STUDY.toml --deformation-gradient 1,0.2,0,1 --fail-on numerical,zero-energy";
+const DISPERSION_EXAMPLES: &str = "Examples:
+  onset dispersion --stretch 1.2,0.9 --path --out waves
+  onset dispersion --stretch 1.2,0.9 --path --format csv
+  onset dispersion --stretch 1,1 --wave-vector 2.0,1.1 --set discretization.frame=eulerian";
+const PATH_EXAMPLES: &str = "Examples:
+  onset path --mode uniaxial --to 3 --set material.model=ogden --out uniaxial
+  onset path --from 1,1 --to 3,1
+  onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
+const NOTIONS_EXAMPLES: &str = "Examples:
+  onset notions --set material.model=ogden
+  onset notions --set material.model=mooney-rivlin --set material.young=3 --set material.poisson=0.49
+  onset notions --mode uniaxial --range 0.2,5 --out figures";
+const CARD_EXAMPLES: &str = "Examples:
+  onset card --set material.model=blatz-ko
+  onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
+  onset card STUDY.toml --range 0.5,2";
+const MODES_EXAMPLES: &str = "Examples:
+  onset modes --set discretization.quadrature=nodal --out modes
+  onset modes --set discretization.method=tlsph
+  onset modes --set discretization.method=fem --set discretization.integration=one-point";
+const TUNE_EXAMPLES: &str = "Examples:
+  onset tune discretization.penalty --set discretization.method=tlsph
+  onset tune discretization.support --range 1.2,3 --out support
+  onset tune discretization.penalty --set discretization.method=tlsph --weak 0.2";
+const COMPARE_EXAMPLES: &str = "Examples:
+  onset compare comparisons/methods-2d.toml --out results
+  onset compare STUDY.toml --set compare.states=24
+  onset compare comparisons/methods-1d.toml --format csv";
+const RECOMMEND_EXAMPLES: &str = "Examples:
+  onset recommend --set material.model=blatz-ko --stretches 0.8,1.6
+  onset recommend --dimension 3 --weak 0.2
+  onset recommend comparisons/methods-2d.toml --out results";
+const AUDIT_EXAMPLES: &str = "Examples:
+  onset audit --set material.model=ogden
+  onset audit --set material.model=umat --set material.library=./my_umat.so --strict
+  onset audit --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --strain 0.3";
+const LOCALIZE_EXAMPLES: &str = "Examples:
+  onset localize --model drucker-prager --path plane-strain
+  onset localize --model j2 --path uniaxial-stress --load tension --out neck
+  onset localize --set plasticity.friction=0.7";
 
 /// The keys of comparisons, from the one table that defines them.
 fn comparison_keys() -> String {
@@ -91,13 +162,16 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// How to print.
+    #[command(flatten)]
+    pub printing: PrintingArguments,
 }
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Is this state stable, and if not, whose instability is it?
-    #[command(after_help = keys())]
+    /// Is this state stable, and if not, is it physical or numerical?
+    #[command(after_help = STATE_EXAMPLES, after_long_help = with_keys(STATE_EXAMPLES, &keys()))]
     State {
         /// The problem.
         #[command(flatten)]
@@ -118,9 +192,12 @@ pub enum Command {
             help_heading = "Proof"
         )]
         tolerance: f64,
+        /// Verdicts with which the command fails.
+        #[command(flatten)]
+        failing: FailingArguments,
     },
-    /// Frequencies of plane waves: of one wave vector, or along a path through the Brillouin zone.
-    #[command(after_help = keys())]
+    /// Frequencies of plane waves: of one wave vector, or along a path
+    #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
     Dispersion {
         /// The problem.
         #[command(flatten)]
@@ -139,49 +216,51 @@ pub enum Command {
         /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
         #[arg(long, conflicts_with = "wave_vector")]
         path: bool,
-        /// Folder for dispersion.svg, dispersion.png and dispersion.csv.
-        #[arg(
-            long,
-            value_name = "DIR",
-            default_value = ".",
-            conflicts_with = "wave_vector"
-        )]
-        out: PathBuf,
+        /// Folder for dispersion.svg, dispersion.png and dispersion.csv; nothing is written without it.
+        #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
+        out: Option<PathBuf>,
     },
-    /// Where along a straight path of deformations is stability lost, and regained?
-    #[command(after_help = keys())]
+    /// Where along a path of deformations or a loading is stability lost?
+    #[command(after_help = PATH_EXAMPLES, after_long_help = with_keys(PATH_EXAMPLES, &keys()))]
     Path {
         /// The problem.
         #[command(flatten)]
         problem: ProblemArguments,
-        /// Start: two or three stretches, or the components F11,F12,F21,F22.
-        #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
-        from: String,
-        /// End, likewise.
-        #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
-        to: String,
+        /// The path.
+        #[command(flatten)]
+        course: CourseArguments,
+        /// Folder for path.csv, path.svg and path.png: softest mode and smallest acoustic eigenvalue along the path; nothing is written
+        /// without it.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Verdicts with which the command fails.
+        #[command(flatten)]
+        failing: FailingArguments,
     },
-    /// Where along a loading path does a plastic material localize, in which kind of band, and at which angle?
-    #[command(after_help = plastic_parameters())]
+    /// Where does a plastic material localize, in which band, at which angle?
+    #[command(after_help = LOCALIZE_EXAMPLES, after_long_help = with_keys(LOCALIZE_EXAMPLES, &plastic_parameters()))]
     Localize(LocalizeArguments),
-    /// The verdict on every state of a study, with numbers, into a Zarr store that can be interrupted and gone on with.
+    /// The verdict on every state of a study, into a Zarr store; resumable
     Map(MapArguments),
-    /// Along standard loadings, where does each notion of stability end: ellipticity, Hill, Drucker, Baker-Ericksen, largest load, ...?
-    #[command(after_help = keys())]
+    /// Where along standard loadings does each notion of stability end?
+    ///
+    /// Ellipticity, Hill, Drucker, Baker-Ericksen, largest load and others, with traction-free faces solved for.
+    #[command(after_help = NOTIONS_EXAMPLES, after_long_help = with_keys(NOTIONS_EXAMPLES, &law_keys()))]
     Notions(NotionsArguments),
-    /// The safe range of a law on one page: the stretches within which it is strongly elliptic.
-    #[command(after_help = keys())]
+    /// The safe range of a law: stretches within which it is strongly elliptic
+    #[command(after_help = CARD_EXAMPLES, after_long_help = with_keys(CARD_EXAMPLES, &law_keys()))]
     Card(CardArguments),
-    /// What there is to choose from, with formulas, parameters and sources.
+    /// What there is to choose from, with formulas, parameters and sources
     List {
         /// materials, methods, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
-        /// linearizations, or formula for the language of typed laws; everything when left out.
+        /// linearizations; formula for the language of typed laws; aliases for words that people type; keys, or method with a NAME;
+        /// everything when left out.
         topic: Option<String>,
-        /// Print one JSON document.
-        #[arg(long)]
-        json: bool,
+        /// With `method`: the method whose keys are listed, for example total-lagrangian-sph.
+        #[arg(requires = "topic")]
+        name: Option<String>,
     },
-    /// Is a study file valid, what does it ask for, and what about it deserves attention?
+    /// Is a study file valid, what does it ask for, what will it cost?
     Check {
         /// Study files, - for standard input.
         #[arg(value_name = "FILE", required = true)]
@@ -189,14 +268,13 @@ pub enum Command {
         /// Set a key of the study otherwise, for example map.tile=128 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
-        /// Print one JSON document: a list with an entry for each file.
-        #[arg(long)]
-        json: bool,
         /// What the file may load.
         #[command(flatten)]
         trust: TrustArguments,
     },
-    /// Where in the plane of a study do material and particles lose stability, and how far are the two apart?
+    /// Where in the plane of a study do material and particles lose stability?
+    ///
+    /// With the distance of the two boundaries, and the areas of false and missed instability.
     Boundary {
         /// A study file with two axes, - for standard input.
         file: PathBuf,
@@ -206,29 +284,34 @@ pub enum Command {
         /// Tell flutter from divergence: trace the boundary between them too.
         #[arg(long)]
         flutter: bool,
-        /// Folder for boundary.geojson and boundary.csv.
-        #[arg(long, value_name = "DIR", default_value = ".")]
-        out: PathBuf,
-        /// Print one JSON document, numbers with 17 significant digits.
-        #[arg(long)]
-        json: bool,
+        /// Folder for boundary.geojson and boundary.csv; nothing is written without it.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
         /// What the file may load.
         #[command(flatten)]
         trust: TrustArguments,
     },
-    /// Several methods side by side for one material: spurious modes, errors of frequencies, onsets, fidelity, time step, cost.
-    #[command(after_help = comparison_keys())]
+    /// Several methods side by side for one material
+    ///
+    /// Spurious modes, errors of frequencies, onsets, fidelity, time step, cost.
+    #[command(after_help = COMPARE_EXAMPLES, after_long_help = with_keys(COMPARE_EXAMPLES, &comparison_keys()))]
     Compare(CompareArguments),
-    /// Which method for this material and these stretches? Methods ranked by rules that are printed.
-    #[command(after_help = comparison_keys())]
+    /// Which method for this material and these stretches?
+    ///
+    /// Methods ranked by rules that are printed, with what other limits in them would change.
+    #[command(after_help = RECOMMEND_EXAMPLES, after_long_help = with_keys(RECOMMEND_EXAMPLES, &comparison_keys()))]
     Recommend(RecommendArguments),
-    /// Which waves of the undeformed body does a method not resist? Zero-energy modes and weak ones, drawn, animated, exported.
-    #[command(after_help = keys())]
+    /// Zero-energy and weak modes of a method, drawn, animated, exported
+    #[command(after_help = MODES_EXAMPLES, after_long_help = with_keys(MODES_EXAMPLES, &keys()))]
     Modes(ModesArguments),
-    /// The smallest coefficient of a stabilization that removes the spurious modes and does not hide the material's instability.
-    #[command(after_help = keys())]
+    /// The smallest coefficient of a stabilization that is sufficient
+    ///
+    /// It removes the spurious modes and does not hide the instability of the material.
+    #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
-    /// Draw stored maps: verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
+    /// Draw stored maps: verdicts and boundaries, or a field; overlays
+    ///
+    /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
     Plot {
         /// Stores that `onset map` has written.
         #[arg(value_name = "STORE", required = true)]
@@ -247,23 +330,81 @@ pub enum Command {
         #[command(flatten)]
         trust: TrustArguments,
     },
-    /// Is a material what its author believes: does its stress follow from an energy, and which tangent is its tangent?
-    #[command(after_help = keys())]
+    /// Does a law have an energy, and is its tangent consistent?
+    #[command(after_help = AUDIT_EXAMPLES, after_long_help = with_keys(AUDIT_EXAMPLES, &law_keys()))]
     Audit(AuditArguments),
-    /// Print the Fortran source of Abaqus's utility routines (SINV, SPRINC, ROTSIG, XIT, ...), to compile with a UMAT that calls
-    /// them.
+    /// Print Abaqus's utility routines in Fortran, to compile with a UMAT
+    ///
+    /// SINV, SPRINC, ROTSIG, XIT and others, for a UMAT that calls them.
     UmatUtilities,
-    /// Print the JSON Schema of study files, for editors and other programs.
+    /// Print the JSON Schema of study files, for editors and other programs
     Schema,
-    /// Reproduce the paper: every figure, and a table with a verdict on every claim.
+    /// Print a script that completes commands and options in a shell
+    Completions {
+        /// bash, zsh, fish, elvish or powershell.
+        shell: Shell,
+    },
+    /// Write manual pages, one for each command
+    Man {
+        /// Folder for onset.1, onset-state.1, ...
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Reproduce the paper: every figure, and a verdict on every claim
     Reproduce {
         /// Folder for figures, data and the report.
         #[arg(long, value_name = "DIR", default_value = "reproduction")]
         out: PathBuf,
-        /// Print one JSON document instead of the table.
-        #[arg(long)]
-        json: bool,
     },
+}
+
+/// A path of deformations.
+#[derive(Debug, Args)]
+pub struct CourseArguments {
+    /// A loading: uniaxial, equibiaxial, planar, simple-shear or hydrostatic; --from and --to are its imposed stretches then.
+    #[arg(long, value_name = "MODE", value_parser = mode, help_heading = "Path")]
+    pub mode: Option<Mode>,
+    /// What holds the other directions: free (no traction on lateral faces), plane-stress, plane-strain or held [default: the freest that
+    /// the mode has].
+    #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
+    pub lateral: Option<Lateral>,
+    /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1].
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        required_unless_present = "mode",
+        help_heading = "Path"
+    )]
+    pub from: Option<String>,
+    /// End, likewise.
+    #[arg(
+        long,
+        value_name = "L1,L2",
+        allow_hyphen_values = true,
+        help_heading = "Path"
+    )]
+    pub to: String,
+}
+
+/// Verdicts with which a command fails.
+#[derive(Debug, Args)]
+pub struct FailingArguments {
+    /// End with exit code 3 when a state has one of these verdicts, for continuous integration: stable, material, rank-deficient, kernel,
+    /// missed, undefined; or physical, numerical, zero-energy, suppressed, unstable, unfaithful, any.
+    #[arg(long, value_name = "VERDICTS", value_parser = FailOn::parse)]
+    pub fail_on: Option<FailOn>,
+}
+
+/// Limits of what counts as wrong.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct ThresholdArguments {
+    /// A wave with less than this share of the frequency of the material's slowest wave is too weak.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, help_heading = "Limits")]
+    pub weak: f64,
+    /// Verdicts may be wrong on this share of the window of states.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, help_heading = "Limits")]
+    pub wrong: f64,
 }
 
 /// What files may load.
@@ -290,9 +431,6 @@ pub struct LawArguments {
     /// The smallest and the largest stretch.
     #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
     pub range: Stretches,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
@@ -318,9 +456,9 @@ pub struct CardArguments {
     /// The law.
     #[command(flatten)]
     pub law: LawArguments,
-    /// Folder for card.html, card.json, card.svg and card.png.
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub out: PathBuf,
+    /// Folder for card.html, card.json, card.svg and card.png; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// A comparison.
@@ -329,15 +467,9 @@ pub struct CompareArguments {
     /// The comparison: a material and `[[methods]]`; or a study, whose method is compared with those that the program knows;
     /// - for standard input.
     pub file: PathBuf,
-    /// Folder for compare.html, compare.csv, compare.svg and compare.png.
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub out: PathBuf,
-    /// Show no progress, print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
+    /// Folder for compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -380,12 +512,15 @@ pub struct TuneArguments {
     /// Smallest and largest stretch of the states on which verdicts are compared.
     #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = window, allow_hyphen_values = true)]
     pub stretches: (f64, f64),
+    /// Limits of what counts as cured.
+    #[command(flatten)]
+    pub thresholds: ThresholdArguments,
+    /// The instability is hidden where the method's onset comes later than the material's by more than this share of its strain.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share, help_heading = "Limits")]
+    pub later: f64,
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Show no progress.
-    #[arg(long)]
-    pub quiet: bool,
 }
 
 /// A share as typed.
@@ -394,6 +529,14 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
         _ => Err("expected a number above 0 and at most 1, for example 0.5".to_owned()),
     }
+}
+
+/// A wavelength as typed.
+fn wavelength(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|number| onset_study::compare::WAVELENGTHS.contains(number))
+        .ok_or_else(|| "expected 4, 8 or 16".to_owned())
 }
 
 /// An interval as typed.
@@ -427,18 +570,21 @@ pub struct RecommendArguments {
     /// Smallest and largest stretch that the simulation will see, for example 0.8,1.6; short for compare.stretches.
     #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true)]
     pub stretches: Option<(f64, f64)>,
+    /// Limits in the rules.
+    #[command(flatten)]
+    pub thresholds: ThresholdArguments,
+    /// Long waves may feel a stiffness that is wrong by this share.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, help_heading = "Limits")]
+    pub long_waves: f64,
+    /// Wavelength at which frequencies are compared, in spacings of the particles: 4, 8 or 16.
+    #[arg(long, value_name = "N", default_value_t = 8.0, value_parser = wavelength, help_heading = "Limits")]
+    pub wavelength: f64,
     /// The energy of a law of one's own; short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
     pub energy: Option<String>,
     /// Folder for the whole comparison as compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Show no progress.
-    #[arg(long)]
-    pub quiet: bool,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -462,15 +608,12 @@ pub struct MapArguments {
     /// Go on with a store of the same study; make it where there is none.
     #[arg(long)]
     pub resume: bool,
+    /// Verdicts with which the command fails.
+    #[command(flatten)]
+    pub failing: FailingArguments,
     /// Replace a store of onset, whatever it holds.
     #[arg(long, conflicts_with_all = ["resume", "tiles"])]
     pub overwrite: bool,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -498,9 +641,6 @@ pub struct LocalizeArguments {
     /// Folder for localize.svg, localize.png, localize.csv and localize-directions.csv; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// A range of stretches as typed.
@@ -565,6 +705,18 @@ pub struct AuditArguments {
     pub strict: bool,
 }
 
+/// What holds the other directions, as typed.
+fn lateral(text: &str) -> Result<Lateral, String> {
+    let all = [
+        Lateral::Free,
+        Lateral::PlaneStress,
+        Lateral::PlaneStrain,
+        Lateral::Held,
+    ];
+    let named = all.into_iter().find(|lateral| lateral.name() == text);
+    named.ok_or_else(|| format!("expected one of {}", all.map(Lateral::name).join(", ")))
+}
+
 /// A convention as typed.
 fn convention(text: &str) -> Result<Convention, String> {
     Convention::of_name(text).ok_or_else(|| {
@@ -620,9 +772,6 @@ pub struct ProblemArguments {
         help_heading = "Problem"
     )]
     pub energy: Option<String>,
-    /// Print one JSON document, numbers with 17 significant digits.
-    #[arg(long)]
-    pub json: bool,
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,

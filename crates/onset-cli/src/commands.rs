@@ -10,23 +10,27 @@ mod notions;
 mod plot;
 mod tune;
 
-use crate::arguments::{Arguments, Command, ProblemArguments, StrainArguments, TrustArguments};
-use crate::map;
-use crate::patience;
+use crate::arguments::{
+    Arguments, Command, CourseArguments, ProblemArguments, StrainArguments, ThresholdArguments,
+    TrustArguments,
+};
+use crate::fail_on::FailOn;
+use crate::printing::{self, Format, print_text};
+use crate::{help, map, patience};
 use indicatif::{ProgressBar, ProgressStyle};
+use onset_study::Verdict;
 use onset_study::answers::{
-    Diagram, PathAnswer, Problem, ProblemError, StateAnswer, Strain, Waves,
+    Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, Problem, ProblemError, StateAnswer,
+    Strain, Waves,
 };
 use onset_study::boundary::Tracing;
-use onset_study::catalog;
-use onset_study::json;
+use onset_study::catalog::{self, KeyList};
+use onset_study::compare::Thresholds;
+use onset_study::notions::Lateral;
 use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
-use onset_study::settings::{MaterialSettings, Settings, Study, Trust};
-use onset_umat::readable;
-use serde::Serialize;
+use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust};
 use std::fmt::Display;
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -68,7 +72,7 @@ impl From<ProblemError> for Failure {
 
 /// Runs a command.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    if let Some(doing) = waiting_for(&arguments.command) {
+    if let Some(doing) = waiting_for(&arguments.command).filter(|_| !printing::is_quiet()) {
         patience::begin(doing);
     }
     match arguments.command {
@@ -77,8 +81,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             strain,
             certify,
             tolerance,
+            failing,
         } => {
-            let json = problem.json;
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             let answer = if certify {
@@ -86,7 +90,11 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             } else {
                 StateAnswer::new(&problem, &strain)?
             };
-            print(&answer, json)
+            let printed = printing::print(&answer, answer.to_string().trim_end(), None)?;
+            Ok(match failing.fail_on {
+                Some(fail_on) => fail_on.code([(Some(answer.verdict.name()), 1)]),
+                None => printed,
+            })
         }
         Command::Dispersion {
             problem,
@@ -95,41 +103,49 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             path: _,
             out,
         } => {
-            let json = problem.json;
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             match wave_vector {
-                Some(wave_vector) => print(&Waves::new(&problem, &strain, &wave_vector)?, json),
-                None => diagram(&problem, &strain, &out, json),
+                Some(wave_vector) => {
+                    let waves = Waves::new(&problem, &strain, &wave_vector)?;
+                    printing::print(&waves, waves.to_string().trim_end(), None)
+                }
+                None => diagram(&problem, &strain, out.as_deref()),
             }
         }
-        Command::Path { problem, from, to } => {
-            let json = problem.json;
+        Command::Path {
+            problem,
+            course: asked,
+            out,
+            failing,
+        } => {
             let problem = problem.build()?;
-            let from = Strain::of_either("--from", &from, problem.dimension())?;
-            let to = Strain::of_either("--to", &to, problem.dimension())?;
-            print(&PathAnswer::new(&problem, &from, &to)?, json)
+            let course = course(&asked, &problem)?;
+            path(&problem, &course, out.as_deref(), failing.fail_on.as_ref())
         }
         Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Notions(arguments) => notions::notions(&arguments),
         Command::Card(arguments) => notions::card(&arguments),
-        Command::List { topic, json } => list(topic.as_deref(), json),
+        Command::List { topic, name } => list(topic.as_deref(), name.as_deref()),
         Command::Check {
             files,
             assignments,
-            json,
             trust,
-        } => check::check(&files, &assignments, &trust.trust(), json),
+        } => check::check(&files, &assignments, &trust.trust()),
         Command::Audit(arguments) => audit::audit(&arguments),
-        Command::UmatUtilities => print_text(onset_umat::UTILITIES.trim_end()),
+        Command::UmatUtilities => {
+            printing::only_text("Fortran")?;
+            print_text(onset_umat::UTILITIES.trim_end())
+        }
+        Command::Completions { shell } => help::completions(shell),
+        Command::Man { out } => help::manual(&out),
         Command::Schema => check::schema(),
         Command::Boundary {
             file,
             assignments,
             flutter,
             out,
-            json,
             trust,
         } => {
             let tracing = Tracing {
@@ -137,7 +153,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                 fidelity: true,
             };
             let study = study(&file, &assignments, &trust.trust())?;
-            boundary::boundary(&study, tracing, &out, json)
+            boundary::boundary(&study, tracing, out.as_deref())
         }
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Modes(arguments) => modes::modes(&arguments),
@@ -150,7 +166,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             out,
             trust,
         } => plot::plot(&stores, &field, !no_trace, &trust.trust(), &out),
-        Command::Reproduce { out, json } => reproduce(&out, json),
+        Command::Reproduce { out } => reproduce(&out),
     }
 }
 
@@ -197,6 +213,17 @@ pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study
         .map_err(Failure::input)?;
     study.settings.material = permitted(study.settings.material, trust)?;
     Ok(study)
+}
+
+impl ThresholdArguments {
+    /// The limits, the others as they are by default.
+    fn thresholds(self) -> Thresholds {
+        Thresholds {
+            weak: self.weak,
+            wrong: self.wrong,
+            ..Thresholds::default()
+        }
+    }
 }
 
 impl TrustArguments {
@@ -293,31 +320,124 @@ impl StrainArguments {
     }
 }
 
-fn diagram(
-    problem: &Problem,
-    strain: &Strain,
-    out: &Path,
-    json: bool,
-) -> Result<ExitCode, Failure> {
-    let output = Output::at(out, &["dispersion.svg", "dispersion.png", "dispersion.csv"])?;
+fn diagram(problem: &Problem, strain: &Strain, out: Option<&Path>) -> Result<ExitCode, Failure> {
+    let names = ["dispersion.svg", "dispersion.png", "dispersion.csv"];
+    let output = out.map(|out| Output::at(out, &names)).transpose()?;
     let diagram = Diagram::new(problem, strain)?;
-    let mut files = diagram
-        .figure("Waves in the particles and in the continuum")
-        .files("dispersion")
-        .map_err(Failure::machine)?;
-    files.push(text("dispersion.csv", diagram.csv()));
-    let written = output.write(&files)?;
-    if json {
-        return print_json(&diagram);
-    }
-    let names = named(&written);
-    let [first, second, third] = &names[..] else {
-        return Ok(ExitCode::SUCCESS);
+    let written = match output {
+        Some(output) => {
+            let mut files = diagram
+                .figure("Waves in the particles and in the continuum")
+                .files("dispersion")
+                .map_err(Failure::machine)?;
+            files.push(text("dispersion.csv", diagram.csv()));
+            output.write(&files)?
+        }
+        None => Vec::new(),
     };
-    print_text(&format!(
-        "wrote {first}, {second} and {third}\n\n{}",
-        diagram.told()
-    ))
+    let told = format!("{}{}", wrote_before(&written), diagram.told());
+    printing::print(&diagram, told.trim_end(), Some(diagram.csv()))
+}
+
+/// Which files were written, before a text.
+fn wrote_before(files: &[PathBuf]) -> String {
+    match files {
+        [] => String::new(),
+        files => format!("{}\n\n", wrote(files)),
+    }
+}
+
+/// Which files were written: all of a few, the first and the last of many.
+pub fn wrote(files: &[PathBuf]) -> String {
+    match &named(files)[..] {
+        [] => String::new(),
+        [only] => format!("wrote {only}"),
+        [first, second] => format!("wrote {first} and {second}"),
+        [first, .., last] if files.len() > 6 => {
+            format!("wrote {} files, {first} to {last}", files.len())
+        }
+        [others @ .., last] => format!("wrote {} and {last}", others.join(", ")),
+    }
+}
+
+/// A text with the files that were written after it.
+fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
+    let told = answer.to_string();
+    match files {
+        [] => told.trim_end().to_owned(),
+        files => format!("{}\n\n{}", told.trim_end(), wrote(files)),
+    }
+}
+
+/// The path that is asked for.
+fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Failure> {
+    let (dimension, from) = (problem.dimension(), arguments.from.as_deref());
+    let Some(mode) = arguments.mode else {
+        let from = Strain::of_either("--from", from.unwrap_or_default(), dimension)?;
+        let to = Strain::of_either("--to", &arguments.to, dimension)?;
+        return Ok(Course::Straight(from, to));
+    };
+    let stretch = |name: &str, text: &str| {
+        let stretch = text.trim().parse::<f64>().ok();
+        stretch.filter(|stretch| *stretch > 0.0 && stretch.is_finite()).ok_or_else(|| {
+            Failure::input(format!(
+                "{name} is `{text}`; with --mode expected one imposed stretch, a positive number\n  hint: for example --mode {} --to 2",
+                mode.name()
+            ))
+        })
+    };
+    let from = stretch("--from", from.unwrap_or("1"))?;
+    let to = stretch("--to", &arguments.to)?;
+    Course::of_mode(mode, arguments.lateral, from, to).map_err(|known| {
+        let asked = arguments.lateral.map_or("", Lateral::name);
+        Failure::input(format!(
+            "--lateral {asked} is nothing that {} loading has\n  hint: it has {known}",
+            mode.name()
+        ))
+    })
+}
+
+fn path(
+    problem: &Problem,
+    course: &Course,
+    out: Option<&Path>,
+    fail_on: Option<&FailOn>,
+) -> Result<ExitCode, Failure> {
+    let output = out.map(|out| Output::at(out, &["path.csv", "path.svg", "path.png"]));
+    let output = output.transpose()?;
+    let answer = PathAnswer::along(problem, course)?;
+    let is_table = printing::format() == Format::Csv;
+    // States beside the onsets are looked at where something is made of them.
+    let samples = match output.is_some() || fail_on.is_some() || is_table {
+        true => Some(PathSamples::new(problem, course)?),
+        false => None,
+    };
+    let mut written = Vec::new();
+    if let (Some(output), Some(samples)) = (output, &samples) {
+        let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
+            crossings
+                .iter()
+                .map(|crossing| crossing.parameter)
+                .collect()
+        };
+        let particles = parameters(&answer.discretization_crossings);
+        let material = parameters(&answer.material_crossings);
+        let title = match &answer.loading {
+            Some(loading) => format!("Stability under loading: {}", loading.title),
+            None => "Stability along a path".to_owned(),
+        };
+        let files = samples.files(&title, [&particles, &material]);
+        written = output.write(&files.map_err(Failure::machine)?)?;
+    }
+    let table = samples.as_ref().map(PathSamples::csv);
+    let printed = printing::print(&answer, &with_files(&answer, &written), table)?;
+    Ok(match (fail_on, &samples) {
+        (Some(fail_on), Some(samples)) => {
+            let states = samples.samples.iter();
+            fail_on.code(states.map(|sample| (sample.verdict().map(Verdict::name), 1)))
+        }
+        _ => printed,
+    })
 }
 
 /// The names of files, to be told.
@@ -328,7 +448,7 @@ fn named(files: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
+fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
     let unknown = |names: Vec<&str>| {
         let name = topic.unwrap_or_default();
         Failure::input(format!(
@@ -336,24 +456,48 @@ fn list(topic: Option<&str>, json: bool) -> Result<ExitCode, Failure> {
             names.join(", ")
         ))
     };
+    if let Some((keys, method)) = topic.and_then(|topic| keys_of(topic, name)) {
+        let keys =
+            keys.map_err(|error| Failure::input(format!("{error}{}", of_methods(method))))?;
+        return printing::print(&keys, keys.to_string().trim_end(), None);
+    }
+    if let (Some(topic), Some(name)) = (topic, name) {
+        return Err(Failure::input(format!(
+            "`onset list {topic}` takes no name such as `{name}`\n  hint: `onset list method NAME` lists the keys that a method reads"
+        )));
+    }
     let topics = match topic {
         Some(name) => vec![catalog::topic(name).map_err(unknown)?],
         None => catalog::topics(),
     };
-    if json {
-        return print_json(&topics);
-    }
     let text: Vec<String> = topics.iter().map(ToString::to_string).collect();
-    print_text(&format!(
+    let text = format!(
         "{}\n\nThe paper: {}",
         text.join("\n").trim_end(),
         catalog::PAPER
-    ))
+    );
+    printing::print(&topics, &text, None)
+}
+
+/// The keys that are asked for, and whether those of a method are.
+fn keys_of(topic: &str, name: Option<&str>) -> Option<(Result<KeyList, SettingError>, bool)> {
+    match (topic, name) {
+        ("keys", None) => Some((Ok(KeyList::all()), false)),
+        ("method" | "methods", Some(name)) => Some((KeyList::of_method(name), true)),
+        _ => None,
+    }
+}
+
+fn of_methods(method: bool) -> &'static str {
+    match method {
+        true => "\n  `onset list methods` describes them",
+        false => "",
+    }
 }
 
 /// A bar for a number of named steps; hidden where nothing shall be shown.
-fn progress(steps: usize, is_quiet: bool) -> ProgressBar {
-    if is_quiet {
+fn progress(steps: usize) -> ProgressBar {
+    if printing::is_quiet() {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
@@ -361,52 +505,18 @@ fn progress(steps: usize, is_quiet: bool) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-fn reproduce(out: &Path, json: bool) -> Result<ExitCode, Failure> {
-    let bar = progress(reproduce::STEPS, false);
+fn reproduce(out: &Path) -> Result<ExitCode, Failure> {
+    let bar = progress(reproduce::STEPS);
     let report = reproduce::run(out, &|step| {
         bar.set_message(step.to_owned());
         bar.inc(1);
     })
     .map_err(Failure::machine)?;
     bar.finish_and_clear();
-    let printed = if json {
-        print_json(&report)?
-    } else {
-        print_text(&report.to_string())?
-    };
+    let printed = printing::print(&report, &report.to_string(), None)?;
     Ok(if report.is_as_recorded() {
         printed
     } else {
         ExitCode::from(1)
     })
-}
-
-fn print<T: Serialize + Display>(answer: &T, json: bool) -> Result<ExitCode, Failure> {
-    if json {
-        print_json(answer)
-    } else {
-        print_text(answer.to_string().trim_end())
-    }
-}
-
-pub fn print_json<T: Serialize>(answer: &T) -> Result<ExitCode, Failure> {
-    print_text(&json::document(answer).map_err(Failure::machine)?)
-}
-
-/// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
-pub fn tell(text: impl Display) {
-    patience::end();
-    // What a file says must not command the terminal.
-    let _ = writeln!(std::io::stderr(), "{}", readable(&text.to_string()));
-}
-
-/// Prints a line; a reader that has closed the pipe (`| head`) is no error.
-pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
-    patience::end();
-    match writeln!(std::io::stdout(), "{}", readable(text)) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(format!(
-            "cannot print the answer: {error}"
-        ))),
-        _ => Ok(ExitCode::SUCCESS),
-    }
 }

@@ -40,7 +40,7 @@ fn listen_always() -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(|| match ANSWER.get() {
         Some(told) if !ASKED.swap(true, Ordering::Relaxed) => {
             if let Some(told) = told {
-                crate::commands::tell(told);
+                crate::printing::tell(told);
             }
         }
         _ => {

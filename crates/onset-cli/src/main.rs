@@ -1,17 +1,19 @@
 //! The `onset` command: where a material and its particle discretization are stable.
 //!
 //! Thin: arguments become a problem, the answer is printed. Exit codes: 0 done, 1 a claim of the paper is not
-//! what is recorded, a strict audit has findings or a file cannot be written, 2 the input is wrong, 130 interrupted.
+//! what is recorded, a strict audit has findings or a file cannot be written, 2 the input is wrong, 3 a verdict is one of
+//! `--fail-on`, 130 interrupted.
 
 mod arguments;
 mod commands;
+mod fail_on;
+mod help;
 mod interrupt;
 mod map;
 mod patience;
+mod printing;
 mod threads;
 
-use arguments::Arguments;
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -19,16 +21,19 @@ fn main() -> ExitCode {
     if let Some(code) = onset_umat::serve_if_asked() {
         return code;
     }
-    let arguments = Arguments::parse();
+    let arguments = help::parse();
+    printing::begin(arguments.printing);
     if let Err(error) = interrupt::listen() {
-        commands::tell(format_args!("error: cannot listen for interrupts: {error}"));
+        printing::tell(format_args!("error: cannot listen for interrupts: {error}"));
         return ExitCode::from(1);
     }
-    match threads::check().and_then(|()| commands::run(arguments)) {
+    let ended = match threads::check().and_then(|()| commands::run(arguments)) {
         Ok(code) => code,
         Err(failure) => {
-            commands::tell(format_args!("error: {}", failure.message));
+            printing::tell(format_args!("error: {}", failure.message));
             ExitCode::from(failure.code)
         }
-    }
+    };
+    printing::end();
+    ended
 }

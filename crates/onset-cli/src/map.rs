@@ -1,8 +1,9 @@
 //! `onset map`: the verdict on every state of a study, into a store.
 
 use crate::arguments::MapArguments;
-use crate::commands::{Failure, print_json, print_text, study, tell};
+use crate::commands::{Failure, study};
 use crate::interrupt;
+use crate::printing::{is_quiet, print, tell};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::map::{MapError, Plan, Summary, Watch};
 use onset_study::shell::{quoted, quoted_file};
@@ -47,7 +48,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .clone()
         .unwrap_or_else(|| default_place(&arguments.file));
     let told = "finishing the tiles that have begun; interrupt again to end at once";
-    interrupt::answer_with((!arguments.quiet).then_some(told)).map_err(Failure::machine)?;
+    interrupt::answer_with((!is_quiet()).then_some(told)).map_err(Failure::machine)?;
     let store = if arguments.overwrite {
         ZarrStore::replace(&path, plan.layout())
     } else if arguments.resume || arguments.tiles.is_some() {
@@ -59,26 +60,30 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .clone()
         .map(|tile| plan.tiling().at(tile).states() as u64)
         .sum();
-    let progress = Progress::new(states, arguments.quiet);
+    let progress = Progress::new(states, is_quiet());
     let asked = tiles.len();
     let summary = plan.run(&store, tiles, &progress)?;
     progress.0.finish_and_clear();
     let is_interrupted = summary.tiles_computed + summary.tiles_found < asked;
-    if arguments.json {
-        print_json(&Answer {
-            store: path.display().to_string(),
-            summary: &summary,
-            interrupted: is_interrupted,
-        })?;
-    } else if !arguments.quiet {
-        print_text(&format!("{summary}\nstore: {}", path.display()))?;
-    }
+    let answer = Answer {
+        store: path.display().to_string(),
+        summary: &summary,
+        interrupted: is_interrupted,
+    };
+    let text = format!("{summary}\nstore: {}", path.display());
+    print(&answer, &text, None)?;
     if is_interrupted {
         let again = resuming(arguments, &path);
         tell(format_args!("interrupted; go on with\n  {again}"));
         return Ok(ExitCode::from(interrupt::CODE));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(match &arguments.failing.fail_on {
+        Some(fail_on) => {
+            let verdicts = summary.verdicts.iter();
+            fail_on.code(verdicts.map(|(name, share)| (Some(*name), share.states)))
+        }
+        None => ExitCode::SUCCESS,
+    })
 }
 
 /// The name of a study file, with `.zarr`, in the current folder.

@@ -1,10 +1,13 @@
 //! What there is to choose from: every word of every choice, with its formula, its parameters and its source.
 
-use crate::settings::{KEYS, Model};
+use crate::settings::{
+    KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
+};
 use onset::formula::{FUNCTIONS, VARIABLES};
 use onset::kernel::Kernel;
 use onset::material::{Law, Parameter};
 use serde::Serialize;
+use std::sync::LazyLock;
 
 /// A word that can be chosen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,7 +28,6 @@ pub struct Entry {
 
 /// What there is to know about a kernel; numbers in one, two and three dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct KernelEntry {
     /// The integral of `W` over space for a support radius of one.
     pub integral: [f64; 3],
@@ -145,6 +147,103 @@ impl From<Model> for Entry {
                 kernel: None,
             },
         }
+    }
+}
+
+/// A key, with what it expects and when it is read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeyEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// What it expects.
+    pub expects: String,
+    /// Its default; empty where it has none.
+    pub default: String,
+    /// What must be chosen beside it for it to be read; empty where it is always.
+    pub read_with: String,
+}
+
+/// Keys of studies and of `--set`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeyList {
+    /// The method whose keys these are; `None` for the keys of all.
+    pub method: Option<String>,
+    /// The keys.
+    pub keys: Vec<KeyEntry>,
+}
+
+impl KeyList {
+    /// Every key.
+    pub fn all() -> Self {
+        let entry = |key: &'static Key| KeyEntry::new(key, key.readers());
+        Self {
+            method: None,
+            keys: study_keys().map(entry).collect(),
+        }
+    }
+
+    /// The keys of the discretization that a method reads, by its own name or one that people type.
+    ///
+    /// # Errors
+    /// [`SettingError`] when there is no such method.
+    pub fn of_method(name: &str) -> Result<Self, SettingError> {
+        const METHOD: &str = "discretization.method";
+        let mut settings = Settings::default();
+        let origin = Origin::CommandLine(format!("onset list method {name}"));
+        settings.set(METHOD, &Value::Word(name.to_owned()), origin)?;
+        let entry = |key: &'static Key| {
+            let lacking = key.lacking(METHOD, &|name| settings.value(name))?;
+            let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
+            Some(KeyEntry::new(key, told.join(" and ")))
+        };
+        let own = KEYS
+            .iter()
+            .filter(|key| key.parts().0 == "discretization" && key.name != METHOD);
+        Ok(Self {
+            method: match settings.value(METHOD) {
+                Some(Value::Word(word)) => Some(word),
+                _ => None,
+            },
+            keys: own.filter_map(entry).collect(),
+        })
+    }
+}
+
+impl KeyEntry {
+    fn new(key: &'static Key, read_with: String) -> Self {
+        Self {
+            name: key.name,
+            meaning: key.meaning,
+            expects: key.expects(),
+            default: key.default_value(),
+            read_with,
+        }
+    }
+}
+
+impl std::fmt::Display for KeyList {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(method) = &self.method {
+            writeln!(
+                formatter,
+                "keys that discretization.method = {method} reads\n"
+            )?;
+        }
+        for key in &self.keys {
+            let default = match key.default.as_str() {
+                "" => String::new(),
+                default => format!(" [default: {default}]"),
+            };
+            writeln!(formatter, "{}{default}", key.name)?;
+            writeln!(formatter, "    {}", key.meaning)?;
+            writeln!(formatter, "    {}", key.expects)?;
+            if !key.read_with.is_empty() {
+                writeln!(formatter, "    with {}", key.read_with)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -534,8 +633,25 @@ pub fn topics() -> Vec<Topic> {
     [materials, kernels]
         .into_iter()
         .chain(ROWS.iter().map(topic))
-        .chain(std::iter::once(language()))
+        .chain([language(), typed_words()])
         .collect()
+}
+
+/// Words that people type, and what they stand for.
+fn typed_words() -> Topic {
+    static WORDS: LazyLock<Vec<(&str, &str, String)>> = LazyLock::new(|| aliases().collect());
+    let entry = |(key, typed, stands_for): &'static (&'static str, &'static str, String)| Entry {
+        name: typed,
+        formula: stands_for,
+        source: key,
+        law: None,
+        kernel: None,
+    };
+    Topic {
+        name: "aliases",
+        key: "words that are taken beside a key's own",
+        entries: WORDS.iter().map(entry).collect(),
+    }
 }
 
 /// The language of typed laws.
@@ -595,7 +711,9 @@ impl std::fmt::Display for Topic {
             .iter()
             .find(|key| key.name == self.key)
             .map_or("", |key| key.meaning);
-        writeln!(formatter, "{} ({}: {meaning})", self.name, self.key)?;
+        let what = [self.key, meaning];
+        let what: Vec<&str> = what.into_iter().filter(|text| !text.is_empty()).collect();
+        writeln!(formatter, "{} ({})", self.name, what.join(": "))?;
         for entry in &self.entries {
             writeln!(formatter, "  {:<24} {}", entry.name, entry.formula)?;
             if let Some(law) = &entry.law {
@@ -604,8 +722,10 @@ impl std::fmt::Display for Topic {
             if let Some(kernel) = &entry.kernel {
                 kernel.write(formatter)?;
             }
-            if !entry.source.is_empty() {
-                writeln!(formatter, "  {:<24} source: {}", "", entry.source)?;
+            match entry.source {
+                "" => {}
+                key if self.name == "aliases" => writeln!(formatter, "  {:<24} for {key}", "")?,
+                source => writeln!(formatter, "  {:<24} source: {source}", "")?,
             }
         }
         Ok(())

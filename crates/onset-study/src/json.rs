@@ -60,6 +60,44 @@ pub fn document<T: Serialize>(answer: &T) -> Result<String, serde_json::Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
+/// A document as CSV, a line for each of its values: where it stands (`discretization.wave_vector.0`), and what it is.
+///
+/// # Errors
+/// [`serde_json::Error`] when the value cannot be serialized.
+pub fn csv(value: &impl Serialize) -> Result<String, serde_json::Error> {
+    let mut lines = String::from("name,value\n");
+    walk("", &serde_json::to_value(value)?, &mut lines);
+    Ok(lines)
+}
+
+fn walk(name: &str, value: &serde_json::Value, lines: &mut String) {
+    let below = |own: &str| match name {
+        "" => own.to_owned(),
+        _ => format!("{name}.{own}"),
+    };
+    let cell = match value {
+        serde_json::Value::Object(fields) => {
+            for (own, value) in fields {
+                walk(&below(own), value, lines);
+            }
+            return;
+        }
+        serde_json::Value::Array(items) => {
+            for (n, value) in items.iter().enumerate() {
+                walk(&below(&n.to_string()), value, lines);
+            }
+            return;
+        }
+        serde_json::Value::Number(number) if number.is_f64() => {
+            format!("{:.16e}", number.as_f64().unwrap_or(f64::NAN))
+        }
+        serde_json::Value::String(text) => crate::csv::text(text),
+        serde_json::Value::Null => String::new(),
+        other => other.to_string(),
+    };
+    lines.push_str(&format!("{},{cell}\n", crate::csv::text(name)));
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -69,5 +107,15 @@ mod tests {
         assert!(text.contains("1.0000000000000001e-1"), "{text}");
         let back: Vec<f64> = serde_json::from_str(&text).expect("JSON");
         assert_eq!(back, numbers);
+    }
+
+    #[test]
+    fn a_document_is_a_line_for_each_value() {
+        let document = serde_json::json!({"a": {"b": [1.5, 2], "c": "x, y"}, "d": null, "e": true});
+        let csv = super::csv(&document).expect("a document");
+        assert_eq!(
+            csv,
+            "name,value\na.b.0,1.5000000000000000e0\na.b.1,2\na.c,\"x, y\"\nd,\ne,true\n"
+        );
     }
 }

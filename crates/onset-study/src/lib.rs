@@ -27,3 +27,5 @@ pub mod settings;
 pub mod shell;
 pub mod store;
 pub mod tune;
+
+pub use onset::verdict::Verdict;

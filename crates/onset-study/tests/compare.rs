@@ -1,7 +1,7 @@
 //! Methods side by side: tables, ranking, and the files that come with the program.
 
 use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StretchOnset};
-use onset_study::compare::{Measured, PANELS, Row, Table, WAVELENGTHS, recommended};
+use onset_study::compare::{Measured, PANELS, Row, Table, Thresholds, WAVELENGTHS, recommended};
 use onset_study::modes::{ModesAnswer, ModesQuestion, ShownMode};
 use onset_study::settings::{CompareSettings, Comparison, Settings};
 use onset_study::tune::TuneQuestion;
@@ -44,6 +44,7 @@ fn table(rows: Vec<(&str, Result<Measured, String>)>) -> Table {
         material: "neo-hooke".to_owned(),
         dimension: 1,
         options: CompareSettings::default(),
+        thresholds: Thresholds::default(),
         rows: rows
             .into_iter()
             .map(|(name, measured)| Row {

@@ -1,7 +1,8 @@
 //! `onset audit`: whether a material is what its author believes.
 
-use super::{Failure, print};
+use super::Failure;
 use crate::arguments::AuditArguments;
+use crate::printing::print;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, states};
 use std::process::ExitCode;
@@ -21,7 +22,7 @@ pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     }
     let audit = Audit::of_material(&material, arguments.convention, &deformations)
         .map_err(Failure::input)?;
-    let printed = print(&audit, arguments.problem.json)?;
+    let printed = print(&audit, audit.to_string().trim_end(), None)?;
     Ok(match arguments.strict && !audit.consistent {
         true => ExitCode::from(1),
         false => printed,

@@ -1,6 +1,7 @@
 //! `onset boundary`: the boundaries of a study as curves.
 
-use super::{Failure, named, print_json, print_text};
+use super::{Failure, wrote};
+use crate::printing::{is_quiet, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
 use onset_study::output::Output;
@@ -23,6 +24,9 @@ pub(super) struct Counter(ProgressBar);
 
 impl Counter {
     pub(super) fn new() -> Self {
+        if is_quiet() {
+            return Self(ProgressBar::hidden());
+        }
         let bar = ProgressBar::new_spinner();
         let style = ProgressStyle::with_template(
             "{spinner} tracing boundaries: {pos} states, {per_sec} ({elapsed})",
@@ -44,21 +48,21 @@ impl Watch for Counter {
 }
 
 /// Traces, writes and tells.
-pub fn boundary(
-    study: &Study,
-    tracing: Tracing,
-    out: &Path,
-    json: bool,
-) -> Result<ExitCode, Failure> {
-    let output = Output::at(out, &["boundary.geojson", "boundary.csv"])?;
+pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<ExitCode, Failure> {
+    let output = out.map(|out| Output::at(out, &["boundary.geojson", "boundary.csv"]));
+    let output = output.transpose()?;
     let counter = Counter::new();
     let traced = Boundaries::of(study, tracing, &counter);
     counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
-    let files = output.write(&files(&boundaries).map_err(Failure::machine)?)?;
+    let made = files(&boundaries).map_err(Failure::machine)?;
+    let table = made.iter().find(|(name, _)| name == "boundary.csv");
+    let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
+    let files = match output {
+        Some(output) => output.write(&made)?,
+        None => Vec::new(),
+    };
     let summary = boundaries.summary();
-    if json {
-        return print_json(&Document { summary, files });
-    }
-    print_text(&format!("{summary}wrote {}", named(&files).join(" and ")))
+    let text = format!("{summary}{}", wrote(&files));
+    print(&Document { summary, files }, text.trim_end(), table)
 }

@@ -1,6 +1,7 @@
 //! `onset check` and `onset schema`: what a study file asks for, and what it may hold.
 
-use super::{Failure, print_json, print_text, source};
+use super::{Failure, source};
+use crate::printing::{Format, format, only_text, print, print_text};
 use onset_study::answers::StudySummary;
 use onset_study::settings::{Origin, SettingError, Study, Trust, schema as schema_of_studies};
 use serde::Serialize;
@@ -64,7 +65,6 @@ pub fn check(
     files: &[PathBuf],
     assignments: &[String],
     trust: &Trust,
-    json: bool,
 ) -> Result<ExitCode, Failure> {
     let entries: Vec<Entry> = files
         .iter()
@@ -73,9 +73,6 @@ pub fn check(
             Err(mistake) => Entry::Invalid(mistake),
         })
         .collect();
-    if json {
-        print_json(&entries)?;
-    }
     let (mut valid, mut told) = (Vec::new(), Vec::new());
     for entry in &entries {
         match entry {
@@ -83,8 +80,9 @@ pub fn check(
             Entry::Invalid(mistake) => told.push(mistake.told.clone()),
         }
     }
-    if !json && !valid.is_empty() {
-        print_text(valid.join("\n").trim_end())?;
+    // What is wrong with a file is told on standard error; in a document it stands beside what is right.
+    if format() != Format::Text || !valid.is_empty() {
+        print(&entries, valid.join("\n").trim_end(), None)?;
     }
     match told.is_empty() {
         true => Ok(ExitCode::SUCCESS),
@@ -109,5 +107,6 @@ fn summary(
 
 /// Prints the schema.
 pub fn schema() -> Result<ExitCode, Failure> {
+    only_text("a JSON Schema")?;
     print_text(&format!("{:#}", schema_of_studies()))
 }

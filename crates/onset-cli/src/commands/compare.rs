@@ -1,8 +1,9 @@
 //! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
 
-use super::{Failure, named, print_json, print_text, progress, source, with_energy};
+use super::{Failure, progress, source, with_energy, with_files};
 use crate::arguments::{CompareArguments, RecommendArguments};
-use onset_study::compare::{PANELS, Recommendation, Table};
+use crate::printing::print;
+use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
 use onset_study::output::Output;
 use onset_study::settings::{Comparison, Trust};
 use std::path::Path;
@@ -15,16 +16,14 @@ const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
     let comparison = read(&arguments.file, &arguments.assignments, &trust)?;
-    let output = Output::at(&arguments.out, &FILES)?;
-    let table = evaluated(&comparison, arguments.quiet)?;
-    let files = output.write(&table.files().map_err(Failure::machine)?)?;
-    if arguments.json {
-        return print_json(&table);
-    }
-    if arguments.quiet {
-        return Ok(ExitCode::SUCCESS);
-    }
-    print_text(&format!("{table}\nwrote {}", named(&files).join(", ")))
+    let output = arguments.out.as_deref();
+    let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
+    let table = evaluated(&comparison)?;
+    let files = match output {
+        Some(output) => output.write(&table.files().map_err(Failure::machine)?)?,
+        None => Vec::new(),
+    };
+    print(&table, &with_files(&table, &files), Some(table.csv()))
 }
 
 /// The methods of a file, or those that the program knows, ranked.
@@ -42,20 +41,23 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     };
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
-    let table = evaluated(&comparison, arguments.quiet)?;
+    let mut table = evaluated(&comparison)?;
+    table.thresholds = Thresholds {
+        long_waves: arguments.long_waves,
+        wavelength: arguments.wavelength,
+        ..arguments.thresholds.thresholds()
+    };
     let written = match output {
-        Some(output) => named(&output.write(&table.files().map_err(Failure::machine)?)?),
+        Some(output) => output.write(&table.files().map_err(Failure::machine)?)?,
         None => Vec::new(),
     };
-    let recommendation = Recommendation::from(table);
-    if arguments.json {
-        return print_json(&recommendation);
-    }
-    let mut text = recommendation.to_string();
-    if !written.is_empty() {
-        text.push_str(&format!("\nwrote {}", written.join(", ")));
-    }
-    print_text(text.trim_end())
+    let recommendation = Recommendation::new(table);
+    let ranking = recommendation.csv();
+    print(
+        &recommendation,
+        &with_files(&recommendation, &written),
+        Some(ranking),
+    )
 }
 
 fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison, Failure> {
@@ -66,8 +68,8 @@ fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison
     permitted.map_err(Failure::input).map(|()| comparison)
 }
 
-fn evaluated(comparison: &Comparison, quiet: bool) -> Result<Table, Failure> {
-    let bar = progress(comparison.candidates.len(), quiet);
+fn evaluated(comparison: &Comparison) -> Result<Table, Failure> {
+    let bar = progress(comparison.candidates.len());
     let table = Table::of(comparison, |name| {
         bar.set_message(name.to_owned());
         bar.inc(1);

@@ -1,7 +1,8 @@
 //! `onset localize`: where along a loading path a plastic material localizes.
 
-use super::{Failure, named, print, print_json, print_text};
+use super::{Failure, with_files};
 use crate::arguments::LocalizeArguments;
+use crate::printing::print;
 use onset_study::localization::{LocalizationAnswer, PlasticSettings};
 use onset_study::output::{Output, text};
 use std::process::ExitCode;
@@ -28,16 +29,15 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = LocalizationAnswer::new(&settings).map_err(Failure::input)?;
-    let Some(output) = output else {
-        return print(&answer, arguments.json);
+    let written = match output {
+        Some(output) => {
+            let figure = answer.figure("Where the material localizes");
+            let mut files = figure.files("localize").map_err(Failure::machine)?;
+            files.push(text("localize.csv", answer.csv()));
+            files.push(text("localize-directions.csv", answer.directions_csv()));
+            output.write(&files)?
+        }
+        None => Vec::new(),
     };
-    let figure = answer.figure("Where the material localizes");
-    let mut files = figure.files("localize").map_err(Failure::machine)?;
-    files.push(text("localize.csv", answer.csv()));
-    files.push(text("localize-directions.csv", answer.directions_csv()));
-    let files = output.write(&files)?;
-    if arguments.json {
-        return print_json(&answer);
-    }
-    print_text(&format!("{answer}\nwrote {}", named(&files).join(", ")))
+    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
 }

@@ -1,7 +1,8 @@
 //! `onset modes`: waves that a method does not resist.
 
-use super::{Failure, named, print_json, print_text};
+use super::{Failure, with_files};
 use crate::arguments::ModesArguments;
+use crate::printing::print;
 use onset_study::modes::{ModesAnswer, ModesQuestion};
 use onset_study::output::Output;
 use std::process::ExitCode;
@@ -19,18 +20,8 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = ModesAnswer::new(&settings, &question)?;
     let written = match output {
-        Some(output) => named(&output.write(&answer.files().map_err(Failure::machine)?)?),
+        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
         None => Vec::new(),
     };
-    if arguments.problem.json {
-        return print_json(&answer);
-    }
-    let mut text = answer.to_string();
-    if let [first, .., last] = &written[..] {
-        text.push_str(&format!(
-            "\nwrote {} files, {first} to {last}",
-            written.len()
-        ));
-    }
-    print_text(text.trim_end())
+    print(&answer, &with_files(&answer, &written), None)
 }

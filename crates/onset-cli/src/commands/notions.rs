@@ -1,7 +1,8 @@
 //! `onset notions` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, law, named, print, print_json, print_text, with_energy};
+use super::{Failure, law, with_energy, with_files};
 use crate::arguments::{CardArguments, LawArguments, NotionsArguments};
+use crate::printing::print;
 use onset_study::notions::Question;
 use onset_study::output::Output;
 use onset_study::settings::MaterialSettings;
@@ -17,29 +18,25 @@ pub fn notions(arguments: &NotionsArguments) -> Result<ExitCode, Failure> {
     let written = match output {
         Some(output) => {
             let files = answer.figure().files("notions").map_err(Failure::machine)?;
-            let files = named(&output.write(&files)?);
-            Some(format!("wrote {}", files.join(" and ")))
+            output.write(&files)?
         }
-        None => None,
+        None => Vec::new(),
     };
-    let code = print(&answer, arguments.law.json)?;
-    match written {
-        Some(text) if !arguments.law.json => print_text(&text),
-        _ => Ok(code),
-    }
+    print(&answer, &with_files(&answer, &written), None)
 }
 
 /// The safe range card.
 pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law, &[])?;
     let names = ["card.svg", "card.png", "card.json", "card.html"];
-    let output = Output::at(&arguments.out, &names)?;
+    let output = arguments.out.as_deref();
+    let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let card = question.card().map_err(Failure::input)?;
-    let files = output.write(&card.files().map_err(Failure::machine)?)?;
-    if arguments.law.json {
-        return print_json(&card);
-    }
-    print_text(&format!("{card}\nwrote {}", named(&files).join(", ")))
+    let files = match output {
+        Some(output) => output.write(&card.files().map_err(Failure::machine)?)?,
+        None => Vec::new(),
+    };
+    print(&card, &with_files(&card, &files), None)
 }
 
 fn question(

@@ -1,13 +1,21 @@
 //! `onset plot`: figures of stored maps.
 
 use super::boundary::Counter;
-use super::{Failure, named, print_text};
+use super::{Failure, wrote};
+use crate::printing::print;
 use onset_study::output::Output;
 use onset_study::plot::{Plot, plot_allowing as figure};
 use onset_study::settings::Trust;
+use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Drawn {
+    files: Vec<PathBuf>,
+}
 
 /// Draws stores and writes the figure.
 pub fn plot(
@@ -37,7 +45,8 @@ pub fn plot(
         false => Failure::machine(error),
     })?;
     let files = output.write(&made.files(&name).map_err(Failure::machine)?)?;
-    print_text(&format!("wrote {}", named(&files).join(" and ")))
+    let text = wrote(&files);
+    print(&Drawn { files }, &text, None)
 }
 
 /// The folder and the name of a figure: those of a file NAME.svg or NAME.png, or `map` in a folder.

@@ -1,7 +1,9 @@
 //! `onset tune`: the smallest coefficient that cures a method and hides nothing.
 
-use super::{Failure, named, print_json, print_text, progress};
+use super::{Failure, progress, with_files};
 use crate::arguments::TuneArguments;
+use crate::printing::print;
+use onset_study::compare::Thresholds;
 use onset_study::output::Output;
 use onset_study::tune::{TuneAnswer, TuneQuestion};
 use std::process::ExitCode;
@@ -9,27 +11,24 @@ use std::process::ExitCode;
 /// Tunes a coefficient.
 pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
     let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
-        .map_err(Failure::input)?;
+        .map_err(Failure::input)?
+        .with_thresholds(Thresholds {
+            later: arguments.later,
+            ..arguments.thresholds.thresholds()
+        });
     let settings = arguments.problem.settings_with(&[question.key()])?;
     let output = arguments.out.as_deref();
     let names = ["tune.csv", "tune.svg", "tune.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
-    let bar = progress(question.values().len(), arguments.quiet);
+    let bar = progress(question.values().len());
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);
     })?;
     bar.finish_and_clear();
     let written = match output {
-        Some(output) => named(&output.write(&answer.files().map_err(Failure::machine)?)?),
+        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
         None => Vec::new(),
     };
-    if arguments.problem.json {
-        return print_json(&answer);
-    }
-    let mut text = answer.to_string();
-    if !written.is_empty() {
-        text.push_str(&format!("\nwrote {}", written.join(", ")));
-    }
-    print_text(text.trim_end())
+    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
 }

@@ -19,6 +19,8 @@ fn every_command_explains_itself() {
         "audit",
         "umat-utilities",
         "schema",
+        "completions",
+        "man",
         "reproduce",
     ] {
         let help = onset(&[command, "--help"]);
@@ -60,6 +62,90 @@ fn the_keys_are_known_from_the_help() {
             );
         }
     }
+}
+
+#[test]
+fn questions_about_the_law_alone_name_no_key_of_a_discretization() {
+    for command in ["notions", "card", "audit"] {
+        let help = onset(&[command, "--help"]).stdout;
+        assert!(
+            help.contains("material.model") && !help.contains("discretization."),
+            "{help}"
+        );
+    }
+}
+
+#[test]
+fn short_help_is_short_and_has_examples_that_run() {
+    let overview = onset(&["-h"]).stdout;
+    assert!(overview.lines().count() <= 36, "{overview}");
+    for command in [
+        "state",
+        "dispersion",
+        "path",
+        "notions",
+        "card",
+        "modes",
+        "audit",
+        "localize",
+    ] {
+        let help = onset(&[command, "-h"]).stdout;
+        assert!(!help.contains("Keys of --set"), "{help}");
+        assert_eq!(help.matches("\n  onset ").count(), 3, "{help}");
+    }
+    // Those of the overview, without the quotes of a shell.
+    for line in overview
+        .lines()
+        .filter_map(|line| line.strip_prefix("  onset "))
+    {
+        let words: Vec<&str> = line.split(' ').collect();
+        if words[0] == "recommend" {
+            continue;
+        }
+        assert_eq!(onset(&words).code, Some(0), "{line}");
+    }
+}
+
+#[test]
+fn a_method_lists_the_keys_that_it_reads() {
+    let run = onset(&["list", "method", "tlsph"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(
+        run.stdout.contains("discretization.penalty")
+            && run.stdout.contains("discretization.support")
+    );
+    for other in [
+        "discretization.quadrature",
+        "discretization.mesh",
+        "discretization.horizon",
+        "discretization.momentum",
+    ] {
+        assert!(!run.stdout.contains(other), "{other}: {}", run.stdout);
+    }
+    let elements = onset(&["list", "method", "finite-elements"]).stdout;
+    assert!(
+        elements.contains("discretization.hourglass-stiffness"),
+        "{elements}"
+    );
+    assert!(
+        elements.contains("with discretization.integration = one-point"),
+        "{elements}"
+    );
+    for (name, fact) in [
+        ("sph", "`updated-sph`"),
+        ("tlpsh", "did you mean `total-lagrangian-sph`?"),
+    ] {
+        let refused = onset(&["list", "method", name]);
+        assert_eq!(refused.code, Some(2));
+        assert!(refused.stderr.contains(fact), "{}", refused.stderr);
+    }
+    assert_eq!(onset(&["list", "kernels", "x"]).code, Some(2));
+    assert!(
+        onset(&["list", "aliases"])
+            .stdout
+            .contains("total-lagrangian-sph")
+    );
+    assert!(onset(&["list", "keys"]).stdout.contains("map.adaptive"));
 }
 
 #[test]

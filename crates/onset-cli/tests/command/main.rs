@@ -1,5 +1,6 @@
 //! What the command answers, and what it refuses, as a user sees it: run as a process.
 
+mod aliases;
 mod audit;
 mod boundary;
 mod certify;
@@ -16,6 +17,7 @@ mod help;
 mod hunt;
 #[cfg(target_os = "linux")]
 mod kill_points;
+mod loading_paths;
 mod localize;
 mod map;
 mod map_python;
@@ -27,12 +29,17 @@ mod modes;
 mod notions;
 mod numbers;
 mod plot;
+mod printing;
+#[cfg(unix)]
+mod readme;
 mod refusals;
 mod settings;
 mod space;
+mod thresholds;
 mod tune;
 #[cfg(unix)]
 mod umat;
+mod units;
 
 #[cfg(unix)]
 #[path = "../../../onset-umat/tests/routines/fortran.rs"]

@@ -14,13 +14,13 @@ fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones
         assert_eq!(mode["nullity"], 2);
     }
     assert_eq!(number(&nodal, "/weakest"), 0.0);
-    assert_eq!(nodal["zero-extent"], "point");
+    assert_eq!(nodal["zero_extent"], "point");
     assert_eq!(nodal["complete"], true);
     let stress_points = document("modes set arrangement=hexagonal");
     assert!(number(&stress_points, "/weakest") > 0.0);
     let first = &stress_points["modes"][0];
     assert_eq!(
-        number(first, "/relative-frequency"),
+        number(first, "/relative_frequency"),
         number(&stress_points, "/weakest")
     );
 }

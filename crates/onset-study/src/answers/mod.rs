@@ -1,8 +1,10 @@
 //! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
 
 mod certificate;
+mod course;
 mod dispersion;
 mod mode;
+mod mode_name;
 mod next;
 mod notes;
 mod path;
@@ -12,6 +14,7 @@ mod state;
 mod summary;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
+pub use course::{Course, LoadingOfPath, PathSample, PathSamples};
 pub use dispersion::{Diagram, DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};

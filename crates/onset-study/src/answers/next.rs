@@ -1,6 +1,6 @@
 //! Which command goes on from a verdict, with the settings at hand.
 
-use crate::settings::{Family, Key, Settings, Value};
+use crate::settings::{Choice, Family, Key, Settings, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
@@ -36,15 +36,16 @@ fn coefficient(settings: &Settings) -> Option<&'static str> {
 
 /// `--set` for everything that is not a default, but for one key.
 fn assignments(settings: &Settings, without: Option<&str>) -> String {
-    let told = |name: &str, value: &Value| {
-        let text = match value {
+    let told = |name: &str, choice: &Choice| {
+        let unit = choice.unit.unwrap_or_default();
+        let text = match &choice.value {
             Value::Word(word) => word.clone(),
             Value::Numbers(numbers) => numbers
                 .iter()
                 .map(f64::to_string)
                 .collect::<Vec<_>>()
                 .join(","),
-            other => other.to_string(),
+            other => format!("{other}{unit}"),
         };
         format!(" --set {}", quoted(format!("{name}={text}").as_ref()))
     };
@@ -52,7 +53,7 @@ fn assignments(settings: &Settings, without: Option<&str>) -> String {
     let chosen = effective
         .chosen()
         .filter(|(name, _)| Some(*name) != without);
-    chosen.map(|(name, value)| told(name, value)).collect()
+    chosen.map(|(name, choice)| told(name, choice)).collect()
 }
 
 /// The same for the law alone.

@@ -1,15 +1,16 @@
 //! The answer to: where along this path is stability lost, and regained?
 
+use super::course::{Course, LoadingOfPath};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
 use crate::number::{told, vector};
-use crate::settings::Effective;
+use crate::settings::{Effective, Units};
 use nalgebra::SVector;
 use onset::analysis::scan_material_in;
 use onset::continuum::Ellipticity;
-use onset::kinematics::{DeformationGradient, StraightPath};
+use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::method::MethodError;
 use onset::verdict::{Crossing, Onset, PathScan, Phase};
 use serde::Serialize;
@@ -27,6 +28,9 @@ pub struct PathAnswer {
     pub notes: Vec<String>,
     /// Every choice in effect.
     pub settings: Effective,
+    /// The loading, where the path is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loading: Option<LoadingOfPath>,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
@@ -111,16 +115,23 @@ impl PathAnswer {
     /// # Errors
     /// [`ProblemError`] when the ends are the same or a state on the way cannot be evaluated.
     pub fn new(problem: &Problem, from: &Strain, to: &Strain) -> Result<Self, ProblemError> {
-        answer(problem, &from.0, &to.0)
+        Self::along(problem, &Course::Straight(*from, *to))
+    }
+
+    /// Follows any path.
+    ///
+    /// # Errors
+    /// As for [`PathAnswer::new`], and where a loading cannot be followed.
+    pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
+        course.follow(problem, |path, loading| {
+            let answer = answer(problem, path)?;
+            Ok(Self { loading, ..answer })
+        })
     }
 }
 
-fn answer(
-    problem: &Problem,
-    from: &DeformationGradient,
-    to: &DeformationGradient,
-) -> Result<PathAnswer, ProblemError> {
-    let path = StraightPath::new(*from, *to)?;
+fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, ProblemError> {
+    let (from, to) = (&path.at(0.0)?, &path.at(1.0)?);
     let analysis = &*problem.analysis;
     let dimension = analysis.dimension();
     let list = |vector: &SVector<f64, 3>| list(dimension, vector);
@@ -136,15 +147,15 @@ fn answer(
         let minimum = analysis.acoustic_minimum(f);
         minimum.is_ok_and(|minimum| minimum.ellipticity() == Ellipticity::Undecided)
     };
-    let continuum = scan_material_in(dimension, &*problem.material, &path)?;
-    let particles = analysis.scan(&path)?;
+    let continuum = scan_material_in(dimension, &*problem.material, path)?;
+    let particles = analysis.scan(path)?;
 
     let material_onset = match onset(&continuum) {
         Some((parameter, witness, tolerance, _)) => {
             let critical = analysis.acoustic_minimum(&path.at(witness)?);
             let critical = critical.map_err(MethodError::from)?;
             Some(MaterialOnset {
-                place: place(problem, &path, parameter, tolerance)?,
+                place: place(problem, path, parameter, tolerance)?,
                 direction: list(&critical.direction),
                 polarization: list(&critical.polarization),
             })
@@ -164,7 +175,7 @@ fn answer(
             };
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
-                place: place(problem, &path, parameter, tolerance)?,
+                place: place(problem, path, parameter, tolerance)?,
                 phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
@@ -186,12 +197,13 @@ fn answer(
         is_marginal: is_marginal(from) || is_marginal(to),
         notes: notes(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
+        loading: None,
         from: *from.components(),
         to: *to.components(),
         material_onset,
         discretization_onset,
-        material_crossings: crossings(dimension, &path, &continuum)?,
-        discretization_crossings: crossings(dimension, &path, &particles)?,
+        material_crossings: crossings(dimension, path, &continuum)?,
+        discretization_crossings: crossings(dimension, path, &particles)?,
     })
 }
 
@@ -238,7 +250,7 @@ fn stretch(dimension: usize, f: &DeformationGradient) -> Vec<f64> {
 
 fn place(
     problem: &Problem,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     parameter: f64,
     tolerance: f64,
 ) -> Result<Place, ProblemError> {
@@ -255,7 +267,7 @@ fn place(
 
 fn crossings(
     dimension: usize,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     scan: &PathScan,
 ) -> Result<Vec<CrossingAnswer>, ProblemError> {
     let answer = |crossing: &Crossing| {
@@ -272,11 +284,15 @@ fn crossings(
 
 impl std::fmt::Display for PathAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let units = self.settings.units();
+        if let Some(loading) = &self.loading {
+            writeln!(formatter, "{loading}\n")?;
+        }
         match &self.material_onset {
             Some(onset) => writeln!(
                 formatter,
                 "The material loses ellipticity at {} for waves along N = {}.",
-                at(&onset.place),
+                at(&onset.place, units),
                 vector(&onset.direction)
             )?,
             None if self.is_marginal => writeln!(
@@ -298,7 +314,7 @@ impl std::fmt::Display for PathAnswer {
             Some(onset) if onset.long_wave => writeln!(
                 formatter,
                 "The particles become unstable at {} for long waves along {}.",
-                at(&onset.place),
+                at(&onset.place, units),
                 vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
@@ -309,8 +325,8 @@ impl std::fmt::Display for PathAnswer {
                 } else {
                     "become unstable"
                 },
-                at(&onset.place),
-                vector(&onset.wave_vector)
+                at(&onset.place, units),
+                units.of(vector(&onset.wave_vector), "1/m")
             )?,
             None => writeln!(
                 formatter,
@@ -348,7 +364,7 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-fn at(place: &Place) -> String {
+fn at(place: &Place, units: Units) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"
     } else {
@@ -356,7 +372,13 @@ fn at(place: &Place) -> String {
     };
     // Those of the plane, and in space all.
     let stresses: Vec<String> = (0..place.stretch.len().max(2))
-        .map(|i| format!("s{0}{0} = {1}", i + 1, told(place.cauchy[i][i])))
+        .map(|i| {
+            format!(
+                "s{0}{0} = {1}",
+                i + 1,
+                units.of(told(place.cauchy[i][i]), "Pa")
+            )
+        })
         .collect();
     format!(
         "stretch {}{start} ({})",

@@ -88,6 +88,20 @@ pub enum ProblemError {
         #[from]
         source: MethodError,
     },
+    /// A loading that cannot be followed from one imposed stretch to another.
+    #[error("{title}, from stretch {from} to {to}: {reason}{}", note_lines(notes))]
+    Loading {
+        /// The loading in a few words.
+        title: &'static str,
+        /// The first stretch.
+        from: f64,
+        /// The last stretch.
+        to: f64,
+        /// What is wrong.
+        reason: String,
+        /// What is known of the law that may be why.
+        notes: Vec<String>,
+    },
     /// A path.
     #[error("{source}{}", path_hint(source))]
     Path {
@@ -95,6 +109,14 @@ pub enum ProblemError {
         #[from]
         source: PathError,
     },
+}
+
+/// Notes as they follow a message.
+fn note_lines(notes: &[String]) -> String {
+    notes
+        .iter()
+        .map(|note| format!("\n  note: {note}"))
+        .collect()
 }
 
 /// A message without its hint, which is about one value alone.

@@ -4,7 +4,7 @@ use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::Problem;
 use super::state::list;
 use crate::number::{told, vector};
-use crate::settings::Family;
+use crate::settings::{Family, Units};
 use nalgebra::SVector;
 use onset::bloch::Stability;
 use onset::continuum::Ellipticity;
@@ -41,6 +41,7 @@ pub(super) fn of(
     assessment: &Assessment<3>,
     in_space: Ellipticity,
     f: &DeformationGradient,
+    units: Units,
 ) -> String {
     let (analysis, settings) = (&*problem.analysis, &problem.settings);
     let family = settings.method.method;
@@ -48,8 +49,8 @@ pub(super) fn of(
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let k = analysis.spatial(f, &finite_wave_vector(mode));
-    let wave = wave(&k, along);
-    let growth = growth(spectrum.growth_rate());
+    let wave = wave(&k, along, units);
+    let growth = growth(spectrum.growth_rate(), units);
     let tension = if assessment.material.mean_stress >= 0.0 {
         "tensile"
     } else {
@@ -150,22 +151,26 @@ fn in_plane(in_space: Ellipticity) -> &'static str {
     }
 }
 
-fn wave(k: &SVector<f64, 3>, along: impl Fn(&SVector<f64, 3>) -> String) -> String {
+fn wave(k: &SVector<f64, 3>, along: impl Fn(&SVector<f64, 3>) -> String, units: Units) -> String {
     let norm = k.norm();
     if norm == 0.0 {
         "infinitely long waves".to_owned()
     } else {
         format!(
             "wavelength {} along {}",
-            told(std::f64::consts::TAU / norm),
+            units.of(told(std::f64::consts::TAU / norm), "m"),
             along(&(k / norm))
         )
     }
 }
 
-fn growth(rate: f64) -> String {
+fn growth(rate: f64, units: Units) -> String {
     if rate > 0.0 {
-        format!("grows e-fold in {} time units", told(1.0 / rate))
+        let time = match units {
+            Units::Own => format!("{} time units", told(1.0 / rate)),
+            Units::Si => format!("{} s", told(1.0 / rate)),
+        };
+        format!("grows e-fold in {time}")
     } else {
         "grows the faster the shorter the wave".to_owned()
     }

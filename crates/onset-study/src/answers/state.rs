@@ -2,6 +2,7 @@
 
 use super::certificate::CertificateAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
+use super::mode_name;
 use super::next::next;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
@@ -10,7 +11,7 @@ use crate::number::{told, told_of, vector};
 use crate::settings::{Effective, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::analysis::{Analysis, minimum_in_space};
+use onset::analysis::minimum_in_space;
 use onset::certificate::certify_in_space;
 use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
@@ -138,6 +139,8 @@ impl SpaceAnswer {
 pub struct DiscretizationAnswer {
     /// Whether no mode grows.
     pub stable: bool,
+    /// The fastest growing mode in words; the softest one when stable.
+    pub mode: String,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
     pub minimum_omega_squared: ComplexNumber,
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit; where a mode grows at `k = 0`, so that this has no
@@ -212,7 +215,13 @@ fn answer(
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
     let in_space = SpaceAnswer::new(&assessment.material.response);
-    let mut sentence = sentence::of(problem, &assessment, in_space.ellipticity, f);
+    let mut sentence = sentence::of(
+        problem,
+        &assessment,
+        in_space.ellipticity,
+        f,
+        problem.settings.units(),
+    );
     if let Some(tolerance) = tolerance {
         let proved = analysis.certify(f, tolerance)?;
         let proved_in_space =
@@ -240,7 +249,7 @@ fn answer(
         deformation_gradient: *f.components(),
         material: material_answer(problem, &assessment, &in_space),
         material_in_space: in_space,
-        discretization: discretization_answer(analysis, &assessment, f)?,
+        discretization: discretization_answer(problem, &assessment, f)?,
     })
 }
 
@@ -277,17 +286,20 @@ fn material_answer(
 }
 
 fn discretization_answer(
-    analysis: &dyn Analysis,
+    problem: &Problem,
     assessment: &Assessment<3>,
     f: &DeformationGradient,
 ) -> Result<DiscretizationAnswer, ProblemError> {
+    let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
     let steps = analysis.damped_time_steps(f)?;
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
+    let named = mode_name::name(problem, mode, &analysis.spatial(f, &mode.wave_vector));
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
+        mode: named,
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
         minimum_scaled: spectrum.softest.scaled,
         wave_vector: list(&wave_vector),
@@ -348,7 +360,8 @@ impl std::fmt::Display for StateAnswer {
         if !defaults.is_empty() {
             line(&of("by default"), defaults)?;
         }
-        line(&of("Cauchy stress"), material.stresses())?;
+        let units = self.settings.units();
+        line(&of("Cauchy stress"), units.of(material.stresses(), "(Pa)"))?;
         line(
             &of("strongly elliptic"),
             match (material.ellipticity, in_space.ellipticity) {
@@ -368,7 +381,7 @@ impl std::fmt::Display for StateAnswer {
             },
         )?;
         let stiffness = material.stiffness();
-        let eigenvalue = |value: f64| told_of(value, stiffness);
+        let eigenvalue = |value: f64| units.of(told_of(value, stiffness), "Pa");
         line(
             &of("smallest eigenvalue"),
             format!(
@@ -400,7 +413,7 @@ impl std::fmt::Display for StateAnswer {
                 None => format!("{real} + {imaginary} i"),
             },
         };
-        line(&of("smallest omega^2"), omega_squared)?;
+        line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         let bound = match d.minimum_scaled_bound {
             Some(bound) => format!("no wave below {}", told_of(bound, 1.0)),
             None => "searched, not bounded".to_owned(),
@@ -409,18 +422,26 @@ impl std::fmt::Display for StateAnswer {
         line(&of("scaled minimum"), format!("{minimum} ({bound})"))?;
         line(
             &of(if d.stable {
+                "softest mode"
+            } else {
+                "critical mode"
+            }),
+            d.mode.clone(),
+        )?;
+        line(
+            &of(if d.stable {
                 "softest wave vector"
             } else {
                 "critical wave vector"
             }),
             format!(
                 "{} (reference), {} (deformed)",
-                vector(&d.wave_vector),
-                vector(&d.spatial_wave_vector)
+                units.of(vector(&d.wave_vector), "1/m"),
+                units.of(vector(&d.spatial_wave_vector), "1/m")
             ),
         )?;
         line(&of("polarization"), vector(&d.polarization))?;
-        line(&of("growth rate"), told(d.growth_rate))?;
+        line(&of("growth rate"), units.of(told(d.growth_rate), "1/s"))?;
         let without = match d.damped_time_steps.is_empty() {
             true => "",
             false => "without damping ",
@@ -428,12 +449,12 @@ impl std::fmt::Display for StateAnswer {
         let step = d.critical_time_step.map_or_else(String::new, |step| {
             format!(
                 "; central differences {without}need a time step below {}",
-                told(step)
+                units.of(told(step), "s")
             )
         });
         line(
             &of("largest frequency"),
-            format!("{}{step}", told(d.maximum_omega)),
+            format!("{}{step}", units.of(told(d.maximum_omega), "1/s")),
         )?;
         for (integrator, step) in &d.damped_time_steps {
             let whose = if d.stable {
@@ -445,7 +466,7 @@ impl std::fmt::Display for StateAnswer {
                 &of("with damping"),
                 format!(
                     "{integrator} needs a time step below {}{whose}",
-                    told(*step)
+                    units.of(told(*step), "s")
                 ),
             )?;
         }

@@ -1,18 +1,21 @@
 //! Methods side by side: the same questions, asked of each of them for one material.
 //!
 //! A [`Comparison`] is evaluated to a [`Table`], with one [`Row`] for each method, which becomes a text, a CSV file, a page and a
-//! figure. [`recommended`] ranks the rows by [`RULES`].
+//! figure. [`recommended`] ranks the rows by [`rules`].
 
 mod figure;
 mod page;
 mod rank;
 mod row;
 mod table;
+mod thresholds;
 
-pub use rank::{RULES, Ranked, Recommendation, recommended};
+pub use rank::{Dependence, Ranked, Recommendation, recommended, rules};
 pub(crate) use row::outcome;
 pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
+pub use thresholds::Thresholds;
+pub(crate) use thresholds::{OF_TUNING, percent};
 
 use crate::answers::{ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
@@ -27,15 +30,15 @@ use std::sync::Arc;
 pub const PANELS: [(&str, &str); 3] = [
     (
         "comparisons/methods-1d.toml",
-        include_str!("../../../../comparisons/methods-1d.toml"),
+        include_str!("panels/methods-1d.toml"),
     ),
     (
         "comparisons/methods-2d.toml",
-        include_str!("../../../../comparisons/methods-2d.toml"),
+        include_str!("panels/methods-2d.toml"),
     ),
     (
         "comparisons/methods-3d.toml",
-        include_str!("../../../../comparisons/methods-3d.toml"),
+        include_str!("panels/methods-3d.toml"),
     ),
 ];
 
@@ -74,6 +77,7 @@ impl Table {
             material: comparison.common.material.model.name().to_owned(),
             dimension: comparison.dimension(),
             options: comparison.options.clone(),
+            thresholds: Thresholds::default(),
             rows: comparison.candidates.par_iter().map(row).collect(),
         })
     }

@@ -1,7 +1,7 @@
 //! The table of a comparison as a page that needs nothing else.
 
 use super::Table;
-use super::rank::{RULES, recommended};
+use super::rank::{recommended, rules};
 use crate::html::{embedded, escaped};
 use onset::measures::Load;
 
@@ -98,8 +98,8 @@ impl Table {
             page.push_str(&format!("<li>{name}: {settings}</li>\n"));
         }
         page.push_str("</ul>\n<h2>Rules</h2>\n");
-        for rule in RULES {
-            page.push_str(&format!("<p>{}</p>\n", escaped(rule)));
+        for rule in rules(&self.thresholds) {
+            page.push_str(&format!("<p>{}</p>\n", escaped(&rule)));
         }
         page.push_str(&format!(
             "<p><small>onset {}</small></p>\n</body></html>\n",

@@ -1,35 +1,45 @@
 //! Which method for this material? By rules that are printed.
 
+use super::thresholds::{OF_RECOMMENDATIONS, Thresholds, percent};
 use super::{Measured, Table};
+use crate::csv;
 use serde::Serialize;
 use std::fmt;
 
-/// Largest share of the window on which a method may be wrong.
-const WRONG: f64 = 0.005;
-/// Largest error of the stiffness of long waves.
-const LONG_WAVES: f64 = 0.05;
-/// The relative frequency below which a mode is too weak.
-const WEAK: f64 = 0.1;
-/// The wavelength at which frequencies are compared, in spacings of the particles.
-const WAVELENGTH: f64 = 8.0;
-
 /// The rules, in the order in which they are applied.
-pub const RULES: [&str; 6] = [
-    "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended; nor one that is not defined \
-     on more than 0.5 % of the window of states, for want of neighbors.",
-    "2. Nor is one with modes without energy, which the slightest disturbance excites, or with waves slower than a tenth of the \
-     material's slowest wave, which are nearly such.",
-    "3. Nor one that is unstable where the material is elliptic, on more than 0.5 % of the window of states: it shows fracture that \
-     is not there.",
-    "4. Nor one that is stable where the material is not elliptic, on more than 0.5 % of the window: it hides fracture that is there.",
-    "5. Nor one whose long waves feel a stiffness that is wrong by more than 5 %: it does not converge to the material.",
-    "6. Among the others the score is the error of the frequencies at 8 particles a wavelength times the cost (neighbors over the Courant \
-     number), the smallest first: halving the spacing of a method of second order quarters the error.",
-];
+pub fn rules(limits: &Thresholds) -> [String; 6] {
+    let (wrong, weak) = (percent(limits.wrong), percent(limits.weak));
+    [
+        format!(
+            "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended; nor one that is not \
+             defined on more than {wrong} of the window of states, for want of neighbors."
+        ),
+        format!(
+            "2. Nor is one with modes without energy, which the slightest disturbance excites, or with waves slower than {weak} of the \
+             material's slowest wave, which are nearly such."
+        ),
+        format!(
+            "3. Nor one that is unstable where the material is elliptic, on more than {wrong} of the window of states: it shows fracture \
+             that is not there."
+        ),
+        format!(
+            "4. Nor one that is stable where the material is not elliptic, on more than {wrong} of the window: it hides fracture that is \
+             there."
+        ),
+        format!(
+            "5. Nor one whose long waves feel a stiffness that is wrong by more than {}: it does not converge to the material.",
+            percent(limits.long_waves)
+        ),
+        format!(
+            "6. Among the others the score is the error of the frequencies at {} particles a wavelength times the cost (neighbors over the \
+             Courant number), the smallest first: halving the spacing of a method of second order quarters the error.",
+            limits.wavelength
+        ),
+    ]
+}
 
 /// A method with its place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Ranked {
     /// How it is called.
     pub name: String,
@@ -41,23 +51,113 @@ pub struct Ranked {
 
 /// Which methods of a table to take, and why.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Recommendation {
     /// The rules.
-    pub rules: [&'static str; 6],
+    pub rules: [String; 6],
     /// The methods, the recommended ones first and best first.
     pub ranking: Vec<Ranked>,
+    /// What another limit would change.
+    pub dependence: Vec<Dependence>,
     /// What was measured.
     pub table: Table,
 }
 
-impl From<Table> for Recommendation {
-    fn from(table: Table) -> Self {
+/// What a limit that is halved or doubled changes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dependence {
+    /// The limit.
+    pub threshold: &'static str,
+    /// What it would be.
+    pub value: f64,
+    /// The method that would be first.
+    pub best: Option<String>,
+    /// Methods that would be recommended too.
+    pub more: Vec<String>,
+    /// Methods that would not be recommended any more.
+    pub less: Vec<String>,
+}
+
+impl Recommendation {
+    /// Ranks the methods of a table.
+    pub fn new(table: Table) -> Self {
+        let limits = table.thresholds;
+        let ranking = recommended(&table);
+        let names = |ranking: &[Ranked]| -> Vec<String> {
+            let good = ranking.iter().filter(|ranked| ranked.excluded.is_none());
+            good.map(|ranked| ranked.name.clone()).collect()
+        };
+        let own = names(&ranking);
+        let dependence = limits
+            .varied(&OF_RECOMMENDATIONS)
+            .into_iter()
+            .map(|(threshold, value, limits)| {
+                let then = names(&ranked(&table, &limits));
+                let without = |these: &[String], others: &[String]| -> Vec<String> {
+                    let only = these.iter().filter(|name| !others.contains(name));
+                    only.cloned().collect()
+                };
+                Dependence {
+                    threshold,
+                    value,
+                    best: then.first().cloned(),
+                    more: without(&then, &own),
+                    less: without(&own, &then),
+                }
+            })
+            .collect();
         Self {
-            rules: RULES,
-            ranking: recommended(&table),
+            rules: rules(&limits),
+            ranking,
+            dependence,
             table,
         }
+    }
+
+    /// The ranking as CSV.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("place,method,score,rule,why\n");
+        for (n, ranked) in self.ranking.iter().enumerate() {
+            let name = csv::text(&ranked.name);
+            let score = match ranked.score.is_finite() {
+                true => format!("{:.16e}", ranked.score),
+                false => String::new(),
+            };
+            let line = match &ranked.excluded {
+                None => format!("{},{name},{score},,", n + 1),
+                Some((rule, why)) => format!(",{name},{score},{rule},{}", csv::text(why)),
+            };
+            text.push_str(&line);
+            text.push('\n');
+        }
+        text
+    }
+
+    /// What another limit would change, in words.
+    fn told_dependence(&self) -> Vec<String> {
+        let good = self.ranking.iter().find(|ranked| ranked.excluded.is_none());
+        let best = good.map(|ranked| ranked.name.as_str());
+        let told = |one: &Dependence| {
+            let mut changes = Vec::new();
+            if !one.more.is_empty() {
+                changes.push(format!("also recommended: {}", one.more.join(", ")));
+            }
+            if !one.less.is_empty() {
+                changes.push(format!("not recommended any more: {}", one.less.join(", ")));
+            }
+            if let Some(first) = one.best.as_deref().filter(|first| Some(*first) != best) {
+                changes.push(format!("first: {first}"));
+            }
+            if changes.is_empty() {
+                changes.push("the same methods".to_owned());
+            }
+            format!(
+                "--{} {}: {}",
+                one.threshold,
+                crate::number::told(one.value),
+                changes.join("; ")
+            )
+        };
+        self.dependence.iter().map(told).collect()
     }
 }
 
@@ -69,7 +169,7 @@ impl fmt::Display for Recommendation {
             "for {} and stretches from {low} to {high}, by these rules:\n",
             self.table.material
         )?;
-        for rule in self.rules {
+        for rule in &self.rules {
             writeln!(formatter, "  {rule}")?;
         }
         let names = self
@@ -106,6 +206,10 @@ impl fmt::Display for Recommendation {
                 )?;
             }
         }
+        writeln!(formatter, "\nwith other limits")?;
+        for line in self.told_dependence() {
+            writeln!(formatter, "      {line}")?;
+        }
         Ok(())
     }
 }
@@ -113,6 +217,10 @@ impl fmt::Display for Recommendation {
 /// The methods of a table, the recommended ones first and best first; then the others by the rule that excludes them, the last
 /// rule first.
 pub fn recommended(table: &Table) -> Vec<Ranked> {
+    ranked(table, &table.thresholds)
+}
+
+fn ranked(table: &Table, limits: &Thresholds) -> Vec<Ranked> {
     let mut ranked: Vec<Ranked> = table
         .rows
         .iter()
@@ -124,8 +232,8 @@ pub fn recommended(table: &Table) -> Vec<Ranked> {
             },
             Ok(measured) => Ranked {
                 name: row.name.clone(),
-                excluded: excluded(measured),
-                score: measured.dispersion_at(WAVELENGTH) * measured.cost(),
+                excluded: excluded(measured, limits),
+                score: measured.dispersion_at(limits.wavelength) * measured.cost(),
             },
         })
         .collect();
@@ -140,8 +248,8 @@ pub fn recommended(table: &Table) -> Vec<Ranked> {
 }
 
 /// The first rule that excludes a method.
-fn excluded(measured: &Measured) -> Option<(usize, String)> {
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)> {
+    let share_of = |share: f64| format!("{:.2} %", 100.0 * share);
     let fidelity = &measured.fidelity;
     let at_rest = measured
         .onsets
@@ -150,12 +258,12 @@ fn excluded(measured: &Measured) -> Option<(usize, String)> {
     if at_rest && measured.zero_modes == 0 {
         return Some((1, "unstable in the undeformed state".to_owned()));
     }
-    if fidelity.undefined > WRONG {
+    if fidelity.undefined > limits.wrong {
         return Some((
             1,
             format!(
                 "not defined on {} of the window",
-                percent(fidelity.undefined)
+                share_of(fidelity.undefined)
             ),
         ));
     }
@@ -166,25 +274,29 @@ fn excluded(measured: &Measured) -> Option<(usize, String)> {
             format!("{number} wave vector(s) with modes without energy"),
         ));
     }
-    if measured.weakest < WEAK {
-        let share = percent(measured.weakest);
+    if measured.weakest < limits.weak {
+        let share = share_of(measured.weakest);
         return Some((
             2,
             format!("a wave with {share} of the material's frequency"),
         ));
     }
-    if fidelity.false_instability > WRONG {
+    if fidelity.false_instability > limits.wrong {
         return Some((
             3,
-            format!("{} of the window", percent(fidelity.false_instability)),
+            format!("{} of the window", share_of(fidelity.false_instability)),
         ));
     }
-    if fidelity.missed_instability > WRONG {
+    if fidelity.missed_instability > limits.wrong {
         return Some((
             4,
-            format!("{} of the window", percent(fidelity.missed_instability)),
+            format!("{} of the window", share_of(fidelity.missed_instability)),
         ));
     }
-    (measured.long_wave_error > LONG_WAVES)
-        .then(|| (5, format!("wrong by {}", percent(measured.long_wave_error))))
+    (measured.long_wave_error > limits.long_waves).then(|| {
+        (
+            5,
+            format!("wrong by {}", share_of(measured.long_wave_error)),
+        )
+    })
 }

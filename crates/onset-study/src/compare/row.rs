@@ -16,7 +16,6 @@ pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 
 /// A method of a comparison.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Row {
     /// How it is called.
     pub name: String,
@@ -42,7 +41,6 @@ pub(crate) fn outcome<S: Serializer>(
 
 /// What is measured of a method; of the undeformed body unless said otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Measured {
     /// Wave vectors with zero-energy modes, of `k` and `-k` one; of lines and surfaces of them that are connected one.
     pub zero_modes: usize,

@@ -1,6 +1,7 @@
 //! The table of a comparison, as text and as CSV.
 
 use super::row::{Measured, Row, WAVELENGTHS};
+use super::thresholds::Thresholds;
 use crate::csv;
 use crate::settings::CompareSettings;
 use onset::measures::{Extent, Load, StretchOnset};
@@ -8,7 +9,6 @@ use serde::Serialize;
 
 /// All methods of a comparison.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Table {
     /// What the comparison shows.
     pub title: String,
@@ -20,6 +20,8 @@ pub struct Table {
     pub dimension: usize,
     /// What was asked.
     pub options: CompareSettings,
+    /// The limits by which methods are recommended.
+    pub thresholds: Thresholds,
     /// One for each method, in the order of the file.
     pub rows: Vec<Row>,
 }

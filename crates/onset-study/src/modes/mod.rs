@@ -39,7 +39,6 @@ impl Default for ModesQuestion {
 
 /// The spurious modes of a method.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct ModesAnswer {
     /// Space dimensions.
     pub dimension: usize,
@@ -63,7 +62,6 @@ pub struct ModesAnswer {
 
 /// A mode on a patch of particles.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct ShownMode {
     /// The wave vector; 1/length.
     pub wave_vector: Vec<f64>,

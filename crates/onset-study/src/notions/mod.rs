@@ -6,14 +6,14 @@ mod html;
 mod sentence;
 
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
-pub use onset::notions::{Mode, Range};
+pub use onset::notions::{Lateral, Mode, Range};
 
 use crate::answers::notes_on_law;
 use crate::settings::{MaterialSettings, Value};
 use onset::material::{Hyperelastic, MaterialError};
 use onset::notions::{
-    Change, Event, Knowledge, Lateral, Loading, LoadingError, LoadingPath, Notion, PathEnd,
-    PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
+    Change, Event, Knowledge, Loading, LoadingError, LoadingPath, Notion, PathEnd, PathState,
+    Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -313,7 +313,8 @@ impl LoadingAnswer {
 }
 
 impl EndAnswer {
-    fn of(end: &PathEnd, limit: f64) -> Self {
+    /// The end of a path whose range ends at `limit`.
+    pub(crate) fn of(end: &PathEnd, limit: f64) -> Self {
         match end {
             PathEnd::Range => Self {
                 stretch: limit,

@@ -1,134 +1,347 @@
-//! Names that people type, and what they are called here: for hints.
+//! Names that people type, and what they are called here: taken where they are unambiguous, and told where they are not.
 
-use super::Value;
+use super::error::nearest;
+use super::{Key, Kind, Origin, SettingError, Value};
+use std::borrow::Cow;
 
-/// A key, a word that is often typed for one of its values, and what to say.
-const WORDS: &[(&str, &str, &str)] = &[
+/// What a word that is often typed stands for.
+#[derive(Clone, Copy, Debug)]
+enum Meaning {
+    /// A word of the same key.
+    Is(&'static str),
+    /// A word of the same key, with words of other keys unless these are set.
+    With(&'static str, &'static [(&'static str, &'static str)]),
+    /// One of several words, of which the user chooses: with what each of them is.
+    OneOf(&'static [(&'static str, &'static str)]),
+}
+
+use Meaning::{Is, OneOf, With};
+
+/// A key, a word that is often typed for one of its values, and what it stands for.
+const WORDS: &[(&str, &str, Meaning)] = &[
     (
         "discretization.method",
         "sph",
-        "`updated-sph`, or `total-lagrangian-sph` for kernels of material coordinates",
+        OneOf(&[
+            ("total-lagrangian-sph", "kernels of material coordinates"),
+            ("updated-sph", "kernels of current coordinates"),
+        ]),
     ),
-    ("discretization.method", "wcsph", "`updated-sph`"),
-    ("discretization.method", "ulsph", "`updated-sph`"),
-    ("discretization.method", "tlsph", "`total-lagrangian-sph`"),
-    ("discretization.method", "tl-sph", "`total-lagrangian-sph`"),
-    ("discretization.method", "mpm", "`material-points`"),
+    ("discretization.method", "wcsph", Is("updated-sph")),
+    ("discretization.method", "ulsph", Is("updated-sph")),
+    ("discretization.method", "ul-sph", Is("updated-sph")),
+    (
+        "discretization.method",
+        "updated-lagrangian-sph",
+        Is("updated-sph"),
+    ),
+    ("discretization.method", "tlsph", Is("total-lagrangian-sph")),
+    (
+        "discretization.method",
+        "tl-sph",
+        Is("total-lagrangian-sph"),
+    ),
+    ("discretization.method", "mpm", Is("material-points")),
     (
         "discretization.method",
         "material-point",
-        "`material-points`",
+        Is("material-points"),
     ),
-    ("discretization.method", "fem", "`finite-elements`"),
-    ("discretization.method", "fe", "`finite-elements`"),
+    (
+        "discretization.method",
+        "material-point-method",
+        Is("material-points"),
+    ),
+    ("discretization.method", "fem", Is("finite-elements")),
+    ("discretization.method", "fe", Is("finite-elements")),
+    (
+        "discretization.method",
+        "finite-element",
+        Is("finite-elements"),
+    ),
     (
         "discretization.method",
         "rkpm",
-        "`kernel` with discretization.approximation = mls, the linear reproducing kernel",
+        With("kernel", &[("discretization.approximation", "mls")]),
     ),
     (
         "discretization.method",
         "efg",
-        "`kernel` with discretization.approximation = mls and discretization.quadrature = gauss",
+        With(
+            "kernel",
+            &[
+                ("discretization.approximation", "mls"),
+                ("discretization.quadrature", "gauss"),
+            ],
+        ),
     ),
-    ("discretization.method", "scni", "`conforming`"),
-    ("discretization.method", "pd", "`peridynamics`"),
+    ("discretization.method", "scni", Is("conforming")),
+    ("discretization.method", "pd", Is("peridynamics")),
+    ("discretization.approximation", "rk", Is("mls")),
+    ("discretization.approximation", "rkpm", Is("mls")),
+    ("discretization.bonds", "bond", Is("bond-based")),
+    ("discretization.bonds", "state-based", Is("correspondence")),
+    ("discretization.bonds", "nosb", Is("correspondence")),
     (
-        "discretization.approximation",
-        "rk",
-        "`mls`, the linear reproducing kernel",
+        "discretization.arrangement",
+        "fcc",
+        Is("face-centered-cubic"),
     ),
     (
-        "discretization.approximation",
-        "rkpm",
-        "`mls`, the linear reproducing kernel",
+        "discretization.arrangement",
+        "bcc",
+        Is("body-centered-cubic"),
     ),
-    ("discretization.bonds", "state-based", "`correspondence`"),
-    ("discretization.bonds", "nosb", "`correspondence`"),
-    ("discretization.arrangement", "fcc", "`face-centered-cubic`"),
-    ("discretization.arrangement", "bcc", "`body-centered-cubic`"),
     (
         "discretization.arrangement",
         "hcp",
-        "`hexagonal-close-packed`",
+        Is("hexagonal-close-packed"),
     ),
-    ("discretization.arrangement", "sc", "`simple-cubic`"),
-    ("discretization.arrangement", "cubic", "`simple-cubic`"),
-    ("discretization.arrangement", "triangular", "`hexagonal`"),
-    ("discretization.arrangement", "line", "`chain`"),
-    ("discretization.kernel", "cubic", "`cubic-spline`"),
-    ("discretization.kernel", "quintic", "`quintic-spline`"),
+    ("discretization.arrangement", "sc", Is("simple-cubic")),
+    ("discretization.arrangement", "cubic", Is("simple-cubic")),
+    ("discretization.arrangement", "triangular", Is("hexagonal")),
+    ("discretization.arrangement", "hex", Is("hexagonal")),
+    ("discretization.arrangement", "line", Is("chain")),
+    ("discretization.kernel", "cubic", Is("cubic-spline")),
+    (
+        "discretization.kernel",
+        "cubic-b-spline",
+        Is("cubic-spline"),
+    ),
+    ("discretization.kernel", "quintic", Is("quintic-spline")),
+    (
+        "discretization.kernel",
+        "quartic",
+        OneOf(&[
+            ("quartic-spline", "a polynomial of degree four, the paper's"),
+            ("quartic-b-spline", "the B-spline of degree four"),
+        ]),
+    ),
     (
         "discretization.kernel",
         "wendland",
-        "`wendland-c2`, `wendland-c4` or `wendland-c6`",
+        OneOf(&[
+            ("wendland-c2", "two continuous derivatives"),
+            ("wendland-c4", "four"),
+            ("wendland-c6", "six"),
+        ]),
     ),
-    ("discretization.mesh", "q4", "`quadrilaterals`"),
-    ("discretization.mesh", "quads", "`quadrilaterals`"),
-    ("discretization.mesh", "t3", "`triangles`"),
-    ("discretization.mesh", "h8", "`bricks`"),
-    ("discretization.mesh", "hexahedra", "`bricks`"),
-    ("discretization.mesh", "tet4", "`tetrahedra`"),
-    ("discretization.integration", "reduced", "`one-point`"),
-    ("material.model", "neo-hookean", "`neo-hooke`"),
-    ("material.model", "neohookean", "`neo-hooke`"),
-    ("material.model", "svk", "`saint-venant-kirchhoff`"),
+    ("discretization.mesh", "q4", Is("quadrilaterals")),
+    ("discretization.mesh", "quads", Is("quadrilaterals")),
+    ("discretization.mesh", "t3", Is("triangles")),
+    ("discretization.mesh", "h8", Is("bricks")),
+    ("discretization.mesh", "hexahedra", Is("bricks")),
+    ("discretization.mesh", "tet4", Is("tetrahedra")),
+    ("discretization.integration", "reduced", Is("one-point")),
+    ("material.model", "neo-hookean", Is("neo-hooke")),
+    ("material.model", "neohookean", Is("neo-hooke")),
+    ("material.model", "svk", Is("saint-venant-kirchhoff")),
+    ("material.model", "stvk", Is("saint-venant-kirchhoff")),
+    ("material.model", "hgo", Is("holzapfel-gasser-ogden")),
 ];
 
-/// A key that is often typed, and what to say.
+/// A key that is often typed, and the one that it stands for.
 const KEYS: &[(&str, &str)] = &[
-    (
-        "smoothing-length",
-        "set discretization.support, the support radius over the spacing: for a spline of support 2 h it is 2 h/dx",
-    ),
+    ("discretization.dx", "discretization.spacing"),
+    ("discretization.dp", "discretization.spacing"),
+    ("discretization.rho", "discretization.density"),
+    ("discretization.rho0", "discretization.density"),
+];
+
+/// A key that is often typed and not taken, and what to say.
+const HINTS: &[(&str, &str)] = &[
     (
         "h",
-        "set discretization.support, the support radius over the spacing",
+        "set discretization.smoothing-length, the smoothing length over the spacing, or discretization.spacing itself",
     ),
     ("dx", "set discretization.spacing"),
     ("rho", "set discretization.density"),
     ("lattice-type", "set discretization.arrangement"),
+    ("youngs-modulus", "did you mean `material.young`?"),
+    ("E", "did you mean `material.young`?"),
+    ("nu", "did you mean `material.poisson`?"),
+    ("poissons-ratio", "did you mean `material.poisson`?"),
+    ("bulk-modulus", "did you mean `material.bulk`?"),
+    ("K", "did you mean `material.bulk`?"),
+    ("shear-modulus", "did you mean `material.shear`?"),
+    ("G", "did you mean `material.shear`?"),
+    ("young", "did you mean `material.young`?"),
+    ("poisson", "did you mean `material.poisson`?"),
     (
-        "young",
-        "give the moduli of the law: mu = E/(2 (1 + nu)) and lambda = E nu/((1 + nu) (1 - 2 nu)), where it has these",
-    ),
-    (
-        "poisson",
-        "give the moduli of the law: mu = E/(2 (1 + nu)) and lambda = E nu/((1 + nu) (1 - 2 nu)), where it has these",
+        "smoothing-length",
+        "did you mean `discretization.smoothing-length`, the smoothing length over the spacing?",
     ),
 ];
 
-/// What a word that is often typed is called here.
-pub(super) fn word(key: &str, value: &Value) -> Option<&'static str> {
-    let Value::Word(typed) = value else {
-        return None;
+/// The smoothing length over the spacing, by which the support can be set: `support = smoothing-length * R0/h` with the support radius
+/// `R0` over the smoothing length `h` of the kernel, 2 for the cubic spline.
+pub(super) const SMOOTHING_LENGTH: &str = "discretization.smoothing-length";
+
+/// What a word that is typed for a key stands for, as the key spells it: `FCC` is `face-centered-cubic`, `neo_hooke` is `neo-hooke`.
+///
+/// # Errors
+/// [`SettingError`] that names what a word may stand for where it is more than one.
+pub(super) fn meant<'v>(
+    key: &Key,
+    value: &'v Value,
+    origin: &Origin,
+) -> Result<Cow<'v, Value>, SettingError> {
+    let (Value::Word(typed), Kind::Words(_) | Kind::WordsOr(..)) = (value, key.kind) else {
+        return Ok(Cow::Borrowed(value));
     };
-    let typed = typed.to_ascii_lowercase();
-    let mut known = WORDS.iter();
-    let found = known.find(|(of, word, _)| *of == key && *word == typed)?;
+    if key.words().contains(&typed.as_str()) {
+        return Ok(Cow::Borrowed(value));
+    }
+    let owned = |word: &str| Ok(Cow::Owned(Value::Word(word.to_owned())));
+    let plain = plain(typed);
+    match known(key, typed) {
+        Some(Is(word) | With(word, _)) => owned(word),
+        Some(OneOf(words)) => {
+            let told: Vec<String> = words
+                .iter()
+                .map(|(word, what)| format!("`{word}` ({what})"))
+                .collect();
+            let message = format!("`{}`: \"{typed}\" can be {}", key.name, told.join(" or "));
+            let (first, _) = words[0];
+            Err(SettingError::new(origin.clone(), message)
+                .hint(format!("say which, for example {}={first}", key.name)))
+        }
+        None if key.words().contains(&plain.as_str()) => owned(&plain),
+        None => Ok(Cow::Borrowed(value)),
+    }
+}
+
+/// What else a word says: words of other keys, that hold unless these are set.
+pub(super) fn companions(key: &Key, value: &Value) -> &'static [(&'static str, &'static str)] {
+    match value {
+        Value::Word(typed) => match known(key, typed) {
+            Some(With(_, others)) => others,
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+fn known(key: &Key, typed: &str) -> Option<Meaning> {
+    let typed = plain(typed);
+    let mut words = WORDS.iter();
+    let found = words.find(|(of, word, _)| *of == key.name && *word == typed)?;
     Some(found.2)
 }
 
-/// What to say about a key that is often typed.
-pub(super) fn key(name: &str) -> Option<&'static str> {
-    let own = name.rsplit('.').next()?;
+/// A word in lower case with hyphens.
+fn plain(word: &str) -> String {
+    word.trim().to_ascii_lowercase().replace(['_', ' '], "-")
+}
+
+/// The names that a wrong word is compared with: those of the key, and those that people type.
+pub(super) fn nearest_word(key: &str, typed: &str, words: &[&'static str]) -> Option<&'static str> {
+    let typed = plain(typed);
+    let mut names: Vec<(&str, &'static str)> = words.iter().map(|word| (*word, *word)).collect();
+    names.extend(
+        WORDS
+            .iter()
+            .filter_map(|(of, word, meaning)| match meaning {
+                Is(own) | With(own, _) if *of == key => Some((*word, *own)),
+                _ => None,
+            }),
+    );
+    let found = nearest(&typed, names.iter().map(|(name, _)| *name))?;
+    names
+        .iter()
+        .find(|(name, _)| *name == found)
+        .map(|(_, own)| *own)
+}
+
+/// The key that a name stands for.
+pub(super) fn of_key(name: &str) -> &str {
     let mut known = KEYS.iter();
+    known
+        .find(|(typed, _)| *typed == name)
+        .map_or(name, |(_, own)| own)
+}
+
+/// What to say about a key that is often typed.
+pub(super) fn hint(name: &str) -> Option<&'static str> {
+    let own = name.rsplit('.').next()?;
+    let mut known = HINTS.iter();
     Some(known.find(|(typed, _)| *typed == own)?.1)
+}
+
+/// Every word that is taken beside a key's own, with what it stands for; ambiguous ones are left out.
+pub(crate) fn all() -> impl Iterator<Item = (&'static str, &'static str, String)> {
+    WORDS.iter().filter_map(|(key, typed, meaning)| {
+        let stands_for = match meaning {
+            Is(word) => (*word).to_owned(),
+            With(word, others) => {
+                let others: Vec<String> = others
+                    .iter()
+                    .map(|(other, value)| format!("{other} = {value}"))
+                    .collect();
+                format!("{word} with {}", others.join(" and "))
+            }
+            OneOf(_) => return None,
+        };
+        Some((*key, *typed, stands_for))
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{WORDS, word};
-    use crate::settings::{Key, Value};
+    use super::{KEYS, Meaning, WORDS};
+    use crate::settings::{Key, Settings};
 
     #[test]
-    fn what_is_said_for_a_word_is_a_word_of_the_key() {
-        for (key, typed, told) in WORDS {
+    fn what_a_word_stands_for_is_a_word_of_the_key_and_is_taken() {
+        for (key, typed, meaning) in WORDS {
             let words = Key::named(key).expect("a key").words();
             assert!(!words.contains(typed), "{key} = {typed} is known");
-            let named = told.split('`').nth(1).expect("a word");
-            assert!(words.contains(&named), "{key} has no {named}");
-            assert_eq!(word(key, &Value::Word(typed.to_uppercase())), Some(*told));
+            let mut settings = Settings::default();
+            let set = settings.assign(&format!("{key}={}", typed.to_uppercase()));
+            match meaning {
+                Meaning::Is(word) | Meaning::With(word, _) => {
+                    assert!(words.contains(word), "{key} has no {word}");
+                    set.expect("an alias");
+                    let mut own = Settings::default();
+                    own.assign(&format!("{key}={word}")).expect("a word");
+                    assert_eq!(settings.value(key), own.value(key));
+                }
+                Meaning::OneOf(several) => {
+                    let told = set.expect_err("ambiguous").to_string();
+                    for (word, _) in *several {
+                        assert!(words.contains(word), "{key} has no {word}");
+                        assert!(told.contains(&format!("`{word}`")), "{told}");
+                    }
+                }
+            }
         }
+        for (typed, own) in KEYS {
+            assert!(Key::named(own).is_some(), "{typed}");
+        }
+    }
+
+    #[test]
+    fn what_an_alias_brings_along_gives_way_to_what_is_set() {
+        for assignments in [
+            [
+                "discretization.method=rkpm",
+                "discretization.approximation=mls-2",
+            ],
+            [
+                "discretization.approximation=mls-2",
+                "discretization.method=RKPM",
+            ],
+        ] {
+            let settings = Settings::from_assignments(&assignments).expect("valid");
+            let value = settings
+                .value("discretization.approximation")
+                .map(|value| value.to_string());
+            assert_eq!(value.as_deref(), Some("\"mls-2\""), "{assignments:?}");
+        }
+        let settings = Settings::from_assignments(&["discretization.method=rkpm"]).expect("valid");
+        let value = settings
+            .value("discretization.approximation")
+            .map(|value| value.to_string());
+        assert_eq!(value.as_deref(), Some("\"mls\""));
     }
 }

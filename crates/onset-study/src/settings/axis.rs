@@ -1,6 +1,6 @@
 //! The axes of a study: which quantity a map varies, over which range, in how many states.
 
-use super::{KEYS, Key, Kind};
+use super::{KEYS, Key, Kind, units};
 
 /// What an axis varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,6 +131,11 @@ impl Axis {
     /// Its unit; `1` without dimension.
     pub fn unit(&self) -> &'static str {
         self.quantity.unit()
+    }
+
+    /// Its unit in SI; `None` where it has no dimension.
+    pub fn si_unit(&self) -> Option<&'static str> {
+        units::si(self.unit())
     }
 
     /// The value of the state with a number: the middle of its cell.

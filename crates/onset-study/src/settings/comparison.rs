@@ -194,7 +194,8 @@ impl Comparison {
         for assignment in assignments {
             comparison.assign(assignment.as_ref())?;
         }
-        comparison.common.material.check()?;
+        comparison.common.material.check(&[])?;
+        comparison.common.check_units()?;
         if is_study {
             let study = study::read(name, text)?;
             let common = &comparison.common;
@@ -336,6 +337,10 @@ impl Comparison {
         table: &DeTable<'_>,
     ) -> Result<Candidate, SettingError> {
         let mut settings = self.common.clone();
+        let sets_support = ["support", "smoothing-length"];
+        if sets_support.into_iter().any(|own| table.contains_key(own)) {
+            settings = settings.with_other_support();
+        }
         let mut name = None;
         let mut own_keys = Vec::new();
         for (key, value) in in_order(table) {
@@ -367,6 +372,7 @@ impl Comparison {
             settings.check_read(key, origin, &[])?;
         }
         settings.check_values(&[])?;
+        settings.check_units()?;
         let name = name.ok_or_else(|| {
             SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
         })?;

@@ -1,6 +1,6 @@
 //! What is in effect: every choice that material and method read, with its value, and whether that is the default.
 
-use super::{KEYS, Key, Settings, Study, Value};
+use super::{KEYS, Key, Settings, Study, Units, Value, units};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -11,6 +11,9 @@ pub struct Choice {
     pub value: Value,
     /// Whether it is what holds unless something is set.
     pub default: bool,
+    /// Its unit, where values have units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<&'static str>,
 }
 
 /// Every choice that material and method read, by key, in the order of the table of keys. Serializes as a map from the key to
@@ -44,8 +47,17 @@ impl Settings {
             let default = parameters
                 .filter(|own| own.name == name)
                 .any(|own| value == Value::Number(own.default));
-            let name = Key::named(&format!("material.{name}")).map_or(name, |key| key.name);
-            (name, Choice { value, default })
+            let key = Key::named(&format!("material.{name}"));
+            let unit = key.and_then(|key| self.unit(key));
+            let name = key.map_or(name, |key| key.name);
+            (
+                name,
+                Choice {
+                    value,
+                    default,
+                    unit,
+                },
+            )
         });
         let of_method = KEYS.iter().filter(|key| key.name == "material.model");
         let model = of_method.filter_map(|key| self.choice(key));
@@ -68,7 +80,21 @@ impl Settings {
     fn choice(&self, key: &'static Key) -> Option<(&'static str, Choice)> {
         let value = self.value(key.name)?;
         let default = Some(&value) == self.default_of(key).as_ref();
-        Some((key.name, Choice { value, default }))
+        let unit = self.unit(key);
+        Some((
+            key.name,
+            Choice {
+                value,
+                default,
+                unit,
+            },
+        ))
+    }
+
+    /// The unit of a key's value, where values have units.
+    fn unit(&self, key: &Key) -> Option<&'static str> {
+        let unit = key.unit().and_then(units::si)?;
+        self.units().are_si().then_some(unit)
     }
 }
 
@@ -81,7 +107,11 @@ impl Study {
                 .iter()
                 .any(|axis| axis.quantity.key_name() == name)
         };
-        effective.0.retain(|(name, _)| !varied(name));
+        let follows = self.follows();
+        let follows = |name: &str| follows.iter().any(|own| own == name);
+        effective
+            .0
+            .retain(|(name, _)| !varied(name) && !follows(name));
         effective
     }
 }
@@ -100,16 +130,29 @@ impl Effective {
     }
 
     /// What is not a default.
-    pub fn chosen(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+    pub fn chosen(&self) -> impl Iterator<Item = (&'static str, &Choice)> {
         let chosen = self.0.iter().filter(|(_, choice)| !choice.default);
-        chosen.map(|(name, choice)| (*name, &choice.value))
+        chosen.map(|(name, choice)| (*name, choice))
+    }
+
+    /// The units of the answer's numbers.
+    pub fn units(&self) -> Units {
+        match self.0.iter().any(|(_, choice)| choice.unit.is_some()) {
+            true => Units::Si,
+            false => Units::Own,
+        }
     }
 
     /// The choices of a section in two lines: the model or method with what was chosen, and what holds by default.
     fn lines(&self, section: &str, head: &str) -> (String, String) {
-        let told = |name: &str, value: &Value| match value {
+        let told = |name: &str, choice: &Choice| match &choice.value {
             Value::Word(word) => format!("{name} {word}"),
-            Value::Number(number) => format!("{name} {}", crate::number::exact(*number)),
+            Value::Number(number) => {
+                let unit = choice
+                    .unit
+                    .map_or_else(String::new, |unit| format!(" {unit}"));
+                format!("{name} {}{unit}", crate::number::exact(*number))
+            }
             Value::Switch(true) => name.to_owned(),
             Value::Switch(false) => format!("not {name}"),
             other => format!("{name} {other}"),
@@ -127,8 +170,8 @@ impl Effective {
             match (name == head, &choice.value, choice.default) {
                 (true, Value::Word(word), true) => first = format!("{word} (default)"),
                 (true, Value::Word(word), false) => first.clone_from(word),
-                (_, value, false) => chosen.push(told(name, value)),
-                (_, value, true) => defaults.push(told(name, value)),
+                (_, _, false) => chosen.push(told(name, choice)),
+                (_, _, true) => defaults.push(told(name, choice)),
             }
         }
         if !chosen.is_empty() {

@@ -97,13 +97,9 @@ impl SettingError {
     }
 
     /// Names the word nearest to the one typed, where words are expected.
-    pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&str]) -> Self {
-        if let (Some(meant), Some(hint)) = (aliases::word(key, value), &mut self.hint) {
-            hint.push_str(&format!("; did you mean {meant}?"));
-            return self;
-        }
+    pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&'static str]) -> Self {
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
-            && let Some(nearest) = nearest(word, words.iter().copied())
+            && let Some(nearest) = aliases::nearest_word(key, word, words)
             && words.len() > 1
         {
             hint.push_str(&format!("; did you mean `{nearest}`?"));

@@ -3,8 +3,9 @@
 use super::method::{
     APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, WEIGHTED,
 };
+use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
-use super::{MapSettings, Model, OUTPUTS, StateSettings, Value};
+use super::{MapSettings, Model, OUTPUTS, StateSettings, Value, aliases};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
 use std::collections::BTreeMap;
@@ -158,8 +159,21 @@ fn parameter_keys() -> Vec<Key> {
         let kind = Kind::Number(parameter.unit);
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
+    for (name, unit, meaning) in MODULI {
+        let name = format!("material.{name}").leak();
+        keys.push(key(name, Kind::Number(unit), meaning));
+    }
     keys
 }
+
+/// The key by which the support can be set in smoothing lengths; what is effective is the support.
+static SMOOTHING_LENGTH: Key = key(
+    aliases::SMOOTHING_LENGTH,
+    Kind::Positive("1"),
+    "smoothing length over the spacing, h/dx: sets discretization.support to R0/h times it, with the support radius R0 over the \
+     smoothing length h of the kernel (2 for the cubic spline)",
+)
+.only_with(WEIGHTED);
 
 /// What a parameter means in the laws that have it: laws in which it means the same are told together.
 fn meaning(of_name: impl Iterator<Item = (Model, &'static Parameter)>) -> String {
@@ -431,6 +445,11 @@ pub const MAP_KEYS: &[Key] = &[
     ),
 ];
 
+/// The key of the smoothing length, which is in no table: what is effective is the support.
+pub(super) fn smoothing_length() -> &'static Key {
+    &SMOOTHING_LENGTH
+}
+
 /// Every key that a study can set, in the order of the documentation; axes and title apart.
 pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
     KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)
@@ -451,6 +470,10 @@ impl Key {
     /// The key with a name: one of [`study_keys`], or `material.` with a name that a model of one's own may give to a
     /// parameter: letters, digits and `_`, a letter first.
     pub fn named(name: &str) -> Option<&'static Self> {
+        let name = aliases::of_key(name);
+        if name == SMOOTHING_LENGTH.name {
+            return Some(&SMOOTHING_LENGTH);
+        }
         let is_name = |text: &str| {
             text.starts_with(|first: char| first.is_ascii_alphabetic())
                 && text
@@ -465,13 +488,22 @@ impl Key {
 
     /// The key with a name that is about to be set: a name that no table has is one's own only for a number.
     pub(super) fn for_setting(name: &str, is_number: bool) -> Option<&'static Self> {
-        let is_listed = |key: &Key| study_keys().any(|known| known.name == key.name);
-        Self::named(name).filter(|key| is_number || is_listed(key))
+        Self::named(name).filter(|key| is_number || !key.is_free())
+    }
+
+    /// Whether no table has it: a parameter of one's own.
+    pub(super) fn is_free(&self) -> bool {
+        self.name != SMOOTHING_LENGTH.name && study_keys().all(|known| known.name != self.name)
     }
 
     /// Whether it sets a number of material or discretization that an axis can vary.
     pub fn is_varied(&self) -> bool {
         self.unit().is_some() && matches!(self.parts().0, "material" | "discretization")
+    }
+
+    /// Whether it is a modulus that can be set instead of parameters of a law.
+    pub(super) fn is_modulus(&self) -> bool {
+        self.parts().0 == "material" && is_modulus(self.parts().1)
     }
 
     /// Whether it is a parameter of a law.

@@ -2,10 +2,10 @@
 
 use super::error::{Origin, SettingError, nearest};
 use super::model::{LIBRARY, sum};
-use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Value, aliases};
+use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli, units};
 use crate::shell::quoted_file;
 use onset::material::{Hyperelastic, MaterialError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A material as set.
@@ -17,6 +17,8 @@ pub struct MaterialSettings {
     set: BTreeMap<&'static str, (Value, Origin)>,
     /// The SHA-256 that the library of a user material must have.
     fingerprint: Option<String>,
+    /// Keys, without the section, whose values have units.
+    with_units: BTreeSet<&'static str>,
 }
 
 impl MaterialSettings {
@@ -30,7 +32,106 @@ impl MaterialSettings {
             model,
             set: parameters.iter().filter_map(set).collect(),
             fingerprint: None,
+            with_units: BTreeSet::new(),
         }
+    }
+
+    /// That the value of a key has a unit.
+    pub(super) fn measure(&mut self, key: &'static Key) {
+        self.with_units.insert(key.parts().1);
+    }
+
+    /// That the value of a key has none.
+    pub(super) fn measure_not(&mut self, key: &Key) {
+        if key.parts().0 == "material" {
+            self.with_units.remove(key.parts().1);
+        }
+    }
+
+    /// The units of the values.
+    pub fn units(&self) -> Units {
+        match self.with_units.is_empty() {
+            true => Units::Own,
+            false => Units::Si,
+        }
+    }
+
+    /// Values of a law with dimensions, each with whether it has a unit, and where it was set. Numbers of a model of one's own have the
+    /// dimensions that the model gives them.
+    pub(super) fn measures(
+        &self,
+    ) -> impl Iterator<Item = (&'static Key, f64, bool, Option<&Origin>)> {
+        let is_law = matches!(self.model, Model::Law(_));
+        // What follows from moduli has their units.
+        let of_moduli: Vec<&str> = self.of_moduli().collect();
+        let moduli = self
+            .set
+            .keys()
+            .copied()
+            .filter(|name| self.reads_modulus(name));
+        let parameters = self
+            .model
+            .parameters()
+            .iter()
+            .map(|parameter| parameter.name);
+        let names = parameters
+            .filter(move |name| !of_moduli.contains(name))
+            .chain(moduli);
+        let values = self.entries();
+        names.filter(move |_| is_law).filter_map(move |name| {
+            let key = Key::named(&format!("material.{name}"))?;
+            key.unit().and_then(units::si)?;
+            let known = values
+                .iter()
+                .find(|(own, _)| *own == name)
+                .map(|(_, value)| value);
+            let value = known.or_else(|| self.given(name))?.number()?;
+            Some((
+                key,
+                value,
+                self.with_units.contains(name),
+                self.origin(name),
+            ))
+        })
+    }
+
+    /// Whether a modulus, named without its section, determines parameters of the law.
+    pub(super) fn reads_modulus(&self, name: &str) -> bool {
+        moduli::is_modulus(name) && matches!(self.model, Model::Law(_)) && !self.model.takes(name)
+    }
+
+    /// What a modulus, named without its section, was set to where it determines parameters.
+    pub(super) fn modulus(&self, name: &str) -> Option<&Value> {
+        self.given(name).filter(|_| self.reads_modulus(name))
+    }
+
+    /// The moduli that were set instead of parameters.
+    fn moduli(&self) -> Vec<(&'static str, f64)> {
+        let given = self.set.iter().filter(|(name, _)| self.reads_modulus(name));
+        given
+            .filter_map(|(name, (value, _))| Some((*name, value.number()?)))
+            .collect()
+    }
+
+    /// Parameters that follow from moduli.
+    fn derived(&self) -> Result<Vec<(&'static str, f64)>, String> {
+        let (Model::Law(law), given) = (self.model, self.moduli()) else {
+            return Ok(Vec::new());
+        };
+        if given.is_empty() {
+            return Ok(Vec::new());
+        }
+        let own = law
+            .parameters
+            .iter()
+            .filter_map(|parameter| Some((parameter.name, self.given(parameter.name)?.number()?)));
+        moduli::parameters(law, &own.collect::<Vec<_>>(), &given)
+    }
+
+    /// The names of the parameters that follow from moduli.
+    pub(super) fn of_moduli(&self) -> impl Iterator<Item = &'static str> {
+        let derived = self.derived().unwrap_or_default();
+        derived.into_iter().map(|(name, _)| name)
     }
 
     /// Sets a key of the material other than its model; tells whether it takes such a value. Whether a number is admitted
@@ -47,10 +148,25 @@ impl MaterialSettings {
     }
 
     /// Whether all that was set belongs to the model, and the model has what it needs.
-    pub(super) fn check(&self) -> Result<(), SettingError> {
-        let stray = self.set.iter().find(|(name, _)| !self.model.takes(name));
+    ///
+    /// Moduli that are `open` are about to be varied: the parameters that follow from them are checked there.
+    pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
+        let is_stray = |name: &str| !self.model.takes(name) && !self.reads_modulus(name);
+        let stray = self.set.iter().find(|(name, _)| is_stray(name));
         if let Some((name, (_, origin))) = stray {
             return Err(self.stray(name, origin.clone()));
+        }
+        let is_open = open
+            .iter()
+            .filter_map(|name| name.strip_prefix("material."))
+            .any(moduli::is_modulus);
+        if let (Err(told), false) = (self.derived(), is_open) {
+            let mut set = self.set.iter();
+            let first = set.find(|(name, _)| self.reads_modulus(name));
+            let origin = first.map_or(Origin::Combination, |(_, (_, origin))| origin.clone());
+            return Err(SettingError::new(origin, told).hint(
+                "give two of young, poisson, bulk and shear, or the law's own parameters (`onset list materials`)",
+            ));
         }
         match self.model {
             Model::Law(_) => Ok(()),
@@ -66,7 +182,7 @@ impl MaterialSettings {
             return SettingError::new(origin, message).hint(self.model.hint());
         }
         let error = SettingError::new(origin, format!("unknown key `material.{name}`"));
-        if let Some(told) = aliases::key(name) {
+        if let Some(told) = aliases::hint(name) {
             return error.hint(told);
         }
         let names = std::iter::once("model").chain(self.model.names());
@@ -108,8 +224,11 @@ impl MaterialSettings {
     /// Everything that the model is made of, by name without the section: parameters with their defaults, and what was
     /// set.
     pub fn entries(&self) -> Vec<(&'static str, Value)> {
+        let derived = self.derived().unwrap_or_default();
         let parameters = self.model.parameters().iter().map(|parameter| {
-            let value = self.given(parameter.name).cloned();
+            let followed = derived.iter().find(|(name, _)| *name == parameter.name);
+            let value = followed.map(|(_, value)| Value::Number(*value));
+            let value = value.or_else(|| self.given(parameter.name).cloned());
             (
                 parameter.name,
                 value.unwrap_or(Value::Number(parameter.default)),
@@ -195,7 +314,11 @@ impl MaterialSettings {
     /// [`MaterialError`] when a parameter is not admitted.
     pub fn build(&self) -> Result<Box<dyn Hyperelastic>, MaterialError> {
         match self.model {
-            Model::Law(law) => law.build(&self.values()),
+            // Moduli that an axis varies may not be possible everywhere.
+            Model::Law(law) => match self.derived() {
+                Ok(_) => law.build(&self.values()),
+                Err(message) => Err(MaterialError::External { message }),
+            },
             Model::Own(model) => (model.build)(self),
         }
     }

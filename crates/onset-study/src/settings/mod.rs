@@ -13,6 +13,7 @@ mod map;
 mod material;
 mod method;
 mod model;
+mod moduli;
 mod needs;
 #[cfg(test)]
 mod readers;
@@ -21,7 +22,9 @@ mod state;
 mod study;
 mod toml;
 mod trust;
+mod units;
 
+pub(crate) use aliases::all as aliases;
 pub use axis::{Axis, Quantity};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use effective::{Choice, Effective};
@@ -36,6 +39,7 @@ pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
 pub use trust::{TRUST_VARIABLE, Trust};
+pub use units::Units;
 
 use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
@@ -48,7 +52,7 @@ use onset::scheme::element::ElementMesh;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Material and discretization, as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +65,10 @@ pub struct Settings {
     pub method: MethodSettings,
     /// Where keys of the discretization were set.
     origins: BTreeMap<&'static str, Origin>,
+    /// Keys of the discretization whose values have units.
+    with_units: BTreeSet<&'static str>,
+    /// The smoothing length over the spacing, where it sets the support.
+    smoothing_length: Option<(f64, Origin)>,
 }
 
 impl Settings {
@@ -82,11 +90,90 @@ impl Settings {
     /// # Errors
     /// [`SettingError`] for a parameter that the model does not have, and a key that the method does not read.
     pub fn check(&self, open: &[&str]) -> Result<(), SettingError> {
-        self.material.check()?;
+        self.material.check(open)?;
         for (name, origin) in self.set_keys() {
             self.check_read(name, origin.clone(), open)?;
         }
+        if let (Some((_, origin)), Some(key)) = (
+            &self.smoothing_length,
+            Key::named(aliases::SMOOTHING_LENGTH),
+        ) {
+            self.check_read(key, origin.clone(), open)?;
+        }
+        self.check_units()?;
         self.check_values(open)
+    }
+
+    /// That all values with dimensions have units, or none.
+    pub(super) fn check_units(&self) -> Result<(), SettingError> {
+        let keys = KEYS.iter().filter(|key| {
+            key.parts().0 == "discretization" && key.unit().and_then(units::si).is_some()
+        });
+        let of_discretization = keys
+            .filter(|key| self.unmet(key).is_none())
+            .filter_map(|key| {
+                let value = self.value(key.name)?.number()?;
+                let has_unit = self.with_units.contains(key.name);
+                Some((key, value, has_unit, self.origins.get(key.name)))
+            });
+        units::check(self.material.measures().chain(of_discretization)).map(drop)
+    }
+
+    /// The units of answers.
+    pub fn units(&self) -> Units {
+        match self.with_units.is_empty() && !self.material.units().are_si() {
+            true => Units::Own,
+            false => Units::Si,
+        }
+    }
+
+    /// That the value of a key of the discretization has a unit, though it is not here: that of an axis.
+    pub(super) fn measure(&mut self, key: &'static Key) {
+        match key.parts().0 {
+            "material" => self.material.measure(key),
+            _ => drop(self.with_units.insert(key.name)),
+        }
+    }
+
+    /// The support that a smoothing length and the kernel make.
+    fn follow_smoothing_length(&mut self) {
+        if let Some((length, _)) = self.smoothing_length {
+            let per_length = self
+                .discretization
+                .kernel
+                .nominal_smoothing_length(1.0)
+                .recip();
+            self.discretization.support = length * per_length;
+        }
+    }
+
+    /// The two ways to set a support do not go together.
+    fn check_support_is_set_once(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
+        let other = match name {
+            "discretization.support" => self.smoothing_length.as_ref().map(|(_, other)| other),
+            aliases::SMOOTHING_LENGTH => self.origins.get("discretization.support"),
+            _ => None,
+        };
+        match (origin, other) {
+            (Origin::CommandLine(_), Some(other @ Origin::CommandLine(_)))
+            | (Origin::File { .. }, Some(other @ Origin::File { .. })) => {
+                let message = format!(
+                    "`{name}` sets the support, which {} has set already",
+                    other.place()
+                );
+                Err(SettingError::new(origin.clone(), message).hint(
+                    "give discretization.support or discretization.smoothing-length, not both",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The settings as those of which a part is set otherwise: what was set of the support gives way to either way to set it.
+    pub(super) fn with_other_support(mut self) -> Self {
+        self.smoothing_length = None;
+        self.origins.remove("discretization.support");
+        self
     }
 
     /// The keys of the discretization that were set, with where, in the order of the table.
@@ -99,7 +186,12 @@ impl Settings {
     pub(crate) fn origin(&self, name: &str) -> Option<&Origin> {
         match name.strip_prefix("material.") {
             Some(own) if own != "model" => self.material.origin(own),
-            _ => self.origins.get(name),
+            _ => match (name, &self.smoothing_length) {
+                ("discretization.support" | aliases::SMOOTHING_LENGTH, Some((_, origin))) => {
+                    Some(origin)
+                }
+                _ => self.origins.get(name),
+            },
         }
     }
 
@@ -197,7 +289,7 @@ impl Settings {
     /// [`SettingError`] for an unknown key or a value of the wrong kind.
     pub fn set(&mut self, name: &str, value: &Value, origin: Origin) -> Result<(), SettingError> {
         let of_problem = |key: &&Key| matches!(key.parts().0, "material" | "discretization");
-        let key = Key::for_setting(name, value.number().is_some());
+        let key = Key::for_setting(name, value.is_measure());
         let Some(key) = key.filter(of_problem) else {
             if let Some(key) = study_keys().find(|key| key.name == name) {
                 let message = format!(
@@ -208,11 +300,17 @@ impl Settings {
             }
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };
+        let (name, typed) = (key.name, value);
         let wrong = |origin: Origin| {
-            SettingError::new(origin, format!("`{name}` cannot be {value}"))
+            SettingError::new(origin, format!("`{name}` cannot be {typed}"))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(key.name, value, key.words())
+                .nearest_word(key.name, typed, key.words())
         };
+        let measured = units::converted(key, typed, &origin)?;
+        let has_unit = measured.is_some();
+        let meant = aliases::meant(key, typed, &origin)?;
+        let value = measured.as_ref().unwrap_or(&*meant);
+        self.check_support_is_set_once(name, &origin)?;
         let number = value.number();
         let discretization = &mut self.discretization;
         let done = match name {
@@ -226,7 +324,15 @@ impl Settings {
             ),
             "discretization.spacing" => assign(&mut discretization.spacing, number),
             "discretization.density" => assign(&mut discretization.density, number),
-            "discretization.support" => assign(&mut discretization.support, number),
+            "discretization.support" => {
+                self.smoothing_length = None;
+                assign(&mut discretization.support, number)
+            }
+            aliases::SMOOTHING_LENGTH => {
+                let length = number.filter(|_| key.kind.accepts(value));
+                let length = length.map(|length| Some((length, origin.clone())));
+                assign(&mut self.smoothing_length, length)
+            }
             "discretization.arrangement" => {
                 assign(&mut discretization.arrangement, value.word::<Arrangement>())
             }
@@ -301,7 +407,22 @@ impl Settings {
         if !done {
             return Err(wrong(origin));
         }
-        if key.parts().0 == "discretization" || name == "material.model" {
+        self.follow_smoothing_length();
+        // What varies a setting says no unit again.
+        if has_unit {
+            self.measure(key);
+        } else if origin != Origin::Combination {
+            self.with_units.remove(key.name);
+            self.material.measure_not(key);
+        }
+        for (other, word) in aliases::companions(key, typed) {
+            if !self.origins.contains_key(other) {
+                self.set(other, &Value::Word((*word).to_owned()), Origin::Combination)?;
+                self.origins.remove(other);
+            }
+        }
+        let is_listed = key.parts().0 == "discretization" && name != aliases::SMOOTHING_LENGTH;
+        if is_listed || name == "material.model" {
             self.origins.insert(key.name, origin);
         }
         Ok(())
@@ -345,8 +466,10 @@ impl Settings {
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
             ("material", name) => {
                 let mut entries = self.material.entries().into_iter();
-                let (_, value) = entries.find(|(entry, _)| *entry == name)?;
-                Some(value)
+                match entries.find(|(entry, _)| *entry == name) {
+                    Some((_, value)) => Some(value),
+                    None => self.material.modulus(name).cloned(),
+                }
             }
             ("discretization", "arrangement") if self.method.method == Family::MaterialPoints => {
                 Some(Value::Word(self.zone().name().to_owned()))
@@ -417,6 +540,14 @@ impl Value {
         }
     }
 
+    /// Whether it is a number, with a unit or without.
+    pub(crate) fn is_measure(&self) -> bool {
+        match self {
+            Self::Word(text) => units::split(text).is_some(),
+            other => other.number().is_some(),
+        }
+    }
+
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
@@ -483,14 +614,21 @@ pub(crate) fn unknown_key<'a>(
     origin: Origin,
 ) -> SettingError {
     let error = SettingError::new(origin, format!("unknown key `{name}`"));
-    if let Some(told) = aliases::key(name) {
+    if let Some(told) = aliases::hint(name) {
         return error.hint(told);
     }
     // A key without its section names the section's key.
     let completed = known
         .clone()
         .find(|key| key.rsplit('.').next() == Some(name));
-    match completed.or_else(|| error::nearest(name, known.clone())) {
+    // So may a mistyped one.
+    let own = |key: &'a str| key.rsplit('.').next().unwrap_or(key);
+    let mistyped = || {
+        let nearest = error::nearest(name, known.clone().map(own))?;
+        known.clone().find(|key| own(key) == nearest)
+    };
+    let nearest = completed.or_else(|| error::nearest(name, known.clone()));
+    match nearest.or_else(mistyped) {
         Some(nearest) => error.hint(format!("did you mean `{nearest}`?")),
         None => error.hint(format!("known keys: {}", listed(known))),
     }

@@ -84,6 +84,24 @@ impl Key {
         nearest.min_by_key(Vec::len)?.into_iter().next()
     }
 
+    /// What must be chosen otherwise for the key to be read while another key, `held`, stays as it is: nothing where it is read, `None`
+    /// where that alone forbids it.
+    pub fn lacking(&self, held: &str, value: &impl Fn(&str) -> Option<Value>) -> Option<Vec<Need>> {
+        let cases = self.all_needs();
+        if cases.is_empty() {
+            return Some(Vec::new());
+        }
+        let is_unmet = |need: &Need| value(need.key).is_some_and(|value| !need.is_met(&value));
+        let lacking =
+            |case: Vec<Need>| -> Vec<Need> { case.into_iter().filter(is_unmet).collect() };
+        let possible = |lacking: &Vec<Need>| lacking.iter().all(|need| need.key != held);
+        cases
+            .into_iter()
+            .map(lacking)
+            .filter(possible)
+            .min_by_key(Vec::len)
+    }
+
     /// Who reads the key, in words; empty where it is always read.
     pub fn readers(&self) -> String {
         let cases: Vec<String> = self.all_needs().iter().map(|case| told(case)).collect();

@@ -1,12 +1,15 @@
 //! The JSON Schema of a study, from the tables of keys.
 
+use super::key::smoothing_length;
+use super::moduli::MODULI;
 use super::study::STATES;
 use super::{COMPARISON_KEYS, KEYS, Key, Kind, Model, Need, Quantity, study_keys};
-use onset::material::{Admitted, Parameter};
+use onset::material::{Admitted, Parameter, Symmetry};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema (draft 2020-12) of a study. What concerns several parts at once (a key that is also an axis, a
-/// rotation that turns nothing) it cannot say; [`super::Study::parse`] does.
+/// rotation that turns nothing) it cannot say; [`super::Study::parse`] does. Words have their own names only: what people type beside
+/// them is taken, and not listed.
 pub fn schema() -> Value {
     let mut sections = Map::new();
     for section in ["material", "discretization", "state", "map"] {
@@ -33,8 +36,12 @@ pub fn schema() -> Value {
 
 /// A section of keys.
 fn table(section: &str) -> Value {
-    let keys = study_keys().filter(|key| key.parts().0 == section);
-    let properties: Map<String, Value> = keys
+    let keys = || {
+        study_keys()
+            .chain([smoothing_length()])
+            .filter(|key| key.parts().0 == section)
+    };
+    let properties: Map<String, Value> = keys()
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();
     let mut table = json!({
@@ -42,16 +49,13 @@ fn table(section: &str) -> Value {
         "properties": properties,
         "additionalProperties": false
     });
-    let conditions: Vec<Value> = study_keys()
-        .filter(|key| key.parts().0 == section)
-        .filter_map(readers)
-        .collect();
+    let conditions: Vec<Value> = keys().filter_map(readers).collect();
     if !conditions.is_empty() {
         table["allOf"] = conditions.into();
     }
     if section == "material" {
         // A model of one's own names its parameters itself.
-        table["additionalProperties"] = json!({ "type": "number" });
+        table["additionalProperties"] = json!({ "anyOf": [{ "type": "number" }, measure()] });
         table["allOf"] = Model::all().map(keys_of).collect();
     }
     table
@@ -102,7 +106,15 @@ fn keys_of(model: Model) -> Value {
         .iter()
         .map(|parameter| (parameter.name.to_owned(), number(parameter)))
         .collect();
-    let names: Vec<&str> = std::iter::once("model").chain(model.names()).collect();
+    let is_isotropic = matches!(model, Model::Law(law) if law.symmetry == Symmetry::Isotropic);
+    let moduli = MODULI
+        .into_iter()
+        .filter(|_| is_isotropic)
+        .map(|(name, ..)| name);
+    let names: Vec<&str> = std::iter::once("model")
+        .chain(model.names())
+        .chain(moduli)
+        .collect();
     let mut consequence = json!({ "properties": parameters });
     if !model.takes_any_parameter() {
         consequence["propertyNames"] = json!({ "enum": names });
@@ -137,9 +149,18 @@ fn described(meaning: &str, unit: Option<&str>) -> Value {
     }
 }
 
+/// A number with a unit.
+fn measure() -> Value {
+    json!({ "type": "string", "pattern": "^[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[A-Za-zµ°].*$" })
+}
+
 /// What a key takes.
 fn property(key: &Key) -> Value {
     let mut property = match key.kind {
+        Kind::Number(unit) if unit != "1" => json!({ "anyOf": [{ "type": "number" }, measure()] }),
+        Kind::Positive(unit) if unit != "1" => {
+            json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, measure()] })
+        }
         Kind::Words(words) => json!({ "enum": words }),
         Kind::WordsOr(words, other) => {
             json!({ "anyOf": [{ "enum": words }, { "type": "string", "title": other }] })
@@ -179,7 +200,8 @@ fn comparison() -> Value {
 
 /// Methods that are compared: keys of the discretization under a name.
 fn methods() -> Value {
-    let own = KEYS.iter().filter(|key| key.parts().0 == "discretization");
+    let own = KEYS.iter().chain([smoothing_length()]);
+    let own = own.filter(|key| key.parts().0 == "discretization");
     let mut properties: Map<String, Value> = own
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();
@@ -198,8 +220,9 @@ fn methods() -> Value {
 }
 
 fn axes() -> Value {
-    let names: Vec<&str> = Quantity::all().map(Quantity::name).collect();
-    let positive: Vec<&str> = Quantity::all()
+    let all = || Quantity::all().chain([Quantity::Setting(smoothing_length())]);
+    let names: Vec<&str> = all().map(Quantity::name).collect();
+    let positive: Vec<&str> = all()
         .filter(|quantity| !quantity.admits(0.0))
         .map(Quantity::name)
         .collect();
@@ -220,7 +243,7 @@ fn axes() -> Value {
                 "range": {
                     "type": "array",
                     "description": "its ends, the lower one first; the states lie in the middle of equal cells between them",
-                    "items": { "type": "number" },
+                    "items": { "anyOf": [{ "type": "number" }, measure()] },
                     "minItems": 2,
                     "maxItems": 2
                 },

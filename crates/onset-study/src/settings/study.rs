@@ -171,7 +171,10 @@ impl Study {
     fn is_read(&self, key: &Key) -> bool {
         match key.parts() {
             ("material", "model") => true,
-            ("material", name) => self.settings.material.model.takes(name),
+            ("material", name) => {
+                self.settings.material.model.takes(name)
+                    || self.settings.material.reads_modulus(name)
+            }
             _ => self.unmet(key).is_none(),
         }
     }

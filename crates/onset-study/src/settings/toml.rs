@@ -60,7 +60,8 @@ pub(super) fn read_keys<'n>(
 ) -> Result<(), SettingError> {
     for (key, value) in in_order(table) {
         let name = format!("{section}.{}", key.get_ref());
-        let Some(known) = Key::for_setting(&name, is_number(value.get_ref())) else {
+        let is_measure = scalar(value.get_ref()).is_some_and(|value| value.is_measure());
+        let Some(known) = Key::for_setting(&name, is_measure) else {
             return Err(unknown_key(&name, names, file.of(key)));
         };
         put(known, &typed(known, value, file)?, file.of(value))?;
@@ -123,11 +124,6 @@ pub(super) fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
         _ => None,
     };
     items.iter().map(word).collect()
-}
-
-/// Whether a value is a number.
-pub(super) fn is_number(value: &DeValue<'_>) -> bool {
-    scalar(value).is_some_and(|value| value.number().is_some())
 }
 
 /// A value as told in a message.

@@ -2,7 +2,7 @@
 
 use super::TuneQuestion;
 use crate::answers::{ProblemError, notes};
-use crate::compare::{Measured, outcome};
+use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::output::{Files, text};
@@ -15,18 +15,11 @@ use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 
-/// The relative frequency above which no wave counts as spurious.
-const STRONG: f64 = 0.1;
-/// Shares of the window of states below which verdicts count as right.
-const WRONG: f64 = 0.005;
-/// Onsets later than the material's by this share of its strain count as hidden.
-const LATER: f64 = 0.02;
 /// Halvings of the interval in which the cure begins.
 const HALVINGS: usize = 12;
 
 /// What a value of the coefficient does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct Tried {
     /// The value.
     pub value: f64,
@@ -37,35 +30,38 @@ pub struct Tried {
 
 impl Tried {
     /// Whether there are no spurious modes, and no false instability.
-    pub fn cures(&self) -> bool {
+    pub fn cures(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             measured.zero_modes == 0
-                && measured.weakest >= STRONG
-                && measured.fidelity.false_instability <= WRONG
+                && measured.weakest >= limits.weak
+                && measured.fidelity.false_instability <= limits.wrong
         })
     }
 
     /// Whether the instability of the material is hidden: stable where it is not, or unstable clearly later.
-    pub fn hides(&self) -> bool {
+    pub fn hides(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             let later = measured.onsets.iter().any(|pair| {
                 let is_missed = pair.material.stretch().is_some()
                     && matches!(pair.method, StretchOnset::NotBefore(_));
-                pair.ratio() > 1.0 + LATER || is_missed
+                pair.ratio() > 1.0 + limits.later || is_missed
             });
-            later || measured.fidelity.missed_instability > WRONG
+            later || measured.fidelity.missed_instability > limits.wrong
         })
     }
 }
 
 /// The tuned coefficient.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct TuneAnswer {
     /// The key of the coefficient.
     pub key: &'static str,
     /// The smallest value that cures and does not hide; `None` when there is none.
     pub recommended: Option<f64>,
+    /// The limits of what counts as cured, and as hidden.
+    pub thresholds: Thresholds,
+    /// What other limits would give, from the values that were tried.
+    pub dependence: Vec<Dependence>,
     /// Whether some value cures at all.
     pub is_curable: bool,
     /// Everything that was tried, by increasing value.
@@ -74,6 +70,17 @@ pub struct TuneAnswer {
     pub notes: Vec<String>,
     /// Every choice in effect beside the coefficient.
     pub settings: Effective,
+}
+
+/// What a limit that is halved or doubled gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dependence {
+    /// The limit.
+    pub threshold: &'static str,
+    /// What it would be.
+    pub value: f64,
+    /// The smallest of the values that were tried that cures and does not hide then.
+    pub recommended: Option<f64>,
 }
 
 impl TuneAnswer {
@@ -87,6 +94,7 @@ impl TuneAnswer {
         told: impl Fn(f64) + Sync,
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
+        let limits = question.thresholds;
         let material = settings.material.build().map_err(MethodError::from)?;
         let material: Arc<dyn Hyperelastic> = Arc::from(material);
         // Fewer states than a comparison takes.
@@ -121,7 +129,9 @@ impl TuneAnswer {
                 source: Box::new(source),
             })?;
         }
-        let first = all.iter().position(|one| one.cures() && !one.hides());
+        let first = all
+            .iter()
+            .position(|one| one.cures(&limits) && !one.hides(&limits));
         let mut recommended = first.map(|n| all[n].value);
         if let Some(n) = first.filter(|n| *n > 0) {
             let (mut low, mut high) = (all[n - 1].value, all[n].value);
@@ -133,7 +143,7 @@ impl TuneAnswer {
                     0.5 * (low + high)
                 };
                 let found = tried(middle);
-                if found.cures() && !found.hides() {
+                if found.cures(&limits) && !found.hides(&limits) {
                     high = middle;
                 } else {
                     low = middle;
@@ -146,7 +156,20 @@ impl TuneAnswer {
         Ok(Self {
             key: question.key(),
             recommended,
-            is_curable: all.iter().any(Tried::cures),
+            thresholds: limits,
+            dependence: limits
+                .varied(&OF_TUNING)
+                .into_iter()
+                .map(|(threshold, value, limits)| Dependence {
+                    threshold,
+                    value,
+                    recommended: all
+                        .iter()
+                        .find(|one| one.cures(&limits) && !one.hides(&limits))
+                        .map(|one| one.value),
+                })
+                .collect(),
+            is_curable: all.iter().any(|one| one.cures(&limits)),
             tried: all,
             notes: notes(settings, &*material),
             settings: settings.effective().without(question.key()),
@@ -189,7 +212,11 @@ impl TuneAnswer {
             .with(marked(
                 Panel::new("Weakest wave of the undeformed body", axis(), unit())
                     .with(line(&|m| m.weakest).color(palette::BLUE))
-                    .with(Rule::horizontal(STRONG).dotted().named("strong enough")),
+                    .with(
+                        Rule::horizontal(self.thresholds.weak)
+                            .dotted()
+                            .named("strong enough"),
+                    ),
             ))
             .with(marked(
                 Panel::new("Wrong verdicts", axis(), shares)
@@ -218,7 +245,7 @@ impl TuneAnswer {
             "value,zero_modes,weakest,false_instability,missed_instability,courant,dispersion_8,cures,hides,note\n",
         );
         for one in &self.tried {
-            let (cures, hides) = (one.cures(), one.hides());
+            let (cures, hides) = (one.cures(&self.thresholds), one.hides(&self.thresholds));
             let cells = match &one.measured {
                 Ok(m) => format!(
                     "{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{cures},{hides},",
@@ -283,7 +310,7 @@ impl fmt::Display for TuneAnswer {
                     100.0 * m.fidelity.false_instability,
                     100.0 * m.fidelity.missed_instability,
                     m.courant,
-                    match (one.cures(), one.hides()) {
+                    match (one.cures(&self.thresholds), one.hides(&self.thresholds)) {
                         (true, false) => "cures",
                         (true, true) => "cures, but hides",
                         (false, false) => "does not cure",
@@ -298,15 +325,25 @@ impl fmt::Display for TuneAnswer {
                 )?,
             }
         }
+        let limits = &self.thresholds;
         writeln!(
             formatter,
-            "\ncured: no modes without energy, no wave slower than {:.0} % of the material's slowest, at most {:.1} % of the states falsely unstable\n\
-             hidden: more than {:.1} % of the states stable though the material is not elliptic, or onset later than the material's by more than {:.0} % of its strain",
-            100.0 * STRONG,
-            100.0 * WRONG,
-            100.0 * WRONG,
-            100.0 * LATER
+            "\ncured: no modes without energy, no wave slower than {} of the material's slowest (--weak), at most {} of the states falsely \
+             unstable (--wrong)\n\
+             hidden: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
+             more than {} of its strain (--later)\n\nwith other limits, of the values above",
+            percent(limits.weak),
+            percent(limits.wrong),
+            percent(limits.wrong),
+            percent(limits.later)
         )?;
+        for one in &self.dependence {
+            let value = one
+                .recommended
+                .map_or("none".to_owned(), crate::number::told);
+            let limit = crate::number::told(one.value);
+            writeln!(formatter, "  --{} {limit}: {value}", one.threshold)?;
+        }
         for note in &self.notes {
             writeln!(formatter, "\n\nnote: {note}")?;
         }

@@ -6,7 +6,9 @@
 
 mod answer;
 
-pub use answer::{Tried, TuneAnswer};
+pub use answer::{Dependence, Tried, TuneAnswer};
+
+use crate::compare::Thresholds;
 
 use crate::settings::{KEYS, Key, Settings, Value, unknown_key};
 use crate::settings::{Origin, SettingError};
@@ -22,6 +24,7 @@ pub struct TuneQuestion {
     key: &'static Key,
     range: [f64; 2],
     stretches: [f64; 2],
+    thresholds: Thresholds,
 }
 
 impl TuneQuestion {
@@ -66,7 +69,14 @@ impl TuneQuestion {
             key,
             range: [range.0, range.1],
             stretches: [stretches.0, stretches.1],
+            thresholds: Thresholds::default(),
         })
+    }
+
+    /// With other limits of what counts as cured, and as hidden.
+    pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
+        self.thresholds = thresholds;
+        self
     }
 
     /// Refuses a coefficient that the method does not read.

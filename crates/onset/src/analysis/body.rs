@@ -6,7 +6,7 @@ use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{SpectrumSummary, Stability, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
-use crate::kinematics::{DeformationGradient, StraightPath};
+use crate::kinematics::{DeformationGradient, DeformationPath};
 use crate::lattice::Arrangement;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{
@@ -153,7 +153,7 @@ impl<const D: usize> Analysis for Body<D> {
         acoustic_minimum::<D>(&*self.material, f)
     }
 
-    fn scan(&self, path: &StraightPath) -> Result<PathScan, PathError> {
+    fn scan(&self, path: &dyn DeformationPath) -> Result<PathScan, PathError> {
         let survey = self.survey().map_err(|source| PathError::Method {
             parameter: 0.0,
             source,
@@ -209,6 +209,12 @@ impl<const D: usize> Analysis for Body<D> {
             .lu()
             .solve(&DVector::from_fn(D, |i, _| k[i]));
         solved.map_or(*k, |solved| vector(solved.as_slice()))
+    }
+
+    fn reciprocal(&self) -> Vec<SVector<f64, 3>> {
+        let reciprocal = self.discretization.crystal().lattice().reciprocal();
+        let columns = reciprocal.column_iter();
+        columns.map(|b| b.into_owned().in_space()).collect()
     }
 
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64> {

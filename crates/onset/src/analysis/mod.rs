@@ -12,7 +12,7 @@ use crate::algebra::Complex;
 use crate::bloch::{SpectrumSummary, Stability};
 use crate::certificate::Certificate;
 use crate::continuum::{AcousticMinimum, Stiffness};
-use crate::kinematics::{DeformationGradient, StraightPath};
+use crate::kinematics::{DeformationGradient, DeformationPath};
 use crate::lattice::Arrangement;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
@@ -89,7 +89,7 @@ pub trait Analysis: Send + Sync {
     ///
     /// # Errors
     /// [`PathError`] when a state cannot be evaluated.
-    fn scan(&self, path: &StraightPath) -> Result<PathScan, PathError>;
+    fn scan(&self, path: &dyn DeformationPath) -> Result<PathScan, PathError>;
 
     /// What is proved of a state. Waves of a method whose force constants are not enclosed in intervals are undecided.
     ///
@@ -122,6 +122,9 @@ pub trait Analysis: Send + Sync {
 
     /// A reference wave vector in the deformed lattice, `F^-T k`; of a regular arrangement `k` itself.
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3>;
+
+    /// The reciprocal vectors of the reference lattice, as many as there are dimensions. 1/length.
+    fn reciprocal(&self) -> Vec<SVector<f64, 3>>;
 
     /// A wave vector in units of the reciprocal vectors.
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64>;
@@ -281,7 +284,7 @@ pub fn probe_material_in(
 pub fn scan_material_in(
     dimension: usize,
     material: &dyn Hyperelastic,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     in_dimension!(dimension, scan_material(material, path))
 }

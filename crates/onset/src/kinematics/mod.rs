@@ -60,6 +60,12 @@ pub enum KinematicsError {
     /// The two ends of a path are the same state.
     #[error("the path leads from a state to itself")]
     EmptyPath,
+    /// A loading has no state with free faces on the branch that begins at the reference.
+    #[error("at the stretch {stretch} the loading has no state on its branch")]
+    NoState {
+        /// The imposed stretch.
+        stretch: f64,
+    },
 }
 
 impl<R: Real> DeformationGradient<R> {
@@ -252,6 +258,21 @@ impl DeformationGradient {
             }
         }
         f
+    }
+}
+
+/// A path of deformation gradients over a parameter from 0 to 1.
+pub trait DeformationPath {
+    /// The state at the path parameter `s`.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where the path has no admissible state.
+    fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError>;
+}
+
+impl DeformationPath for StraightPath {
+    fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
+        Self::at(self, s)
     }
 }
 

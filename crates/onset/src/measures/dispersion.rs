@@ -12,7 +12,6 @@ use std::f64::consts::TAU;
 /// The worst error of the frequencies at a wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub struct DispersionError {
     /// Wavelength over the spacing of the particles.
     pub particles_per_wavelength: f64,

@@ -16,7 +16,6 @@ pub struct StateWindow {
 /// Shares of the states of a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub struct Fidelity {
     /// Unstable though the material is elliptic.
     pub false_instability: f64,

@@ -94,7 +94,6 @@ impl StretchOnset {
 /// The first instability along a loading, of material and method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub struct OnsetPair {
     /// The loading.
     pub load: Load,

@@ -1,7 +1,7 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
 use super::State;
-use crate::kinematics::{DeformationGradient, KinematicsError};
+use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
 use nalgebra::{Matrix3, Vector2};
 use thiserror::Error;
@@ -419,6 +419,62 @@ impl<'a> LoadingPath<'a> {
             .drain(1..)
             .map(|state| state.response.deformation)
             .collect()
+    }
+}
+
+/// The part of a loading between two imposed stretches, as a path: the stretch runs evenly from the first to the second, and the
+/// states with free faces are those of the branch that begins at the reference.
+///
+/// ```
+/// use onset::kinematics::DeformationPath;
+/// use onset::material::Law;
+/// use onset::notions::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range};
+/// let law = Law::named("neo-hooke").ok_or("no such law")?.build(&[])?;
+/// let loading = Loading { mode: Mode::Uniaxial, lateral: Lateral::Free };
+/// let path = LoadingPath::new(&*law, true, loading, &Range::new(0.5, 2.0)?)?;
+/// let halfway = LoadingSection::new(&path, 1.0, 2.0)?.at(0.5)?;
+/// let f = halfway.components();
+/// assert!(f[0][0] == 1.5 && f[1][1] < 1.0 && (f[1][1] - f[2][2]).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct LoadingSection<'p, 'a> {
+    path: &'p LoadingPath<'a>,
+    from: f64,
+    to: f64,
+}
+
+impl<'p, 'a> LoadingSection<'p, 'a> {
+    /// From one stretch to another.
+    ///
+    /// # Errors
+    /// [`KinematicsError::EmptyPath`] when both are the same, [`KinematicsError::NoState`] when the loading does not reach one of them.
+    pub fn new(path: &'p LoadingPath<'a>, from: f64, to: f64) -> Result<Self, KinematicsError> {
+        if from == to {
+            return Err(KinematicsError::EmptyPath);
+        }
+        let section = Self { path, from, to };
+        [0.0, 1.0]
+            .into_iter()
+            .try_for_each(|s| section.at(s).map(drop))?;
+        Ok(section)
+    }
+
+    /// The imposed stretch at a path parameter.
+    pub fn stretch(&self, s: f64) -> f64 {
+        match s {
+            1.0 => self.to,
+            _ => self.from + (self.to - self.from) * s,
+        }
+    }
+}
+
+impl DeformationPath for LoadingSection<'_, '_> {
+    fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
+        let stretch = self.stretch(s);
+        let state = self.path.at(stretch.ln());
+        state
+            .map(|state| state.response.deformation)
+            .ok_or(KinematicsError::NoState { stretch })
     }
 }
 

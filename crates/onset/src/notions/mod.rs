@@ -40,7 +40,8 @@ pub use follow::{Change, Event, Track, follow, follow_jumps};
 pub use isotropy::{has_energy, is_isotropic};
 pub use jumps::{Jump, JumpSearch};
 pub use loading::{
-    Lateral, Loading, LoadingError, LoadingPath, Mode, PathEnd, PathState, Range, RangeError,
+    Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, PathEnd, PathState, Range,
+    RangeError,
 };
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 

@@ -1,9 +1,9 @@
-//! Where stability is lost, and regained, along a straight path of deformations.
+//! Where stability is lost, and regained, along a path of deformations.
 
 use super::Survey;
 use super::probe::{Phase, Probe, probe_material};
 use crate::algebra::GoldenSection;
-use crate::kinematics::{DeformationGradient, KinematicsError, StraightPath};
+use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use thiserror::Error;
@@ -124,7 +124,7 @@ pub enum PathError {
 /// [`PathError`] when a state of the path cannot be evaluated.
 pub fn scan_material<const D: usize>(
     material: &dyn Hyperelastic,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     scan_states(path, |f| Ok(probe_material::<D>(material, f)?))
 }
@@ -135,14 +135,14 @@ pub fn scan_material<const D: usize>(
 /// [`PathError`] when a state cannot be evaluated for another reason than its support.
 pub fn scan_discretization<const D: usize>(
     survey: &Survey<'_, D>,
-    path: &StraightPath,
+    path: &dyn DeformationPath,
 ) -> Result<PathScan, PathError> {
     scan_states(path, |f| survey.probe(f))
 }
 
 /// All changes of phase along a path, from the answers to its states.
 fn scan_states(
-    path: &StraightPath,
+    path: &dyn DeformationPath,
     probe: impl Fn(&DeformationGradient) -> Result<Probe, MethodError>,
 ) -> Result<PathScan, PathError> {
     scan(&|s| {

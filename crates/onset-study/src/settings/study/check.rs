@@ -1,7 +1,7 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
 use super::super::{
-    Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
+    Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings, aliases,
 };
 use super::Study;
 use crate::methods::method;
@@ -63,7 +63,14 @@ impl Study {
                 first.place()
             ));
         }
-        match self.origin(quantity.key_name().as_str()) {
+        let of_support = || {
+            let is_length = quantity.name() == aliases::SMOOTHING_LENGTH;
+            self.origin("discretization.support").filter(|_| is_length)
+        };
+        match self
+            .origin(quantity.key_name().as_str())
+            .or_else(of_support)
+        {
             Some(set) => refused(format!(
                 "{} is set twice, as an axis and at {}",
                 quantity.name(),

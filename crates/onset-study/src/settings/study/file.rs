@@ -3,7 +3,7 @@
 use super::super::toml::{File, described, in_order, list, read_keys, scalar};
 use super::super::{
     Axis, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
-    error::nearest, listed, study_keys, unknown_key,
+    error::nearest, listed, study_keys, units, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
 use std::borrow::Cow;
@@ -107,7 +107,10 @@ fn read_axes(
         let DeValue::Table(table) = item.get_ref() else {
             return Err(not_axes(item.get_ref(), file.of(item)));
         };
-        let (axis, origin) = read_axis(file, file.of(item), table)?;
+        let (axis, has_units, origin) = read_axis(file, file.of(item), table)?;
+        if let (Quantity::Setting(key), true) = (axis.quantity, has_units) {
+            study.settings.measure(key);
+        }
         study.axes.push(axis);
         study.origins.axes.push(origin);
     }
@@ -128,7 +131,7 @@ fn read_axis(
     file: &File<'_>,
     whole: Origin,
     table: &DeTable<'_>,
-) -> Result<(Axis, AxisOrigin), SettingError> {
+) -> Result<(Axis, bool, AxisOrigin), SettingError> {
     for (key, _) in in_order(table) {
         let name = format!("axes.{}", key.get_ref());
         if !AXIS_KEYS.contains(&name.as_str()) {
@@ -147,8 +150,9 @@ fn read_axis(
         quantity: file.of(place),
         range: file.of(field("range", "[lowest, highest]")?),
     };
-    let range = range(
+    let (range, has_units) = range(
         quantity,
+        file,
         field("range", "[lowest, highest]")?,
         &of_quantity.range,
     )?;
@@ -166,7 +170,29 @@ fn read_axis(
         range,
         count: count as usize,
     };
-    Ok((axis, of_quantity))
+    Ok((axis, has_units, of_quantity))
+}
+
+/// A list of texts with units; `None` for anything else.
+fn measured_range(
+    quantity: Quantity,
+    file: &File<'_>,
+    value: &Spanned<DeValue<'_>>,
+) -> Result<Option<Vec<f64>>, SettingError> {
+    let (DeValue::Array(items), Quantity::Setting(key)) = (value.get_ref(), quantity) else {
+        return Ok(None);
+    };
+    let mut ends = Vec::new();
+    for item in items.iter() {
+        let Some(end) = scalar(item.get_ref()) else {
+            return Ok(None);
+        };
+        match units::converted(key, &end, &file.of(item))? {
+            Some(Value::Number(number)) => ends.push(number),
+            _ => return Ok(None),
+        }
+    }
+    Ok(Some(ends))
 }
 
 fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingError> {
@@ -194,11 +220,13 @@ fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingErro
     })
 }
 
+/// The ends of a range, and whether they have units.
 fn range(
     quantity: Quantity,
+    file: &File<'_>,
     value: &Spanned<DeValue<'_>>,
     origin: &Origin,
-) -> Result<(f64, f64), SettingError> {
+) -> Result<((f64, f64), bool), SettingError> {
     let wrong = |message: String| {
         SettingError::new(origin.clone(), message).hint(format!(
             "expected [lowest, highest] of {}: {}",
@@ -207,14 +235,16 @@ fn range(
         ))
     };
     let described = described(value.get_ref());
-    match list(value.get_ref()).as_deref() {
+    let measured = measured_range(quantity, file, value)?;
+    let has_units = measured.is_some();
+    match measured.or_else(|| list(value.get_ref())).as_deref() {
         Some([low, high]) => match [low, high].into_iter().find(|end| !quantity.admits(**end)) {
             Some(end) => Err(wrong(format!("{} cannot be {end}", quantity.name()))),
             None if low >= high => Err(wrong(format!(
                 "the range of {} leads from {low} to {high}; the first number must be smaller",
                 quantity.name()
             ))),
-            None => Ok((*low, *high)),
+            None => Ok(((*low, *high), has_units)),
         },
         Some(numbers) => Err(wrong(format!(
             "the range of {} has {} number(s); expected 2",

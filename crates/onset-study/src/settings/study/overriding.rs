@@ -1,7 +1,8 @@
 //! Changing a study from the command line, and writing it out in full.
 
 use super::super::{
-    KEYS, Key, MAP_KEYS, Origin, STATE_KEYS, SettingError, Value, study_keys, unknown_key,
+    Axis, KEYS, Key, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Value, aliases,
+    study_keys, units, unknown_key,
 };
 use super::Study;
 
@@ -46,7 +47,8 @@ impl Study {
                 .hint("set something else, or change the axis in the study file"));
         }
         let text = text.trim();
-        let Some(key) = Key::for_setting(name, text.parse::<f64>().is_ok()) else {
+        let is_measure = Value::typed(text, None).is_measure();
+        let Some(key) = Key::for_setting(name, is_measure) else {
             let error = unknown_key(name, study_keys().map(|key| key.name), origin);
             return Err(match name.starts_with("axes") || name == "title" {
                 true => error.hint("axes and title can be changed in the study file only"),
@@ -71,12 +73,15 @@ impl Study {
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))
                 .nearest_word(key.name, value, key.words())
         };
-        if !key.kind.accepts(value) {
+        let measured = units::converted(key, value, &origin)?;
+        let meant = aliases::meant(key, value, &origin)?;
+        let read = measured.as_ref().unwrap_or(&*meant);
+        if !key.kind.accepts(read) {
             return Err(wrong(origin));
         }
         let done = match key.parts() {
-            ("state", name) => self.state.set(name, value),
-            ("map", name) => self.map.set(name, value),
+            ("state", name) => self.state.set(name, read),
+            ("map", name) => self.map.set(name, read),
             _ => {
                 self.settings.set(key.name, value, origin.clone())?;
                 true
@@ -96,15 +101,36 @@ impl Study {
         Ok(())
     }
 
+    /// The keys of parameters that follow from moduli which an axis varies.
+    pub(in crate::settings) fn follows(&self) -> Vec<String> {
+        let is_modulus =
+            |axis: &Axis| matches!(axis.quantity, Quantity::Setting(key) if key.is_modulus());
+        if !self.axes.iter().any(is_modulus) {
+            return Vec::new();
+        }
+        let Ok(first) = self.settings_at(&self.coordinates(0)) else {
+            return Vec::new();
+        };
+        let names = first.material.of_moduli();
+        names.map(|name| format!("material.{name}")).collect()
+    }
+
     /// The study as a file in which every key that has an effect is written out. Studies that ask for the same are
     /// written the same, whatever was left to defaults, and whatever was commented.
     pub fn document(&self) -> String {
         let mut text = format!("title = {}\n", toml::Value::from(self.title.as_str()));
-        let varied: Vec<String> = self
+        let mut varied: Vec<String> = self
             .axes
             .iter()
             .map(|axis| axis.quantity.key_name())
             .collect();
+        // With the smoothing length the support varies, with moduli the parameters that follow from them.
+        if varied.iter().any(|name| name == aliases::SMOOTHING_LENGTH) {
+            varied.push("discretization.support".to_owned());
+        }
+        let follows = self.follows();
+        let moduli_vary = !follows.is_empty();
+        varied.extend(follows);
         let (of_material, of_discretization): (Vec<&Key>, Vec<&Key>) =
             KEYS.iter().partition(|key| key.parts().0 == "material");
         // Parameters of one's own are in no table.
@@ -123,16 +149,27 @@ impl Study {
             if table == "axes" {
                 self.axes.iter().for_each(|axis| {
                     let (low, high) = axis.range;
+                    let end = |end: f64| match axis
+                        .si_unit()
+                        .filter(|_| self.settings.units().are_si())
+                    {
+                        Some(unit) => format!("\"{end:?} {unit}\""),
+                        None => format!("{end:?}"),
+                    };
                     text.push_str(&format!(
-                        "\n[[axes]]\nquantity = \"{}\"\nrange = [{low:?}, {high:?}]\nstates = {}\n",
+                        "\n[[axes]]\nquantity = \"{}\"\nrange = [{}, {}]\nstates = {}\n",
                         axis.name(),
+                        end(low),
+                        end(high),
                         axis.count
                     ));
                 });
             }
             let mut section = "";
             for key in keys {
-                let written = !varied.iter().any(|name| name == key.name) && self.is_read(key);
+                let is_left_out = key.is_modulus() && !moduli_vary;
+                let is_varied = varied.iter().any(|name| name == key.name);
+                let written = !is_varied && !is_left_out && self.is_read(key);
                 let Some(value) = self.value(key.name).filter(|_| written) else {
                     continue;
                 };
@@ -140,7 +177,14 @@ impl Study {
                     section = key.parts().0;
                     text.push_str(&format!("\n[{section}]\n"));
                 }
+                let si = key.unit().and_then(units::si);
                 let value = match (value, key.unit()) {
+                    (Value::Number(number), Some(_))
+                        if self.settings.units().are_si() && si.is_some() =>
+                    {
+                        toml::Value::from(format!("{number:?} {}", si.unwrap_or_default()))
+                            .to_string()
+                    }
                     (Value::Number(number), Some(_)) => format!("{number:?}"),
                     (Value::Word(text), _) => toml::Value::from(text).to_string(),
                     (other, _) => other.to_string(),

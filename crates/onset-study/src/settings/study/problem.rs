@@ -1,6 +1,6 @@
 //! One material and one discretization out of a study, for questions about single states.
 
-use super::super::{Key, MaterialSettings, Origin, Quantity, SettingError, Settings};
+use super::super::{Key, MaterialSettings, Origin, Quantity, SettingError, Settings, units};
 use super::{Study, file};
 
 impl Settings {
@@ -59,7 +59,8 @@ impl MaterialSettings {
         study.check_nothing_is_left_open(|key| {
             !key.is_parameter() || settings.origin(key.name).is_some()
         })?;
-        settings.material.check()?;
+        settings.material.check(&[])?;
+        units::check(settings.material.measures())?;
         Ok(settings.material)
     }
 }

@@ -1,0 +1,115 @@
+//! Verdicts that end a command with an exit code of their own, for continuous integration.
+
+use crate::printing::tell;
+use onset_study::Verdict;
+use std::process::ExitCode;
+
+/// The exit code when a verdict is one of those named.
+pub const CODE: u8 = 3;
+
+/// The word for states at which the method cannot be evaluated.
+const UNDEFINED: &str = "undefined";
+
+/// Words that stand for verdicts, beside their names.
+const GROUPS: [(&str, &[Verdict]); 7] = [
+    ("unstable", &[Verdict::Material, Verdict::Kernel]),
+    (
+        "unfaithful",
+        &[Verdict::RankDeficient, Verdict::Kernel, Verdict::Missed],
+    ),
+    (
+        "any",
+        &[
+            Verdict::Material,
+            Verdict::RankDeficient,
+            Verdict::Kernel,
+            Verdict::Missed,
+        ],
+    ),
+    ("physical", &[Verdict::Material]),
+    ("numerical", &[Verdict::Kernel]),
+    ("zero-energy", &[Verdict::RankDeficient]),
+    ("suppressed", &[Verdict::Missed]),
+];
+
+/// Verdicts on which a command fails.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FailOn(Vec<&'static str>);
+
+impl FailOn {
+    /// Names of verdicts and groups, separated by commas.
+    ///
+    /// # Errors
+    /// What is expected, for a name that is neither.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut names = Vec::new();
+        for word in text.split(',').map(str::trim) {
+            let verdict = Verdict::ALL
+                .into_iter()
+                .find(|verdict| verdict.name() == word);
+            let group = GROUPS.iter().find(|(name, _)| *name == word);
+            match (verdict, group) {
+                (Some(verdict), _) => names.push(verdict.name()),
+                (None, Some((_, verdicts))) => names.extend(verdicts.iter().map(|own| own.name())),
+                (None, None) if word == UNDEFINED => names.push(UNDEFINED),
+                (None, None) => {
+                    let verdicts = Verdict::ALL.map(Verdict::name).join(", ");
+                    let groups: Vec<&str> = GROUPS.iter().map(|(name, _)| *name).collect();
+                    return Err(format!(
+                        "`{word}` is no verdict; expected some of {verdicts}, {UNDEFINED}, or {}, separated by commas",
+                        groups.join(", ")
+                    ));
+                }
+            }
+        }
+        Ok(Self(names))
+    }
+
+    /// The exit code after verdicts by name, with how many states have each; none without a word stands for states that have none.
+    pub fn code<'v>(&self, found: impl IntoIterator<Item = (Option<&'v str>, u64)>) -> ExitCode {
+        let mut counts: Vec<(&str, u64)> = Vec::new();
+        for (name, states) in found {
+            let name = name.unwrap_or(UNDEFINED);
+            match counts.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, count)) => *count += states,
+                None => counts.push((name, states)),
+            }
+        }
+        let hit = counts
+            .into_iter()
+            .find(|(name, states)| *states > 0 && self.0.contains(name));
+        match hit {
+            Some((name, states)) => {
+                tell(format_args!(
+                    "fails by --fail-on: {states} state{} {name} (exit code {CODE})",
+                    if states == 1 { " is" } else { "s are" }
+                ));
+                ExitCode::from(CODE)
+            }
+            None => ExitCode::SUCCESS,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FailOn;
+
+    #[test]
+    fn groups_are_verdicts_and_what_is_neither_is_refused() {
+        assert_eq!(
+            FailOn::parse("kernel, missed"),
+            Ok(FailOn(vec!["kernel", "missed"]))
+        );
+        assert_eq!(
+            FailOn::parse("unstable"),
+            Ok(FailOn(vec!["material", "kernel"]))
+        );
+        assert_eq!(
+            FailOn::parse("zero-energy,undefined"),
+            Ok(FailOn(vec!["rank-deficient", "undefined"]))
+        );
+        assert!(FailOn::parse("broken").is_err_and(|told| told.contains("rank-deficient")));
+        assert!(FailOn::parse("").is_err());
+    }
+}

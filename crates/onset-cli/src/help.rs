@@ -1,0 +1,162 @@
+//! Help: an overview of one screen, completions for shells, and manual pages.
+
+use crate::arguments::Arguments;
+use crate::commands::{Failure, wrote};
+use crate::printing::{only_text, print, print_text};
+use clap::{ColorChoice, Command, CommandFactory, FromArgMatches};
+use clap_complete::Shell;
+use onset_study::output::{Output, text};
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// The commands by what they are about, those of a first hour first in each; the flag tells which stand in the short overview.
+const GROUPS: [(&str, &[&str], &[&str]); 5] = [
+    (
+        "A state, a path",
+        &["state", "path", "dispersion", "modes"],
+        &[],
+    ),
+    ("A method", &["recommend", "compare", "tune"], &[]),
+    (
+        "A law",
+        &["notions", "card"],
+        &["audit", "localize", "umat-utilities"],
+    ),
+    (
+        "A study",
+        &["check", "map", "plot"],
+        &["boundary", "schema"],
+    ),
+    ("Help", &["list"], &["completions", "man", "reproduce"]),
+];
+
+const EXAMPLES: &str = "Examples:
+  onset state --stretch 1.15,1 --set discretization.method=tlsph
+  onset path --mode uniaxial --to 3 --set material.model=ogden
+  onset recommend --set material.model=blatz-ko --stretches 0.8,1.6";
+
+const MORE: &str = "Exit codes: 0 done; 1 a strict audit has findings, a claim of the paper is not as recorded, or a file cannot be written;
+2 the input is wrong; 3 a verdict is one of --fail-on; 130 interrupted.
+What can be set: `onset list keys`, `onset list method NAME`, `onset list materials`, `onset list aliases`.";
+
+/// The arguments with the overview.
+pub fn command(is_long: bool) -> Command {
+    let command = Arguments::command();
+    let about = |name: &str| {
+        let known = command.find_subcommand(name).and_then(Command::get_about);
+        known.map_or_else(String::new, ToString::to_string)
+    };
+    let mut overview = String::new();
+    for (title, first, others) in GROUPS {
+        overview.push_str(&format!("{title}:\n"));
+        let shown = first.iter().chain(if is_long { others } else { &[] });
+        for name in shown {
+            let about = about(name);
+            overview.push_str(&format!("  {name:<15} {}\n", about.trim_end_matches('.')));
+        }
+    }
+    let (options, end) = match is_long {
+        true => ("\n{options}\n", format!("{EXAMPLES}\n\n{MORE}")),
+        false => (
+            "\n",
+            format!(
+                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` lists all of them with the options."
+            ),
+        ),
+    };
+    let template =
+        format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{overview}{options}{end}\n");
+    command.help_template(template)
+}
+
+/// Parses the command line; ends the process where help is asked for, or an argument is wrong.
+pub fn parse() -> Arguments {
+    let typed: Vec<OsString> = std::env::args_os().collect();
+    let is_long = typed
+        .get(1)
+        .is_some_and(|first| first == "--help" || first == "help");
+    let command = command(is_long).color(color(&typed));
+    Arguments::from_arg_matches(&command.get_matches_from(typed))
+        .unwrap_or_else(|error| error.exit())
+}
+
+/// Whether help and errors of arguments are colored: what `--color` says, and else what the terminal has.
+fn color(typed: &[OsString]) -> ColorChoice {
+    let typed: Vec<&str> = typed.iter().filter_map(|word| word.to_str()).collect();
+    let of_pair = typed
+        .windows(2)
+        .find(|pair| pair[0] == "--color")
+        .map(|pair| pair[1]);
+    let said = of_pair.or_else(|| typed.iter().find_map(|word| word.strip_prefix("--color=")));
+    match said {
+        Some("always") => ColorChoice::Always,
+        Some("never") => ColorChoice::Never,
+        _ => ColorChoice::Auto,
+    }
+}
+
+/// Prints the script that completes commands and options in a shell.
+pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
+    only_text("a script for a shell")?;
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "onset", &mut script);
+    print_text(String::from_utf8_lossy(&script).trim_end())
+}
+
+/// Writes the manual pages.
+pub fn manual(out: &Path) -> Result<ExitCode, Failure> {
+    let mut command = Arguments::command();
+    command.build();
+    let page = |command: &Command, name: String| {
+        let mut page = Vec::new();
+        let manual = clap_mangen::Man::new(command.clone());
+        manual.render(&mut page).map_err(Failure::machine)?;
+        Ok::<_, Failure>(text(format!("{name}.1"), page))
+    };
+    let mut pages = vec![page(&command, "onset".to_owned())?];
+    for own in command
+        .get_subcommands()
+        .filter(|own| own.get_name() != "help")
+    {
+        pages.push(page(own, format!("onset-{}", own.get_name()))?);
+    }
+    let names: Vec<OsString> = pages.iter().map(|(name, _)| name.clone()).collect();
+    let files = Output::at(out, &names)?.write(&pages)?;
+    let told = wrote(&files);
+    print(&files, &told, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{GROUPS, command};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_command_is_in_the_overview_once() {
+        let listed = GROUPS
+            .iter()
+            .flat_map(|(_, first, others)| first.iter().chain(*others));
+        let listed: Vec<&str> = listed.copied().collect();
+        let once: BTreeSet<&str> = listed.iter().copied().collect();
+        assert_eq!(once.len(), listed.len());
+        let command = command(true);
+        let known: BTreeSet<&str> = command
+            .get_subcommands()
+            .map(|own| own.get_name())
+            .filter(|name| *name != "help")
+            .collect();
+        assert_eq!(once, known);
+    }
+
+    #[test]
+    fn the_short_overview_fits_on_a_screen() {
+        let text = command(false).render_help().to_string();
+        assert!(text.lines().count() <= 36, "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 110),
+            "{text}"
+        );
+        assert_eq!(text.matches("\n  onset ").count(), 3);
+    }
+}

@@ -1,0 +1,273 @@
+//! How answers are printed: as text, as one JSON document or as CSV, in color where the terminal has it, or not at all.
+
+use crate::commands::Failure;
+use crate::patience;
+use clap::{Args, ValueEnum};
+use onset_study::json;
+use onset_umat::readable;
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::process::ExitCode;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// The form of an answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A text with six significant digits.
+    #[default]
+    Text,
+    /// One document with 17 significant digits.
+    Json,
+    /// The table of the answer; where it is none, a line for each number: its name in the JSON document, and its value.
+    Csv,
+}
+
+/// When to color.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum When {
+    /// On a terminal, unless NO_COLOR is set.
+    #[default]
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// How answers are printed.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct PrintingArguments {
+    /// Form of the answer: text, json (17 significant digits) or csv.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMAT",
+        global = true,
+        hide_possible_values = true,
+        help_heading = "Printing"
+    )]
+    pub format: Option<Format>,
+    /// Short for --format json.
+    #[arg(
+        long,
+        global = true,
+        conflicts_with = "format",
+        help_heading = "Printing"
+    )]
+    pub json: bool,
+    /// Print nothing but errors, and what is asked for as JSON or CSV; show no progress.
+    #[arg(
+        long,
+        global = true,
+        conflicts_with = "verbose",
+        help_heading = "Printing"
+    )]
+    pub quiet: bool,
+    /// Tell version, threads and time on standard error.
+    #[arg(long, global = true, help_heading = "Printing")]
+    pub verbose: bool,
+    /// When to color: auto, always or never.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        global = true,
+        hide_possible_values = true,
+        hide_default_value = true,
+        help_heading = "Printing"
+    )]
+    pub color: When,
+}
+
+/// What was asked for, and since when.
+static ASKED: OnceLock<(PrintingArguments, Instant)> = OnceLock::new();
+
+/// Takes what was asked for; once.
+pub fn begin(asked: PrintingArguments) {
+    let _ = ASKED.set((asked, Instant::now()));
+}
+
+/// Tells how long it took, where that was asked for.
+pub fn end() {
+    if let Some((asked, since)) = ASKED.get()
+        && asked.verbose
+    {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        tell(format_args!(
+            "onset {}, {threads} cores, {:.3} s",
+            env!("CARGO_PKG_VERSION"),
+            since.elapsed().as_secs_f64()
+        ));
+    }
+}
+
+fn asked() -> PrintingArguments {
+    ASKED.get().map(|(asked, _)| *asked).unwrap_or_default()
+}
+
+/// Whether nothing is to be told but errors.
+pub fn is_quiet() -> bool {
+    asked().quiet
+}
+
+/// The form of the answer.
+pub fn format() -> Format {
+    let asked = asked();
+    match asked.json {
+        true => Format::Json,
+        false => asked.format.unwrap_or_default(),
+    }
+}
+
+/// Refuses a form that a command does not have, before any work.
+///
+/// # Errors
+/// [`Failure`] that says what the command prints.
+pub fn only_text(what: &str) -> Result<(), Failure> {
+    match format() {
+        Format::Text => Ok(()),
+        Format::Json | Format::Csv => Err(Failure::input(format!(
+            "this command prints {what} as it is\n  hint: leave out --format and --json"
+        ))),
+    }
+}
+
+/// Prints an answer in the form that was asked for: its text, its document, or its table.
+///
+/// # Errors
+/// [`Failure`] when it cannot be printed.
+pub fn print<T: Serialize>(
+    document: &T,
+    text: &str,
+    table: Option<String>,
+) -> Result<ExitCode, Failure> {
+    match format() {
+        Format::Text if is_quiet() => Ok(ExitCode::SUCCESS),
+        Format::Text => print_text(text),
+        Format::Json => print_text(&json::document(document).map_err(Failure::machine)?),
+        Format::Csv => {
+            let table = match table {
+                Some(table) => table,
+                None => json::csv(document).map_err(Failure::machine)?,
+            };
+            print_text(table.trim_end())
+        }
+    }
+}
+
+/// Prints a text; a reader that has closed the pipe (`| head`) is no error.
+///
+/// # Errors
+/// [`Failure`] when it cannot be printed.
+pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
+    patience::end();
+    let stdout = std::io::stdout();
+    let text = readable(text);
+    let is_colored = format() == Format::Text && has_color(stdout.is_terminal());
+    let text = if is_colored {
+        painted(&text)
+    } else {
+        text.to_string()
+    };
+    match writeln!(stdout.lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::machine(format!(
+            "cannot print the answer: {error}"
+        ))),
+        _ => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
+pub fn tell(text: impl Display) {
+    patience::end();
+    let stderr = std::io::stderr();
+    // What a file says must not command the terminal.
+    let text = readable(&text.to_string()).to_string();
+    let text = if has_color(stderr.is_terminal()) {
+        painted(&text)
+    } else {
+        text
+    };
+    let _ = writeln!(stderr.lock(), "{text}");
+}
+
+fn has_color(is_terminal: bool) -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_dumb = || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+    match asked().color {
+        When::Always => true,
+        When::Never => false,
+        When::Auto => is_terminal && !is_set("NO_COLOR") && !is_dumb(),
+    }
+}
+
+const RED: &str = "31";
+const GREEN: &str = "32";
+const YELLOW: &str = "33";
+const CYAN: &str = "36";
+
+/// How lines begin that are colored in whole or at their beginning.
+const BEGINNINGS: [(&str, &str); 5] = [
+    ("error:", RED),
+    ("  hint:", CYAN),
+    ("note:", YELLOW),
+    ("  note:", YELLOW),
+    ("warning:", YELLOW),
+];
+
+/// A text with colors: what each of its lines is, and the verdict.
+fn painted(text: &str) -> String {
+    let line = |line: &str| {
+        let begins = BEGINNINGS.iter().find(|(start, _)| line.starts_with(start));
+        if let Some((start, color)) = begins {
+            let rest = &line[start.len()..];
+            return format!("\x1b[{color}m{start}\x1b[0m{rest}");
+        }
+        let verdict = line.strip_prefix("verdict ").map(str::trim_start);
+        match verdict.and_then(|word| Some((word, color_of(word)?))) {
+            Some((word, color)) => {
+                let start = &line[..line.len() - word.len()];
+                format!("{start}\x1b[1;{color}m{word}\x1b[0m")
+            }
+            None => line.to_owned(),
+        }
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Green for what holds, yellow for what is the material's, red for what is the method's.
+fn color_of(verdict: &str) -> Option<&'static str> {
+    use onset_study::Verdict;
+    let verdict = Verdict::ALL
+        .into_iter()
+        .find(|known| known.name() == verdict)?;
+    Some(match verdict {
+        Verdict::Stable => GREEN,
+        Verdict::Material => YELLOW,
+        Verdict::RankDeficient | Verdict::Kernel | Verdict::Missed => RED,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::painted;
+
+    #[test]
+    fn lines_are_colored_by_what_they_are() {
+        for (line, expected) in [
+            ("error: no", "\x1b[31merror:\x1b[0m no"),
+            ("  hint: this", "\x1b[36m  hint:\x1b[0m this"),
+            (
+                "verdict      stable",
+                "verdict      \x1b[1;32mstable\x1b[0m",
+            ),
+            ("material     hint: no", "material     hint: no"),
+        ] {
+            assert_eq!(painted(line), expected);
+        }
+        assert_eq!(painted("a\nb"), "a\nb");
+    }
+}

@@ -1,0 +1,344 @@
+//! Paths of deformation as asked for, straight ones and loadings with free faces, and what holds in states along them.
+
+use super::notes::notes_on_law;
+use super::problem::{Problem, ProblemError, Strain};
+use super::state::StateAnswer;
+use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::notions::EndAnswer;
+use crate::number::told;
+use crate::output::{Files, text};
+use crate::settings::Effective;
+use onset::kinematics::{DeformationGradient, DeformationPath, StraightPath};
+use onset::notions::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic};
+use onset::verdict::Verdict;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt;
+
+/// A path of deformations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// Straight, from one state to another.
+    Straight(Strain, Strain),
+    /// A loading from one imposed stretch to another, its free faces without traction.
+    Loading {
+        /// What is imposed, and what holds the rest.
+        loading: Loading,
+        /// The first imposed stretch.
+        from: f64,
+        /// The last imposed stretch.
+        to: f64,
+    },
+}
+
+/// A loading that was followed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoadingOfPath {
+    /// What is imposed.
+    pub mode: Mode,
+    /// What holds the other directions.
+    pub lateral: Lateral,
+    /// In a few words.
+    pub title: &'static str,
+    /// The imposed stretch at the start.
+    pub from: f64,
+    /// The imposed stretch at the end.
+    pub to: f64,
+    /// Why the path ends before the stretch that was asked for.
+    pub ends_early: Option<String>,
+}
+
+impl fmt::Display for LoadingOfPath {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "Loading: {}, from stretch {} to {}.",
+            self.title,
+            told(self.from),
+            told(self.to)
+        )?;
+        match &self.ends_early {
+            Some(why) => write!(formatter, " It ends there: {why}."),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Course {
+    /// A loading of a mode; what holds the other directions is, unless it is said, what a test machine does: their faces are free.
+    ///
+    /// # Errors
+    /// The names of what can hold the other directions in this mode, where it is not what was asked for.
+    pub fn of_mode(
+        mode: Mode,
+        lateral: Option<Lateral>,
+        from: f64,
+        to: f64,
+    ) -> Result<Self, String> {
+        let own = || {
+            Loading::ALL
+                .into_iter()
+                .filter(|loading| loading.mode == mode)
+        };
+        let asked = own().find(|loading| lateral.is_none_or(|asked| loading.lateral == asked));
+        let loading = asked.ok_or_else(|| {
+            let known: Vec<&str> = own().map(|loading| loading.lateral.name()).collect();
+            known.join(", ")
+        })?;
+        Ok(Self::Loading { loading, from, to })
+    }
+
+    /// Calls a function with the path, and with what is to be told of it where it is a loading.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when there is no such path, and what the function returns.
+    pub(super) fn follow<T>(
+        &self,
+        problem: &Problem,
+        answer: impl FnOnce(&dyn DeformationPath, Option<LoadingOfPath>) -> Result<T, ProblemError>,
+    ) -> Result<T, ProblemError> {
+        let (loading, from, to) = match *self {
+            Self::Straight(from, to) => return answer(&StraightPath::new(from.0, to.0)?, None),
+            Self::Loading { loading, from, to } => (loading, from, to),
+        };
+        let material = &*problem.material;
+        let refused = |reason: String| ProblemError::Loading {
+            title: loading.title(),
+            from,
+            to,
+            reason,
+            notes: notes_on_law(material),
+        };
+        // The reference is where every branch begins.
+        let range = Range::new(from.min(to).min(0.99), from.max(to).max(1.01))
+            .map_err(|error| refused(error.to_string()))?;
+        let path = LoadingPath::new(material, is_isotropic(material), loading, &range)
+            .map_err(|error| refused(error.to_string()))?;
+        let (start, early) = reached(&path, from);
+        if let Some(why) = early {
+            return Err(refused(format!("the first stretch is not reached: {why}")));
+        }
+        let (end, ends_early) = reached(&path, to);
+        let section = LoadingSection::new(&path, start, end)?;
+        let told = LoadingOfPath {
+            mode: loading.mode,
+            lateral: loading.lateral,
+            title: loading.title(),
+            from: start,
+            to: end,
+            ends_early,
+        };
+        answer(&section, Some(told))
+    }
+
+    /// What the states are told by: the imposed stretch, a stretch along an axis where that changes, or the path parameter.
+    fn abscissa(&self, s: f64) -> (&'static str, f64) {
+        match self {
+            Self::Loading { from, to, .. } => ("imposed stretch λ (−)", from + (to - from) * s),
+            Self::Straight(from, to) => {
+                let (from, to) = (from.0.components(), to.0.components());
+                let shears = (0..3)
+                    .any(|i| (0..3).any(|j| i != j && (from[i][j] != 0.0 || to[i][j] != 0.0)));
+                let names = ["stretch λ₁ (−)", "stretch λ₂ (−)", "stretch λ₃ (−)"];
+                let changing = (0..3).find(|i| from[*i][*i] != to[*i][*i]);
+                match changing.filter(|_| !shears) {
+                    Some(i) => (names[i], from[i][i] + (to[i][i] - from[i][i]) * s),
+                    None => ("path parameter s (−)", s),
+                }
+            }
+        }
+    }
+}
+
+/// The imposed stretch that is reached on the way to another one, and why it is not that.
+fn reached(path: &LoadingPath<'_>, stretch: f64) -> (f64, Option<String>) {
+    let (states, end) = match stretch >= 1.0 {
+        true => (&path.tension, &path.tension_end),
+        false => (&path.compression, &path.compression_end),
+    };
+    if path.at(stretch.ln()).is_some() {
+        return (stretch, None);
+    }
+    let last = states.last().map_or(1.0, |state| state.parameter.exp());
+    let why = EndAnswer::of(end, stretch).reason;
+    let why = why.unwrap_or_else(|| "no state with free faces was found beyond".to_owned());
+    // A little before: the last state is at the end to rounding.
+    let before = 1.0 + (last - 1.0) * (1.0 - 1e-9);
+    (
+        if path.at(before.ln()).is_some() {
+            before
+        } else {
+            1.0
+        },
+        Some(why),
+    )
+}
+
+/// States that are looked at along a path.
+const SAMPLES: usize = 97;
+
+/// A state on a path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PathSample {
+    /// Path parameter.
+    pub parameter: f64,
+    /// What the state is told by, see [`PathSamples::abscissa`].
+    pub abscissa: f64,
+    /// `F_iJ`.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// The state; `None` where the method or the law cannot be evaluated.
+    #[serde(skip)]
+    pub state: Option<StateAnswer>,
+}
+
+impl PathSample {
+    /// The verdict; `None` where the state cannot be evaluated.
+    pub fn verdict(&self) -> Option<Verdict> {
+        Some(self.state.as_ref()?.verdict)
+    }
+}
+
+/// What holds in states along a path, at equal distances.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PathSamples {
+    /// What the states are told by.
+    pub abscissa: &'static str,
+    /// The states.
+    pub samples: Vec<PathSample>,
+    /// Every choice in effect.
+    pub settings: Effective,
+}
+
+impl PathSamples {
+    /// Looks at states along a path, on all cores.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when there is no such path.
+    pub fn new(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
+        let (states, followed) = course.follow(problem, |path, told| {
+            let last = (SAMPLES - 1) as f64;
+            let state = |n: usize| {
+                let s = n as f64 / last;
+                Ok((s, path.at(s)?))
+            };
+            let states = (0..SAMPLES).map(state);
+            let states = states.collect::<Result<Vec<_>, ProblemError>>()?;
+            // Where a loading ends early, its own end counts.
+            let followed = match (course, told) {
+                (Course::Loading { loading, .. }, Some(told)) => Course::Loading {
+                    loading: *loading,
+                    from: told.from,
+                    to: told.to,
+                },
+                _ => *course,
+            };
+            Ok((states, followed))
+        })?;
+        let sample = |(s, f): &(f64, DeformationGradient)| PathSample {
+            parameter: *s,
+            abscissa: followed.abscissa(*s).1,
+            deformation_gradient: *f.components(),
+            state: StateAnswer::new(problem, &Strain(*f)).ok(),
+        };
+        Ok(Self {
+            abscissa: followed.abscissa(0.0).0,
+            samples: states.par_iter().map(sample).collect(),
+            settings: problem.settings.effective(),
+        })
+    }
+
+    /// The states as a table.
+    pub fn csv(&self) -> String {
+        let mut table = String::from(
+            "parameter,abscissa,F11,F12,F13,F21,F22,F23,F31,F32,F33,verdict,minimum_scaled,minimum_omega_squared,growth_rate,\
+             minimum_acoustic_eigenvalue,s11,s22,s33\n",
+        );
+        for sample in &self.samples {
+            let f = sample.deformation_gradient.iter().flatten();
+            let place = [sample.parameter, sample.abscissa];
+            let numbers = place.iter().chain(f).map(|number| format!("{number:.16e}"));
+            let mut cells: Vec<String> = numbers.collect();
+            match &sample.state {
+                Some(state) => {
+                    let (d, material) = (&state.discretization, &state.material);
+                    cells.push(state.verdict.name().to_owned());
+                    let numbers = [
+                        d.minimum_scaled,
+                        d.minimum_omega_squared.re,
+                        d.growth_rate,
+                        material.minimum_acoustic_eigenvalue,
+                        material.cauchy[0][0],
+                        material.cauchy[1][1],
+                        material.cauchy[2][2],
+                    ];
+                    cells.extend(numbers.map(|number| format!("{number:.16e}")));
+                }
+                None => {
+                    cells.push("undefined".to_owned());
+                    cells.extend(std::iter::repeat_n(String::new(), 7));
+                }
+            }
+            table.push_str(&cells.join(","));
+            table.push('\n');
+        }
+        table
+    }
+
+    /// The softest mode of the particles and the smallest acoustic eigenvalue of the material along the path; `changes` are the
+    /// parameters at which the stability of the particles, and of the material, changes.
+    pub fn figure(&self, title: &str, changes: [&[f64]; 2]) -> Figure {
+        let values = |value: &dyn Fn(&StateAnswer) -> f64| -> Vec<(f64, f64)> {
+            let own = |sample: &PathSample| sample.state.as_ref().map_or(f64::NAN, value);
+            self.samples
+                .iter()
+                .map(|sample| (sample.abscissa, own(sample)))
+                .collect()
+        };
+        let ends = [self.samples.first(), self.samples.last()];
+        let ends = ends.map(|end| end.map_or(0.0, |sample| sample.abscissa));
+        let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let at = |parameter: &f64| ends[0] + (ends[1] - ends[0]) * parameter;
+        let panel = |name: &str, label: String, points: Vec<(f64, f64)>, changes: &[f64], color| {
+            let heights = points.iter().map(|point| point.1).chain([0.0]);
+            let y = Axis::linear(label, (0.0, 1.0)).covering(heights.collect::<Vec<_>>());
+            let x = Axis::linear(self.abscissa, (low, high));
+            let mut panel =
+                Panel::new(name, x, y).with(Rule::horizontal(0.0).color(palette::BLACK));
+            for parameter in changes {
+                panel = panel.with(Rule::vertical(at(parameter)).color(palette::GREY).dashed());
+            }
+            panel.with(Line::new(points).color(color))
+        };
+        let stress = self
+            .settings
+            .units()
+            .of("smallest acoustic eigenvalue", "(Pa)");
+        Figure::new(title)
+            .columns(2)
+            .with(panel(
+                "Softest mode of the particles",
+                "min Re ω² / (c² |k|²) (−)".to_owned(),
+                values(&|state| state.discretization.minimum_scaled),
+                changes[0],
+                palette::BLUE,
+            ))
+            .with(panel(
+                "Material",
+                stress,
+                values(&|state| state.material.minimum_acoustic_eigenvalue),
+                changes[1],
+                palette::VERMILION,
+            ))
+            .caption(self.settings.caption())
+    }
+
+    /// The states as `path.csv`, `path.svg` and `path.png`.
+    ///
+    /// # Errors
+    /// [`FigureError`] when the figure is too large.
+    pub fn files(&self, title: &str, changes: [&[f64]; 2]) -> Result<Files, FigureError> {
+        let mut files = vec![text("path.csv", self.csv())];
+        files.extend(self.figure(title, changes).files("path")?);
+        Ok(files)
+    }
+}

@@ -1,0 +1,124 @@
+//! What a mode is called: how its particles move, and at which point of the zone.
+
+use super::problem::Problem;
+use crate::number::{told, vector};
+use crate::settings::Family;
+use nalgebra::SVector;
+use onset::bloch::Mode;
+
+/// Shares of a polarization along the wave from which it is longitudinal, and up to which it is transverse.
+const LONGITUDINAL: f64 = 0.95;
+const TRANSVERSE: f64 = 0.3;
+/// Lengths of wave vectors that agree to this are equal.
+const SAME: f64 = 1e-6;
+
+/// A mode in words: `transverse wave at M (particles alternate), frequency 0.41`. `spatial` is its wave vector in the deformed lattice,
+/// or the direction of a long wave there.
+pub(super) fn name(problem: &Problem, mode: &Mode<3>, spatial: &SVector<f64, 3>) -> String {
+    let (settings, dimension) = (&problem.settings, problem.analysis.dimension());
+    let reciprocal = problem.analysis.reciprocal();
+    let along = spatial.try_normalize(0.0).unwrap_or_else(SVector::zeros);
+    let share = (0..dimension)
+        .map(|i| mode.polarization[i] * along[i])
+        .fold(onset::algebra::Complex::new(0.0, 0.0), |sum, own| sum + own);
+    let size: f64 = mode.polarization.iter().map(|own| own.norm_sqr()).sum();
+    let share = (share.norm_sqr() / size.max(f64::MIN_POSITIVE)).sqrt();
+    let kind = match share {
+        _ if dimension == 1 => "",
+        share if share >= LONGITUDINAL => "longitudinal ",
+        share if share <= TRANSVERSE => "transverse ",
+        _ => "oblique ",
+    };
+    if mode.is_long_wave {
+        return format!(
+            "long {kind}waves along {}",
+            vector(&along.as_slice()[..dimension])
+        );
+    }
+    let omega_squared = mode.omega_squared;
+    let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 {
+        true => {
+            let omega = told(omega_squared.re.sqrt());
+            format!(", frequency {}", settings.units().of(omega, "1/s"))
+        }
+        false => String::new(),
+    };
+    let k = &mode.wave_vector;
+    let place = match point(problem, &reciprocal, k) {
+        Some(point) => format!("at {point}"),
+        None => format!("along {}", vector(&along.as_slice()[..dimension])),
+    };
+    let doubled = shortest(&reciprocal, &(k * 2.0)).0;
+    let alternates = doubled <= SAME * longest(&reciprocal);
+    let pattern = match (alternates, settings.method.method) {
+        (true, Family::FiniteElements) => " (hourglass: nodes alternate)",
+        (true, _) => " (particles alternate)",
+        (false, _) => "",
+    };
+    format!("{kind}wave {place}{pattern}{frequency}")
+}
+
+/// The named point of the zone that a wave vector is equivalent to by the symmetry of the reference lattice: it is as near to a
+/// reciprocal lattice point as that, and to as many of them.
+fn point(
+    problem: &Problem,
+    reciprocal: &[SVector<f64, 3>],
+    k: &SVector<f64, 3>,
+) -> Option<&'static str> {
+    let own = shortest(reciprocal, k);
+    let scale = SAME * longest(reciprocal);
+    let points = problem.analysis.zone_path(problem.settings.zone());
+    let is_same = |(_, place): &(&'static str, Vec<f64>)| {
+        let place = SVector::from_fn(|i, _| place.get(i).copied().unwrap_or(0.0));
+        let other = shortest(reciprocal, &place);
+        (other.0 - own.0).abs() <= scale && other.1 == own.1
+    };
+    points.into_iter().find(is_same).map(|(name, _)| name)
+}
+
+fn longest(reciprocal: &[SVector<f64, 3>]) -> f64 {
+    reciprocal.iter().map(|b| b.norm()).fold(0.0, f64::max)
+}
+
+/// The length of the shortest wave vectors that are equivalent to one, and how many there are.
+fn shortest(reciprocal: &[SVector<f64, 3>], k: &SVector<f64, 3>) -> (f64, usize) {
+    let shifted = |n: i32| {
+        let steps = reciprocal.iter().enumerate();
+        let shift =
+            |(i, b): (usize, &SVector<f64, 3>)| b * f64::from(n / 5_i32.pow(i as u32) % 5 - 2);
+        (k - steps.map(shift).sum::<SVector<f64, 3>>()).norm()
+    };
+    let lengths: Vec<f64> = (0..5_i32.pow(reciprocal.len() as u32))
+        .map(shifted)
+        .collect();
+    let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_least = |own: &&f64| **own <= least + SAME * longest(reciprocal);
+    (least, lengths.iter().filter(is_least).count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{point, shortest};
+    use crate::answers::Problem;
+    use crate::settings::Settings;
+
+    #[test]
+    fn equivalent_points_of_the_zone_have_one_name() {
+        let problem = Problem::new(Settings::default()).expect("a problem");
+        let reciprocal = problem.analysis.reciprocal();
+        let at = |a: f64, b: f64| reciprocal[0] * a + reciprocal[1] * b;
+        let name = |a: f64, b: f64| point(&problem, &reciprocal, &at(a, b));
+        for [a, b] in [[0.5, 0.0], [0.0, 0.5], [0.5, 0.5], [-0.5, 0.0], [1.5, 1.0]] {
+            assert_eq!(name(a, b), Some("M"), "{a} {b}");
+        }
+        for [a, b] in [
+            [2.0 / 3.0, 1.0 / 3.0],
+            [1.0 / 3.0, 2.0 / 3.0],
+            [1.0 / 3.0, -1.0 / 3.0],
+        ] {
+            assert_eq!(name(a, b), Some("K"), "{a} {b}");
+        }
+        assert_eq!(name(0.2, 0.1), None);
+        assert_eq!(shortest(&reciprocal, &at(1.0, 2.0)).1, 1);
+    }
+}

@@ -1,0 +1,327 @@
+//! Units in values: `80 GPa`, `1 mm`, `7850 kg/m^3`.
+//!
+//! A problem has units in all of its values or in none. Without units its numbers are in units of its own, of which only the ratios
+//! matter; with them every value is turned into SI as it is read, and answers are in Pa, m, s and kg.
+
+use super::{Key, Origin, SettingError, Value, error::nearest};
+
+/// Units by the dimension that keys name, with what one of them is in SI (angles: in the unit of the key, degrees or radians).
+const UNITS: &[(&str, &[(&str, f64)])] = &[
+    (
+        "stress",
+        &[
+            ("Pa", 1.0),
+            ("kPa", 1e3),
+            ("MPa", 1e6),
+            ("GPa", 1e9),
+            ("TPa", 1e12),
+            ("N/m^2", 1.0),
+            ("N/mm^2", 1e6),
+            ("bar", 1e5),
+            ("psi", 6_894.757_293_168_361),
+            ("ksi", 6_894_757.293_168_361),
+        ],
+    ),
+    (
+        "length",
+        &[
+            ("m", 1.0),
+            ("cm", 1e-2),
+            ("mm", 1e-3),
+            ("um", 1e-6),
+            ("µm", 1e-6),
+            ("nm", 1e-9),
+            ("km", 1e3),
+            ("in", 0.0254),
+        ],
+    ),
+    (
+        "mass/volume",
+        &[
+            ("kg/m^3", 1.0),
+            ("g/cm^3", 1e3),
+            ("kg/l", 1e3),
+            ("t/m^3", 1e3),
+            ("t/mm^3", 1e12),
+            ("lb/in^3", 27_679.904_710_203_12),
+        ],
+    ),
+    (
+        "deg",
+        &[
+            ("deg", 1.0),
+            ("°", 1.0),
+            ("rad", 180.0 / std::f64::consts::PI),
+        ],
+    ),
+    (
+        "rad",
+        &[
+            ("rad", 1.0),
+            ("deg", std::f64::consts::PI / 180.0),
+            ("°", std::f64::consts::PI / 180.0),
+        ],
+    ),
+];
+
+/// The unit in SI of what has a dimension; `None` of what has none, and of angles, which say their unit themselves.
+pub(super) fn si(dimension: &str) -> Option<&'static str> {
+    match dimension {
+        "stress" => Some("Pa"),
+        "length" => Some("m"),
+        "mass/volume" => Some("kg/m^3"),
+        _ => None,
+    }
+}
+
+/// A number followed by letters as typed: `80GPa`, `7850 kg/m^3`.
+pub(super) fn split(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    // The longest beginning that is a number: `1e3m` is a thousand meters.
+    let ends = text.char_indices().map(|(at, _)| at).skip(1);
+    let split = ends.filter_map(|at| {
+        let (number, unit) = text.split_at(at);
+        Some((number.trim_end().parse::<f64>().ok()?, unit.trim_start()))
+    });
+    let (number, unit) = split.last()?;
+    let is_unit = unit.starts_with(|first: char| first.is_alphabetic() || first == '°');
+    (number.is_finite() && is_unit).then_some((number, unit))
+}
+
+/// How a unit is compared: `kg/m3` and `kg/m³` are `kg/m^3`.
+fn plain(unit: &str) -> String {
+    unit.replace('³', "3").replace('²', "2").replace('^', "")
+}
+
+/// The value of a key whose text has a unit, in SI; `None` where the text has none.
+///
+/// # Errors
+/// [`SettingError`] for a unit that is not known, or is one of another quantity.
+pub(super) fn converted(
+    key: &Key,
+    value: &Value,
+    origin: &Origin,
+) -> Result<Option<Value>, SettingError> {
+    let (Value::Word(text), Some(dimension)) = (value, key.unit()) else {
+        return Ok(None);
+    };
+    let Some((number, unit)) = split(text) else {
+        return Ok(None);
+    };
+    let wrong =
+        |message: String, hint: String| Err(SettingError::new(origin.clone(), message).hint(hint));
+    let of = |dimension: &str| UNITS.iter().find(|(name, _)| *name == dimension);
+    let is = |known: &str| plain(known) == plain(unit);
+    // A parameter of a formula has the dimension that its formula gives it.
+    let dimensions: Vec<_> = match key.is_free() {
+        true => UNITS.iter().collect(),
+        false => of(dimension).into_iter().collect(),
+    };
+    let mut own = dimensions.iter().flat_map(|(_, units)| *units);
+    if let Some((_, factor)) = own.find(|(known, _)| is(known)) {
+        return Ok(Some(Value::Number(scaled(number, *factor))));
+    }
+    let other = UNITS
+        .iter()
+        .find(|(_, units)| units.iter().any(|(known, _)| is(known)));
+    let names = |units: &[(&'static str, f64)]| {
+        let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
+        names.join(", ")
+    };
+    match (of(dimension), other) {
+        (None, _) => wrong(
+            format!(
+                "`{}` has no dimension, and takes no unit such as `{unit}`",
+                key.name
+            ),
+            format!("give a number without unit ({})", key.meaning),
+        ),
+        (Some((_, units)), Some((other, _))) => wrong(
+            format!(
+                "`{}` is {}; `{unit}` is a unit of {}",
+                key.name,
+                named(dimension),
+                named(other)
+            ),
+            format!("units of {} are {}", named(dimension), names(units)),
+        ),
+        (Some((_, units)), None) => {
+            let nearest = nearest(unit, units.iter().map(|(known, _)| *known));
+            let meant =
+                nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
+            wrong(
+                format!("`{unit}` is no unit that is known"),
+                format!("{meant}units of {} are {}", named(dimension), names(units)),
+            )
+        }
+    }
+}
+
+/// A number times a power of ten to the last digit: `1 mm` is 0.001 m as one would type it.
+fn scaled(number: f64, factor: f64) -> f64 {
+    if factor < 1.0 && factor.recip().fract() == 0.0 {
+        return number / factor.recip();
+    }
+    number * factor
+}
+
+/// A dimension in words.
+fn named(dimension: &str) -> &str {
+    match dimension {
+        "stress" => "a stress",
+        "length" => "a length",
+        "mass/volume" => "a density",
+        "deg" | "rad" => "an angle",
+        other => other,
+    }
+}
+
+/// Values with dimensions, each with whether a unit was given: none of them has one, or all have.
+///
+/// # Errors
+/// [`SettingError`] that names those without.
+pub(super) fn check<'a>(
+    values: impl Iterator<Item = (&'static Key, f64, bool, Option<&'a Origin>)>,
+) -> Result<bool, SettingError> {
+    let (with, without): (Vec<_>, Vec<_>) = values.partition(|(_, _, has_unit, _)| *has_unit);
+    let Some((first, ..)) = with.first() else {
+        return Ok(false);
+    };
+    // Nothing is nothing in any unit.
+    let without: Vec<_> = without
+        .into_iter()
+        .filter(|(_, value, ..)| *value != 0.0)
+        .collect();
+    let Some((_, _, _, origin)) = without.first() else {
+        return Ok(true);
+    };
+    let told: Vec<String> = without
+        .iter()
+        .map(|(key, value, _, origin)| match origin {
+            Some(_) => format!("{} = {value}", key.name),
+            None => format!("{} = {value} (the default)", key.name),
+        })
+        .collect();
+    let example: Vec<String> = without
+        .iter()
+        .map(|(key, ..)| {
+            let example = match key.unit() {
+                Some("length") => "1mm",
+                Some("mass/volume") => "7850kg/m^3",
+                _ => "80GPa",
+            };
+            format!("--set {}={example}", key.name)
+        })
+        .collect();
+    let message = format!(
+        "`{}` has a unit, and {} {} none: of values with dimensions all have units, or none",
+        first.name,
+        told.join(", "),
+        if told.len() == 1 { "has" } else { "have" }
+    );
+    let origin = origin.cloned().unwrap_or(Origin::Combination);
+    Err(SettingError::new(origin, message).hint(format!("for example {}", example.join(" "))))
+}
+
+/// The units in which the numbers of an answer are told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub enum Units {
+    /// Those of the problem itself, whatever they are.
+    #[default]
+    #[serde(rename = "own")]
+    Own,
+    /// SI.
+    #[serde(rename = "SI")]
+    Si,
+}
+
+impl Units {
+    /// A number as told, followed by its unit in SI, such as `Pa`, where that is in use.
+    pub fn of(self, number: impl std::fmt::Display, unit: &str) -> String {
+        match self {
+            Self::Own => number.to_string(),
+            Self::Si => format!("{number} {unit}"),
+        }
+    }
+
+    /// Whether values have units.
+    pub fn are_si(&self) -> bool {
+        *self == Self::Si
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{converted, split};
+    use crate::settings::{Key, Origin, Value};
+
+    fn of(key: &str, text: &str) -> Result<Option<Value>, String> {
+        let key = Key::named(key).expect("a key");
+        converted(key, &Value::Word(text.to_owned()), &Origin::Combination)
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_number_is_split_from_its_unit() {
+        for (text, expected) in [
+            ("80GPa", Some((80.0, "GPa"))),
+            (" 1e-3 mm ", Some((1e-3, "mm"))),
+            ("7850 kg/m^3", Some((7850.0, "kg/m^3"))),
+            ("1e3m", Some((1e3, "m"))),
+            ("-2.5MPa", Some((-2.5, "MPa"))),
+            ("80", None),
+            ("GPa", None),
+            ("inf", None),
+            ("nan", None),
+            ("1,2", None),
+        ] {
+            assert_eq!(split(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn values_are_turned_into_si() {
+        for (key, text, value) in [
+            ("material.mu", "80GPa", 80e9),
+            ("material.mu", "3 N/mm^2", 3e6),
+            ("material.mu", "3 N/mm2", 3e6),
+            ("material.mu", "1 psi", 6_894.757_293_168_361),
+            ("discretization.spacing", "1 mm", 1e-3),
+            ("discretization.spacing", "7 mm", 7e-3),
+            ("discretization.spacing", "3um", 3e-6),
+            ("discretization.density", "7850 kg/m^3", 7850.0),
+            ("discretization.density", "7.85 g/cm³", 7850.0),
+            ("discretization.density", "7850 kg/m3", 7850.0),
+            ("material.angle", "0.5rad", 0.5_f64.to_degrees()),
+            ("state.rotation", "30 deg", 30.0_f64.to_radians()),
+        ] {
+            assert_eq!(
+                of(key, text),
+                Ok(Some(Value::Number(value))),
+                "{key} {text}"
+            );
+        }
+        assert_eq!(of("material.mu", "soft"), Ok(None));
+    }
+
+    #[test]
+    fn units_of_another_quantity_and_unknown_ones_are_told() {
+        for (key, text, fact) in [
+            (
+                "material.mu",
+                "1 mm",
+                "is a stress; `mm` is a unit of a length",
+            ),
+            ("material.mu", "80 Gpa", "did you mean `GPa`?"),
+            (
+                "discretization.spacing",
+                "3 parsec",
+                "units of a length are m, cm, mm",
+            ),
+            ("discretization.support", "2 mm", "has no dimension"),
+        ] {
+            let told = of(key, text).expect_err("refused");
+            assert!(told.contains(fact), "{told}");
+        }
+    }
+}
