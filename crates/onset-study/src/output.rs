@@ -1,8 +1,8 @@
 //! Files that commands write: all of them whole, or none of them.
 //!
 //! They are written into a private folder beside their places, forced to the disk, and renamed when the last is there: whenever a
-//! process ends, and whatever goes wrong, each file is the old one or the new one. That they can be written is tried before the
-//! work. (The tiles of a store are written one by one: see [`store`](crate::store).)
+//! process ends, and whatever goes wrong, each file is the old one or the new one. Where one cannot be renamed, those before it are
+//! put back. That they can be written is tried before the work. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
 use onset_umat::PrivateFolder;
 use std::ffi::{OsStr, OsString};
@@ -77,16 +77,22 @@ impl Output {
     /// Writes files, replacing those that are there; returns their paths. A link in the place of one is replaced, not followed.
     ///
     /// # Errors
-    /// [`OutputError`] with the first that cannot be written. Unless what is at the places changes at the same time, the others are
-    /// then as they were.
+    /// [`OutputError`] with the first that cannot be written. The others are then as they were, as far as the file system knows hard
+    /// links and does not fail again.
     pub fn write(mut self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
         let stage = self.stage()?;
         let mut prepared = Vec::with_capacity(files.len());
         for (name, bytes) in files {
             prepared.push(self.prepare(&stage, name, bytes)?);
         }
+        let mut placed = Vec::with_capacity(prepared.len());
         for (from, to) in &prepared {
-            fs::rename(from, to).map_err(failed(to))?;
+            let before = Before::of(to, &stage, placed.len());
+            if let Err(error) = fs::rename(from, to) {
+                placed.into_iter().rev().for_each(Before::put_back);
+                return Err(failed(to)(error));
+            }
+            placed.push(before);
         }
         self.made.clear();
         // The names, too, shall outlive a loss of power. Systems that do not know how to are no reason to fail.
@@ -126,6 +132,36 @@ impl Output {
             })
             .map_err(failed(&to))?;
         Ok((from, to))
+    }
+}
+
+/// What was at the place of a file before it came there.
+enum Before<'a> {
+    Nothing(&'a Path),
+    /// A file, which has another name until all are renamed.
+    Kept(&'a Path, PathBuf),
+    /// A file that can have no other name: on some file systems none can.
+    Gone,
+}
+
+impl<'a> Before<'a> {
+    fn of(place: &'a Path, stage: &PrivateFolder, number: usize) -> Self {
+        // No file has such a name: theirs have none that begins with a blank.
+        let kept = stage.path().join(format!(" {number}"));
+        match fs::hard_link(place, &kept) {
+            Ok(()) => Self::Kept(place, kept),
+            Err(error) if error.kind() == ErrorKind::NotFound => Self::Nothing(place),
+            Err(_) => Self::Gone,
+        }
+    }
+
+    /// Nothing more can be done where that fails too.
+    fn put_back(self) {
+        let _ = match self {
+            Self::Nothing(place) => fs::remove_file(place),
+            Self::Kept(place, kept) => fs::rename(kept, place),
+            Self::Gone => Ok(()),
+        };
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Value, aliases};
 use crate::shell::quoted_file;
 use onset::material::{Hyperelastic, MaterialError};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A material as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +17,8 @@ pub struct MaterialSettings {
     set: BTreeMap<&'static str, (Value, Origin)>,
     /// The SHA-256 that the library of a user material must have.
     fingerprint: Option<String>,
+    /// Where the library is that the user allows a file to load.
+    allowed: Option<PathBuf>,
 }
 
 impl MaterialSettings {
@@ -30,6 +32,7 @@ impl MaterialSettings {
             model,
             set: parameters.iter().filter_map(set).collect(),
             fingerprint: None,
+            allowed: None,
         }
     }
 
@@ -41,7 +44,11 @@ impl MaterialSettings {
             kind => kind.accepts(value),
         };
         if takes {
-            self.set.insert(key.parts().1, (value.clone(), origin));
+            let name = key.parts().1;
+            if name == LIBRARY {
+                self.allowed = None;
+            }
+            self.set.insert(name, (value.clone(), origin));
         }
         takes
     }
@@ -138,8 +145,9 @@ impl MaterialSettings {
     pub fn allow(&mut self, trust: &Trust) {
         if let Some((Value::Word(library), origin @ Origin::File { .. })) =
             self.set.get_mut(LIBRARY)
-            && trust.covers(Path::new(library))
+            && let Some(place) = trust.admitted(Path::new(library))
         {
+            self.allowed = Some(place);
             *origin = Origin::CommandLine(format!("--allow-library {library}"));
         }
     }
@@ -162,6 +170,11 @@ impl MaterialSettings {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Where the library is that the user allows a file to load, without links.
+    pub(super) fn allowed(&self) -> Option<&Path> {
+        self.allowed.as_deref()
     }
 
     /// Whether the material is a program in a shared library, which building it loads.

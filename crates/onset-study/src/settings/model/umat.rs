@@ -6,6 +6,7 @@ use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
 use onset_umat::{Umat, UmatError, UmatSettings, fingerprint};
+use std::path::Path;
 use std::time::Duration;
 
 /// The key of the library, without its section.
@@ -64,6 +65,7 @@ impl MaterialSettings {
             return None;
         }
         let number = |name: &str| self.given(name).and_then(Value::number);
+        let library = self.allowed().unwrap_or(Path::new(library));
         let mut umat = UmatSettings::new(library, &[]);
         if let Some(Value::Numbers(properties)) = self.given("properties") {
             umat.properties.clone_from(properties);
