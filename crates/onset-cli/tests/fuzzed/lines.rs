@@ -11,6 +11,35 @@ struct Key {
     words: Vec<String>,
 }
 
+/// A law with the names of its parameters.
+#[derive(Clone, Debug)]
+struct Law {
+    name: String,
+    parameters: Vec<String>,
+}
+
+/// The laws, from the same schema; not those that are programs.
+fn laws(schema: &Value) -> Vec<Law> {
+    let cases = schema.pointer("/properties/material/allOf");
+    let law = |case: &Value| {
+        let name = case.pointer("/if/properties/model/const")?.as_str()?;
+        let parameters = case.pointer("/then/properties")?.as_object()?;
+        Some(Law {
+            name: name.to_owned(),
+            parameters: parameters.keys().cloned().collect(),
+        })
+    };
+    let mut laws: Vec<Law> = cases
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+        .filter_map(law)
+        .collect();
+    laws.retain(|law| law.name != "umat");
+    assert!(laws.len() > 20, "{laws:?}");
+    laws
+}
+
 /// The keys of studies and comparisons, from the schema that the program writes itself.
 fn keys(schema: &Value) -> Vec<Key> {
     let mut keys = Vec::new();
@@ -170,7 +199,7 @@ const METHODS: &[&[(&str, &str)]] = &[
     &[("method", "material-points")],
     &[
         ("method", "material-points"),
-        ("grid-functions", "quadratic-splines"),
+        ("grid-functions", "quadratic-spline"),
     ],
     &[
         ("cells", "2"),
@@ -250,6 +279,7 @@ type Assignments = Vec<(String, String, String)>;
 pub struct Source {
     random: Random,
     keys: Vec<Key>,
+    laws: Vec<Law>,
 }
 
 impl Source {
@@ -258,6 +288,7 @@ impl Source {
         Self {
             random: Random(0),
             keys: keys(schema),
+            laws: laws(schema),
         }
     }
 
@@ -276,7 +307,7 @@ impl Source {
 
     /// Usually one that makes sense.
     fn number(&mut self) -> String {
-        match self.below(12) {
+        match self.below(24) {
             0 => self.of(NUMBERS).to_owned(),
             1 => format!("{:e}", 10_f64.powf(30.0 * self.random.number())),
             2 => format!("{:?}", 8.0 * self.random.number()),
@@ -337,6 +368,13 @@ impl Source {
         }
     }
 
+    /// Assignments, seldom.
+    fn changes(&mut self, sections: &[&str], words: &mut Vec<String>) {
+        if self.chance(15) {
+            self.set(sections, words);
+        }
+    }
+
     /// A few assignments of some sections: choices that go together, and any.
     fn assignments(&mut self, sections: &[&str]) -> Assignments {
         let mut all: Assignments = Vec::new();
@@ -350,20 +388,34 @@ impl Source {
                 add("discretization", name, value);
             }
         }
-        if self.chance(40) {
-            let models = self.keys.iter().find(|key| key.name == "model");
-            let models = models.map_or_else(Vec::new, |key| key.words.clone());
-            let model = &models[self.below(models.len())];
-            add("material", "model", model);
+        if self.chance(50) {
+            let n = self.below(self.laws.len());
+            let law = self.laws[n].clone();
+            add("material", "model", &law.name);
+            if law.name == "formula" {
+                add("material", "energy", self.of(FORMULAS));
+                let mu = self.number();
+                add("material", "mu", &mu);
+            }
+            for name in &law.parameters {
+                if self.chance(30) {
+                    let value = self.number();
+                    add("material", name, &value);
+                }
+            }
         }
-        if self.chance(20) {
+        if self.chance(2) {
             let (name, value) = (self.of(PARAMETERS), self.number());
             add("material", name, &value);
         }
-        let more = [0, 0, 0, 1, 1, 2, 5][self.below(7)];
+        let more = [0, 0, 0, 0, 0, 0, 1, 3][self.below(8)];
         for _ in 0..more {
             let n = self.below(self.keys.len());
             let key = self.keys[n].clone();
+            // Of the laws, the parameters of all others are many.
+            if key.section == "material" && !["energy", "library"].contains(&key.name.as_str()) {
+                continue;
+            }
             let value = self.value(&key);
             add(&key.section, &key.name, &value);
         }
@@ -418,7 +470,16 @@ impl Source {
 
     fn table(&mut self, head: &str, assignments: &Assignments, section: &str) -> String {
         let mut text = format!("{head}\n");
-        for (_, name, value) in assignments.iter().filter(|(own, ..)| own == section) {
+        let own: Vec<_> = assignments
+            .iter()
+            .filter(|(own, ..)| own == section)
+            .collect();
+        for (n, (_, name, value)) in own.iter().enumerate() {
+            // A key stands once, but for mistakes.
+            let is_again = own[..n].iter().any(|(_, other, _)| other == name);
+            if is_again && !self.chance(2) {
+                continue;
+            }
             let value = self.toml(value);
             text.push_str(&format!("{name} = {value}\n"));
         }
@@ -452,7 +513,7 @@ impl Source {
             let range = self.interval();
             let states = match is_counted {
                 true => self.of(&["2", "1000", "1e3", "65536", "0", "-3", "99999999999", "1"]),
-                false => self.of(&["1", "2", "2", "3", "0", "x"]),
+                false => self.of(&["1", "2", "2", "2", "2", "3", "3", "2", "2", "0", "x"]),
             };
             text.push_str(&format!(
                 "[[axes]]\nquantity = {quantity:?}\nrange = [{range}]\nstates = {states}\n"
@@ -656,7 +717,7 @@ impl Source {
                 if self.chance(10) {
                     line.words.push(self.of(FILES).to_owned());
                 }
-                self.set(
+                self.changes(
                     &["material", "discretization", "state", "map"],
                     &mut line.words,
                 );
@@ -683,7 +744,7 @@ impl Source {
             "boundary" => {
                 let text = self.study(false);
                 self.file(line, text);
-                self.set(&["material", "discretization", "state"], &mut line.words);
+                self.changes(&["material", "discretization", "state"], &mut line.words);
                 self.flag(&mut line.words, "--flutter", 20);
                 self.out(&mut line.words, 30);
                 self.flag(&mut line.words, "--json", 50);
@@ -694,7 +755,7 @@ impl Source {
                     false => self.study(false),
                 };
                 self.file(line, text);
-                self.set(&["material", "compare"], &mut line.words);
+                self.changes(&["material", "compare"], &mut line.words);
                 self.out(&mut line.words, 30);
                 self.flag(&mut line.words, "--json", 50);
                 self.flag(&mut line.words, "--quiet", 30);
@@ -770,12 +831,12 @@ impl Source {
             false => self.study(false),
         };
         self.file(line, text);
-        self.set(
+        self.changes(
             &["material", "discretization", "state", "map"],
             &mut line.words,
         );
         if self.chance(30) {
-            let tiles = self.of(&["0..1", "0..9999999999", "1..1", "1..2", "x", "3..0", ".."]);
+            let tiles = self.of(&["0..1", "0..1", "0..9999999999", "1..1", "1..2", "x", "3..0"]);
             line.words.push(format!("--tiles={tiles}"));
         }
         self.out(&mut line.words, 50);
@@ -800,7 +861,7 @@ impl Source {
             line.words
                 .extend(["--set", "compare.states=2"].map(str::to_owned));
         }
-        self.set(&["material", "compare"], &mut line.words);
+        self.changes(&["material", "compare"], &mut line.words);
         if self.chance(30) {
             let stretches = self.interval();
             line.words.push(format!("--stretches={stretches}"));
