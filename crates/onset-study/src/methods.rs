@@ -25,6 +25,7 @@ use onset::time_step::Integrator;
 use onset::verdict::{
     Assessment, PathError, PathScan, SchemeSurvey, scan_discretization, scan_scheme,
 };
+use std::ops::RangeInclusive;
 
 /// A discretization, with the fast ways of kernel methods where it is one.
 pub enum Discretized<const D: usize> {
@@ -40,6 +41,7 @@ impl<const D: usize> Discretized<D> {
     /// # Errors
     /// [`MethodError`] when a setting is out of range, or the number of dimensions is not `D`.
     pub fn new(settings: &Settings) -> Result<Self, MethodError> {
+        require_moderate_units(settings)?;
         let scheme: Box<dyn Scheme<D>> = match settings.method.method {
             Family::Kernel => return kernel(&settings.discretization),
             Family::TotalLagrangianSph => total_lagrangian(settings)?,
@@ -228,6 +230,35 @@ fn viscosity(settings: &Settings) -> Option<ArtificialViscosity> {
         switch: settings.method.viscosity_switch,
         ..ArtificialViscosity::default()
     })
+}
+
+/// Within these bounds powers of a number, such as the cube of the density in the forces of SPH, are numbers too, whatever the moduli.
+const MODERATE: RangeInclusive<f64> = 1e-30..=1e30;
+
+/// Refuses lengths and, where forces are divided by powers of it, densities that only another unit makes moderate.
+fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
+    let spacing = (
+        "spacing",
+        settings.discretization.spacing,
+        "a number from 1e-30 to 1e30: choose another unit of length",
+    );
+    let density = (
+        "density",
+        settings.discretization.density,
+        "a number from 1e-30 to 1e30: choose another unit of mass",
+    );
+    let is_divided = settings.method.method == Family::UpdatedSph;
+    for (name, value, expected) in std::iter::once(spacing).chain(is_divided.then_some(density)) {
+        // What is not positive is refused by the method.
+        if value > 0.0 && !MODERATE.contains(&value) {
+            return Err(MethodError::Setting {
+                name,
+                value,
+                expected,
+            });
+        }
+    }
+    Ok(())
 }
 
 fn total_lagrangian<const D: usize>(

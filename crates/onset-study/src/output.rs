@@ -9,6 +9,7 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
 /// How the names of the folders begin in which files wait for each other.
@@ -48,6 +49,24 @@ pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Vec
     (name.as_ref().to_owned(), text.into())
 }
 
+/// Folders that were made for files that are not there yet, the innermost first.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn made_for_nothing() -> MutexGuard<'static, Vec<PathBuf>> {
+    MADE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all folders that were made for files that are not there yet. For a process that is about to end where values are not
+/// dropped, as on a signal; it can make none afterwards.
+pub fn end_all() {
+    let made = made_for_nothing();
+    for folder in made.iter() {
+        // It stays where it is not empty.
+        let _ = fs::remove_dir(folder);
+    }
+    std::mem::forget(made);
+}
+
 /// A place for files that belong together.
 #[derive(Debug)]
 pub struct Output {
@@ -62,11 +81,20 @@ impl Output {
     /// # Errors
     /// [`OutputError`] with what is in the way.
     pub fn at<S: AsRef<OsStr>>(folder: &Path, names: &[S]) -> Result<Self, OutputError> {
-        let output = Self {
-            folder: folder.to_owned(),
-            made: missing(folder),
+        let output = {
+            let mut all = made_for_nothing();
+            let made = missing(folder);
+            let created = fs::create_dir_all(folder);
+            all.extend(made.iter().cloned());
+            let output = Self {
+                folder: folder.to_owned(),
+                made,
+            };
+            // What was made of it is removed, which asks for the list again.
+            drop(all);
+            created.map_err(failed(folder))?;
+            output
         };
-        fs::create_dir_all(folder).map_err(failed(folder))?;
         let stage = output.stage()?;
         for name in names {
             output.prepare(&stage, name.as_ref(), b"")?;
@@ -94,6 +122,7 @@ impl Output {
             }
             placed.push(before);
         }
+        made_for_nothing().retain(|folder| !self.made.contains(folder));
         self.made.clear();
         // The names, too, shall outlive a loss of power. Systems that do not know how to are no reason to fail.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
@@ -168,10 +197,15 @@ impl<'a> Before<'a> {
 impl Drop for Output {
     /// Folders that were made for nothing are removed.
     fn drop(&mut self) {
+        if self.made.is_empty() {
+            return;
+        }
+        let mut all = made_for_nothing();
         for folder in &self.made {
             // It stays where it is not empty.
             let _ = fs::remove_dir(folder);
         }
+        all.retain(|folder| !self.made.contains(folder));
     }
 }
 

@@ -177,6 +177,35 @@ fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
+    let place = fresh_place("no-study");
+    fs::write(&place, b"title = 'a'\n# \xff\n").expect("a file");
+    for (file, facts) in [
+        ("/dev/zero", ["more than 16 MiB", "hint: expected a study"]),
+        (text(&place), ["line 2", "UTF-8"]),
+        ("/", ["cannot read /", "hint: expected a study file"]),
+        (
+            "map.tile=8",
+            ["cannot read map.tile=8", "hint: a key is set by --set"],
+        ),
+    ] {
+        for command in ["check", "map", "state"] {
+            let mut words = vec![command, file];
+            if command == "state" {
+                words.extend(["--stretch", "1,1"]);
+            }
+            let answer = onset(&words);
+            assert_eq!(answer.code, Some(2), "{words:?}: {}", answer.stderr);
+            for fact in facts {
+                assert!(answer.stderr.contains(fact), "{words:?}: {}", answer.stderr);
+            }
+        }
+    }
+    fs::remove_file(place).expect("removable");
+}
+
+#[test]
 #[cfg(target_os = "linux")]
 fn an_answer_that_cannot_be_printed_is_an_error() {
     let full = fs::OpenOptions::new()

@@ -354,8 +354,6 @@ impl Source {
             ("material", "library") => self
                 .of(&["/dev/null", "", "nowhere.so", ".", "study.toml"])
                 .to_owned(),
-            ("compare", "states") => self.of(&["2", "3", "0", "x", "1e9"]).to_owned(),
-            ("compare", "stretches") => self.interval(),
             ("map", "tile") => self
                 .of(&["8", "8", "16", "9", "0", "1024", "65536"])
                 .to_owned(),
@@ -524,13 +522,26 @@ impl Source {
 
     /// The text of a comparison of few methods on few states.
     fn comparison(&mut self) -> String {
-        let common = self.assignments(&["material", "compare"]);
-        let mut text =
-            "[compare]\nstates = 2\nstretches = [0.9, 1.2]\ntension = 1.4\ncompression = 0.8\n"
-                .to_owned();
-        if self.chance(30) {
-            text = self.table("[compare]", &common, "compare");
-        }
+        let common = self.assignments(&["material"]);
+        let few = [
+            ("states", "2"),
+            ("stretches", "0.9,1.2"),
+            ("tension", "1.4"),
+            ("compression", "0.8"),
+        ];
+        let few: Assignments = few
+            .into_iter()
+            .map(|(name, value)| {
+                let is_changed = self.chance(5);
+                let value = if is_changed {
+                    self.number()
+                } else {
+                    value.to_owned()
+                };
+                ("compare".to_owned(), name.to_owned(), value)
+            })
+            .collect();
+        let mut text = self.table("[compare]", &few, "compare");
         text.push_str(&self.table("[material]", &common, "material"));
         for n in 0..[1, 1, 2, 0][self.below(4)] {
             let method = self.assignments(&["discretization"]);

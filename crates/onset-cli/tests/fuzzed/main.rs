@@ -218,6 +218,77 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
     }
 }
 
+/// Methods beside the kernel methods.
+const OTHERS: [&str; 9] = [
+    "method=total-lagrangian-sph arrangement=square penalty=0.1",
+    "method=updated-sph artificial-stress=0.3 velocity-smoothing=0.5",
+    "method=updated-sph corrected=false viscosity=0.1",
+    "method=finite-elements integration=one-point hourglass-stiffness=0.05",
+    "method=conforming arrangement=square",
+    "method=peridynamics arrangement=square horizon=2.2",
+    "method=peridynamics arrangement=square bonds=correspondence control=penalty control-coefficient=0.5",
+    "method=material-points",
+    "method=material-points unknowns=updated grid-functions=quadratic-spline",
+];
+
+#[test]
+fn every_method_answers_the_same_in_all_units_and_refuses_those_that_are_out_of_bounds() {
+    let place = Place::new("methods");
+    let number =
+        |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
+    for method in OTHERS {
+        let set: Vec<String> = method
+            .split(' ')
+            .map(|choice| format!("--set discretization.{choice}"))
+            .collect();
+        let line = |mu: &str, density: &str, spacing: &str| {
+            format!(
+                "state --json --stretch 1.15,0.9 --set material.model=blatz-ko --set material.mu={mu} \
+                 --set discretization.density={density} --set discretization.spacing={spacing} {}",
+                set.join(" ")
+            )
+        };
+        let plain = place.answered(&line("1", "1", "1"));
+        for (mu, density, spacing) in [
+            ("1e80", "1", "1"),
+            ("1e-80", "1", "1"),
+            ("1", "1e30", "1e30"),
+            ("1e80", "1e-30", "1e-30"),
+            ("1e-80", "1e30", "1e-30"),
+        ] {
+            let what = format!("{method}: {mu} {density} {spacing}");
+            let other = place.answered(&line(mu, density, spacing));
+            assert_eq!(other["verdict"], plain["verdict"], "{what}");
+            let [a, b] = [&other, &plain].map(|answer| number(answer, "minimum_scaled"));
+            // What is zero is so to the rounding of the largest.
+            assert!((a - b).abs() < 1e-9 * b.abs() + 1e-13, "{what}: {a} {b}");
+            let [mu, density, spacing] =
+                [mu, density, spacing].map(|text| text.parse::<f64>().expect("a number"));
+            let unit = mu.sqrt() / density.sqrt() / spacing;
+            for name in ["maximum_omega", "growth_rate"] {
+                let [a, b] = [number(&other, name), number(&plain, name) * unit];
+                assert!((a - b).abs() <= 1e-9 * b.abs(), "{what} {name}: {a} {b}");
+            }
+        }
+        for (density, spacing, is_admitted) in [
+            ("1", "1e80", false),
+            ("1", "1e-80", false),
+            ("1e-40", "1", !method.contains("updated-sph")),
+        ] {
+            let line = Line::of(&line("1", density, spacing));
+            let ending = place.run(&line);
+            let code = if is_admitted { 0 } else { 2 };
+            assert_eq!(
+                ending.status.code(),
+                Some(code),
+                "{line}: {}",
+                ending.stderr
+            );
+            assert!(is_admitted || ending.stderr.contains("choose another unit"));
+        }
+    }
+}
+
 #[test]
 fn more_threads_than_cores_have_use_for_are_refused() {
     for (threads, code) in [("1", 0), ("100000", 2), ("many", 2)] {

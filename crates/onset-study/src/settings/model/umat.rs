@@ -122,8 +122,37 @@ fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialE
 
 #[cfg(test)]
 mod tests {
-    use crate::settings::Settings;
+    use crate::settings::{MaterialSettings, Settings, Trust};
     use std::time::Duration;
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_that_is_turned_after_it_was_allowed_leads_nowhere_else() {
+        use std::fs;
+        use std::os::unix::fs::symlink;
+        let place = onset_umat::PrivateFolder::new(&std::env::temp_dir(), "onset-allowed-");
+        let place = place.expect("a folder");
+        // The folder for temporary files may be a link itself.
+        let root = fs::canonicalize(place.path()).expect("a folder");
+        let at = |name: &str| root.join(name);
+        fs::create_dir(at("trusted")).expect("a folder");
+        for library in ["trusted/a.so", "other.so"] {
+            fs::write(at(library), library).expect("a file");
+        }
+        symlink(at("trusted/a.so"), at("link.so")).expect("a link");
+        let text = format!(
+            "[material]\nmodel = \"umat\"\nlibrary = {:?}\n",
+            at("link.so").display().to_string()
+        );
+        let mut material =
+            MaterialSettings::of_file::<&str>("study.toml", &text, &[]).expect("one");
+        assert!(material.permitted().is_err());
+        material.allow(&Trust::of([at("trusted")]));
+        fs::remove_file(at("link.so")).expect("removable");
+        symlink(at("other.so"), at("link.so")).expect("a link");
+        let umat = material.umat_permitted().expect("allowed");
+        assert_eq!(umat.expect("a UMAT").library, at("trusted/a.so"));
+    }
 
     #[test]
     fn a_user_material_is_what_was_set() {
