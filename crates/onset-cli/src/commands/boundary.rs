@@ -6,7 +6,7 @@ use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
 use onset_study::output::Output;
 use onset_study::settings::Study;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use std::time::Duration;
 struct Document {
     #[serde(flatten)]
     summary: Summary,
-    files: Vec<PathBuf>,
+    files: Vec<String>,
 }
 
 /// How many states have been asked, on a terminal.
@@ -55,10 +55,11 @@ pub fn boundary(
     let traced = Boundaries::of(study, tracing, &counter);
     counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
-    let files = output.write(&files(&boundaries).map_err(Failure::machine)?)?;
+    // Told as text: a name that is none is no reason to fail when all is written.
+    let files = named(&output.write(&files(&boundaries).map_err(Failure::machine)?)?);
     let summary = boundaries.summary();
     if json {
         return print_json(&Document { summary, files });
     }
-    print_text(&format!("{summary}wrote {}", named(&files).join(" and ")))
+    print_text(&format!("{summary}wrote {}", files.join(" and ")))
 }

@@ -140,6 +140,36 @@ fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed(
     }
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
+    use std::ffi::OsString;
+    use std::os::unix::ffi::OsStringExt;
+    let place = fresh_place("names");
+    fs::create_dir_all(&place).expect("a folder");
+    let study = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 1.6]\nstates = 8\n\
+                 [[axes]]\nquantity = 'stretch-2'\nrange = [0.8, 1.6]\nstates = 8\n";
+    fs::write(place.join("study.toml"), study).expect("a file");
+    for name in [vec![0xff, b'a', 0x80], vec![b'n'; 255]] {
+        let name = OsString::from_vec(name);
+        let writers = WRITERS.iter().map(|(line, files)| (*line, files[0]));
+        for (line, file) in writers.chain([("boundary study.toml --out", "boundary.csv")]) {
+            let words: Vec<&str> = line.split(' ').collect();
+            let output = command(&words)
+                .arg(&name)
+                .arg("--json")
+                .current_dir(&place)
+                .output()
+                .expect("the command starts");
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{line}: {told}");
+            assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+            assert!(place.join(&name).join(file).is_file(), "{line}");
+        }
+    }
+    fs::remove_dir_all(place).expect("removable");
+}
+
 /// Without the right to fill a disk: no file may grow beyond one block.
 #[test]
 #[cfg(unix)]
