@@ -112,6 +112,8 @@ struct Hunt {
     cases: Option<u64>,
     /// A round that begins before this has passed is finished.
     time: Duration,
+    /// With all optimization: what takes long to compile pays from some minutes on.
+    release: bool,
 }
 
 impl Hunt {
@@ -121,6 +123,7 @@ impl Hunt {
             seed: 1,
             cases: None,
             time: Duration::ZERO,
+            release: false,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
@@ -131,6 +134,7 @@ impl Hunt {
             match argument.as_str() {
                 "--seed" => hunt.seed = number()?,
                 "--cases" => hunt.cases = Some(number()?),
+                "--release" => hunt.release = true,
                 "--minutes" => hunt.time = Duration::from_secs(60 * number()?),
                 name => match SUBJECTS.iter().find(|subject| subject.name == name) {
                     Some(subject) => hunt.subjects.push(subject),
@@ -159,6 +163,7 @@ impl Hunt {
                 "--package",
                 subject.package,
             ])
+            .args(self.release.then_some("--release"))
             .args(["--test", subject.program, subject.test])
             .args(["--", "--nocapture"])
             .env("ONSET_SEED", seed.to_string())
@@ -168,8 +173,10 @@ impl Hunt {
             Ok(())
         } else {
             Err(format!(
-                "{} failed; again with: cargo xtask hunt {} --seed {seed} --cases {cases}",
-                subject.name, subject.name
+                "{} failed; again with: cargo xtask hunt {} --seed {seed} --cases {cases}{}",
+                subject.name,
+                subject.name,
+                if self.release { " --release" } else { "" }
             ))
         }
     }

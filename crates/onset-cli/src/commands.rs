@@ -31,6 +31,8 @@ use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
 use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust};
 use std::fmt::Display;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -186,23 +188,60 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
     }
 }
 
+/// The most bytes of a study that are read; one with long lists has some ten thousand. What has no end, such as a device, is no study.
+const MOST: u64 = 16 << 20;
+
 /// Name and text of a file; of standard input where the file is `-`.
 pub fn source(file: &Path) -> Result<(String, String), Failure> {
-    let (name, text) = match file == Path::new("-") {
-        true => (
+    if file == Path::new("-") {
+        return Ok((
             "standard input".to_owned(),
-            std::io::read_to_string(std::io::stdin()),
-        ),
-        false => (file.display().to_string(), std::fs::read_to_string(file)),
+            read("standard input", std::io::stdin())?,
+        ));
+    }
+    let name = file.display().to_string();
+    let text = match File::open(file) {
+        Ok(file) => read(&name, file)?,
+        Err(error) => return Err(unreadable(&name, error)),
     };
-    // A number in the place of a file is one of a list with a blank in it.
-    let hint = match name.parse::<f64>() {
-        Ok(_) => "\n  hint: numbers are written with commas between them, for example 1.2,0.9",
-        Err(_) => "",
-    };
-    let text =
-        text.map_err(|error| Failure::input(format!("cannot read {name}: {error}{hint}")))?;
     Ok((name, text))
+}
+
+fn read(name: &str, from: impl Read) -> Result<String, Failure> {
+    let mut text = Vec::new();
+    let read = from.take(MOST + 1).read_to_end(&mut text);
+    read.map_err(|error| unreadable(name, error))?;
+    if text.len() as u64 > MOST {
+        return Err(Failure::input(format!(
+            "cannot read {name}: it has more than {} MiB\n  hint: expected a study, a text of some lines",
+            MOST >> 20
+        )));
+    }
+    String::from_utf8(text).map_err(|error| {
+        let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
+            .iter()
+            .filter(|byte| **byte == b'\n')
+            .count();
+        Failure::input(format!(
+            "cannot read {name}: line {} is no text\n  hint: expected a study in UTF-8",
+            line + 1
+        ))
+    })
+}
+
+/// Why a study cannot be read, and what may have been meant.
+fn unreadable(name: &str, error: std::io::Error) -> Failure {
+    let hint = if name.parse::<f64>().is_ok() {
+        // A number in the place of a file is one of a list with a blank in it.
+        "numbers are written with commas between them, for example 1.2,0.9"
+    } else if name.contains('=') {
+        "a key is set by --set KEY=VALUE"
+    } else if error.kind() == ErrorKind::IsADirectory {
+        "expected a study file; `onset plot` draws stores"
+    } else {
+        "expected a study file, or - for standard input"
+    };
+    Failure::input(format!("cannot read {name}: {error}\n  hint: {hint}"))
 }
 
 /// Reads a study, changed by assignments, of which a library may be loaded if the user allows it.

@@ -45,6 +45,7 @@ fn listen_always() -> Result<(), ctrlc::Error> {
         }
         _ => {
             onset_umat::end_all();
+            onset_study::output::end_all();
             std::process::exit(i32::from(CODE));
         }
     })

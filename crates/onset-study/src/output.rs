@@ -1,14 +1,15 @@
 //! Files that commands write: all of them whole, or none of them.
 //!
 //! They are written into a private folder beside their places, forced to the disk, and renamed when the last is there: whenever a
-//! process ends, and whatever goes wrong, each file is the old one or the new one. That they can be written is tried before the
-//! work. (The tiles of a store are written one by one: see [`store`](crate::store).)
+//! process ends, and whatever goes wrong, each file is the old one or the new one. Where one cannot be renamed, those before it are
+//! put back. That they can be written is tried before the work. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
 use onset_umat::PrivateFolder;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
 /// How the names of the folders begin in which files wait for each other.
@@ -48,6 +49,24 @@ pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Vec
     (name.as_ref().to_owned(), text.into())
 }
 
+/// Folders that were made for files that are not there yet, the innermost first.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn made_for_nothing() -> MutexGuard<'static, Vec<PathBuf>> {
+    MADE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all folders that were made for files that are not there yet. For a process that is about to end where values are not
+/// dropped, as on a signal; it can make none afterwards.
+pub fn end_all() {
+    let made = made_for_nothing();
+    for folder in made.iter() {
+        // It stays where it is not empty.
+        let _ = fs::remove_dir(folder);
+    }
+    std::mem::forget(made);
+}
+
 /// A place for files that belong together.
 #[derive(Debug)]
 pub struct Output {
@@ -62,11 +81,20 @@ impl Output {
     /// # Errors
     /// [`OutputError`] with what is in the way.
     pub fn at<S: AsRef<OsStr>>(folder: &Path, names: &[S]) -> Result<Self, OutputError> {
-        let output = Self {
-            folder: folder.to_owned(),
-            made: missing(folder),
+        let output = {
+            let mut all = made_for_nothing();
+            let made = missing(folder);
+            let created = fs::create_dir_all(folder);
+            all.extend(made.iter().cloned());
+            let output = Self {
+                folder: folder.to_owned(),
+                made,
+            };
+            // What was made of it is removed, which asks for the list again.
+            drop(all);
+            created.map_err(failed(folder))?;
+            output
         };
-        fs::create_dir_all(folder).map_err(failed(folder))?;
         let stage = output.stage()?;
         for name in names {
             output.prepare(&stage, name.as_ref(), b"")?;
@@ -77,17 +105,24 @@ impl Output {
     /// Writes files, replacing those that are there; returns their paths. A link in the place of one is replaced, not followed.
     ///
     /// # Errors
-    /// [`OutputError`] with the first that cannot be written. Unless what is at the places changes at the same time, the others are
-    /// then as they were.
+    /// [`OutputError`] with the first that cannot be written. The others are then as they were, as far as the file system knows hard
+    /// links and does not fail again.
     pub fn write(mut self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
         let stage = self.stage()?;
         let mut prepared = Vec::with_capacity(files.len());
         for (name, bytes) in files {
             prepared.push(self.prepare(&stage, name, bytes)?);
         }
+        let mut placed = Vec::with_capacity(prepared.len());
         for (from, to) in &prepared {
-            fs::rename(from, to).map_err(failed(to))?;
+            let before = Before::of(to, &stage, placed.len());
+            if let Err(error) = fs::rename(from, to) {
+                placed.into_iter().rev().for_each(Before::put_back);
+                return Err(failed(to)(error));
+            }
+            placed.push(before);
         }
+        made_for_nothing().retain(|folder| !self.made.contains(folder));
         self.made.clear();
         // The names, too, shall outlive a loss of power. Systems that do not know how to are no reason to fail.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
@@ -129,13 +164,48 @@ impl Output {
     }
 }
 
+/// What was at the place of a file before it came there.
+enum Before<'a> {
+    Nothing(&'a Path),
+    /// A file, which has another name until all are renamed.
+    Kept(&'a Path, PathBuf),
+    /// A file that can have no other name: on some file systems none can.
+    Gone,
+}
+
+impl<'a> Before<'a> {
+    fn of(place: &'a Path, stage: &PrivateFolder, number: usize) -> Self {
+        // No file has such a name: theirs have none that begins with a blank.
+        let kept = stage.path().join(format!(" {number}"));
+        match fs::hard_link(place, &kept) {
+            Ok(()) => Self::Kept(place, kept),
+            Err(error) if error.kind() == ErrorKind::NotFound => Self::Nothing(place),
+            Err(_) => Self::Gone,
+        }
+    }
+
+    /// Nothing more can be done where that fails too.
+    fn put_back(self) {
+        let _ = match self {
+            Self::Nothing(place) => fs::remove_file(place),
+            Self::Kept(place, kept) => fs::rename(kept, place),
+            Self::Gone => Ok(()),
+        };
+    }
+}
+
 impl Drop for Output {
     /// Folders that were made for nothing are removed.
     fn drop(&mut self) {
+        if self.made.is_empty() {
+            return;
+        }
+        let mut all = made_for_nothing();
         for folder in &self.made {
             // It stays where it is not empty.
             let _ = fs::remove_dir(folder);
         }
+        all.retain(|folder| !self.made.contains(folder));
     }
 }
 

@@ -200,6 +200,9 @@ fn load_hint(path: &Path, message: &str) -> &'static str {
     } else if mentions(&["No such file"]) && !is_passed_over {
         "\n  hint: a library that the UMAT needs is missing; name its folder in LD_LIBRARY_PATH, or compile with \
          -static-libgfortran"
+    } else if mentions(&["failed to map segment"]) {
+        "\n  hint: a copy of it is loaded from the folder for temporary files, which may be closed to programs (noexec): let the variable \
+         TMPDIR name another one"
     } else if mentions(&["No such file", "ELF", "architecture", "mach-o", "too short"]) {
         "\n  hint: a shared library of this machine's architecture is needed; make it here with: gfortran -shared -fPIC -O2 \
          -o umat.so umat.f"

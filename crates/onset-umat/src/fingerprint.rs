@@ -2,15 +2,56 @@
 
 use sha2::{Digest, Sha256};
 use std::fs::File;
-use std::io;
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
 /// The SHA-256 of a file, in hexadecimal digits, as `sha256sum` prints it.
 ///
 /// # Errors
-/// [`io::Error`] when it cannot be read.
+/// [`io::Error`] when it cannot be read, or is something else than a file.
 pub fn fingerprint(file: &Path) -> io::Result<String> {
+    passed_on(opened(file)?, io::sink())
+}
+
+/// Copies a file of at most so many bytes to a place where nothing is; the SHA-256 of the copy.
+#[cfg(unix)]
+pub(crate) fn copied(from: &Path, to: &Path, most: u64) -> io::Result<String> {
+    let file = opened(from)?;
+    if file.metadata()?.len() > most {
+        let message = "it is larger than the memory that it may use (material.memory-limit)";
+        return Err(io::Error::new(ErrorKind::FileTooLarge, message));
+    }
+    passed_on(file.take(most), File::create_new(to)?)
+}
+
+/// Opens a file, and nothing that one would wait for, such as a pipe.
+fn opened(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
+    }
+    let file = options.read(true).open(path)?;
+    match file.metadata()?.is_file() {
+        true => Ok(file),
+        false => Err(io::Error::new(ErrorKind::InvalidInput, "it is no file")),
+    }
+}
+
+/// Writes what is read; its SHA-256.
+fn passed_on(mut from: impl Read, mut to: impl Write) -> io::Result<String> {
     let mut hash = Sha256::new();
-    io::copy(&mut File::open(file)?, &mut hash)?;
-    Ok(format!("{:x}", hash.finalize()))
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match from.read(&mut buffer) {
+            Ok(0) => return Ok(format!("{:x}", hash.finalize())),
+            Ok(count) => {
+                hash.update(&buffer[..count]);
+                to.write_all(&buffer[..count])?;
+            }
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Our side of the process that the routine runs in.
 
 use crate::error::UmatError;
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::copied;
 use crate::folder::PrivateFolder;
 use crate::frame::{self, GREETING, Loaded, Reply};
 use crate::program::{self, MODE};
@@ -15,6 +15,7 @@ use std::io::{self, Read, Write};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -36,12 +37,32 @@ pub struct Process {
     variables: usize,
     has_ended: bool,
     fingerprint: String,
-    /// For what the routine writes to files without a name (`fort.7`).
-    _folder: PrivateFolder,
+    /// For the copy of the library, and what the routine writes to files without a name (`fort.7`).
+    folder: PrivateFolder,
 }
 
 /// How the names of the folders begin that routines run in.
 pub const FOLDER: &str = "onset-umat-";
+
+/// The library in such a folder.
+const COPY: &str = "library.so";
+
+/// Copies the library, and refuses another than that which is wanted; the sum of the copy.
+fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatError> {
+    let path = &settings.library;
+    let found = copied(path, copy, settings.memory_limit).map_err(|error| UmatError::Load {
+        path: path.clone(),
+        message: error.to_string(),
+    })?;
+    match &settings.fingerprint {
+        Some(wanted) if *wanted != found => Err(UmatError::Changed {
+            path: path.clone(),
+            wanted: wanted.clone(),
+            found,
+        }),
+        _ => Ok(found),
+    }
+}
 
 /// The groups of all processes of routines that this process has; their first process is still there.
 static GROUPS: Mutex<Vec<Pid>> = Mutex::new(Vec::new());
@@ -66,7 +87,8 @@ impl Drop for Process {
 }
 
 impl Process {
-    /// Starts a process and loads the library there.
+    /// Starts a process and loads the library there: a copy in the process's own folder, of which the sum is taken, so that what is
+    /// loaded is what was looked at, whatever becomes of the file.
     ///
     /// # Errors
     /// [`UmatError`] when the program cannot be started, or the library cannot be loaded.
@@ -77,10 +99,12 @@ impl Process {
         };
         let folder = PrivateFolder::new(&std::env::temp_dir(), FOLDER).map_err(not_started)?;
         let library = std::path::absolute(&settings.library).map_err(not_started)?;
+        let copy = folder.path().join(COPY);
+        let fingerprint = checked_copy(settings, &copy)?;
         let (socket, theirs) = UnixStream::pair().map_err(not_started)?;
         let (reader, writer) = io::pipe().map_err(not_started)?;
         let child = Command::new(&program)
-            .args([OsStr::new(MODE), library.as_os_str()])
+            .args([OsStr::new(MODE), library.as_os_str(), copy.as_os_str()])
             .env(
                 "ONSET_UMAT_DIRECTORY",
                 std::env::current_dir().unwrap_or_default(),
@@ -101,8 +125,8 @@ impl Process {
             limit: settings.time_limit,
             variables: settings.state_variables,
             has_ended: false,
-            fingerprint: String::new(),
-            _folder: folder,
+            fingerprint,
+            folder,
         };
         process.greet(settings)?;
         Ok(process)
@@ -116,12 +140,8 @@ impl Process {
         frame::put(&mut setup, settings.time_limit.as_secs_f64().ceil() as u64);
         frame::put_numbers(&mut setup, &settings.properties);
         match self.greeting(&setup) {
-            Ok((Loaded::Ready, _)) => self.check(settings),
-            Ok((Loaded::Failed, message)) => Err(UmatError::Load {
-                path: std::path::absolute(&settings.library)
-                    .unwrap_or_else(|_| settings.library.clone()),
-                message,
-            }),
+            Ok((Loaded::Ready, _)) => Ok(()),
+            Ok((Loaded::Failed, message)) => Err(self.not_loaded(settings, &message)),
             Ok((Loaded::NoRoutine, _)) => Err(UmatError::NoRoutine {
                 path: settings.library.clone(),
             }),
@@ -132,22 +152,13 @@ impl Process {
         }
     }
 
-    /// Notes which library was loaded, or refuses another than that which is wanted. Looked at after loading, so that no other can
-    /// come in between.
-    fn check(&mut self, settings: &UmatSettings) -> Result<(), UmatError> {
-        let path = &settings.library;
-        self.fingerprint = fingerprint(path).map_err(|error| UmatError::Load {
-            path: path.clone(),
-            message: error.to_string(),
-        })?;
-        match &settings.fingerprint {
-            Some(wanted) if *wanted != self.fingerprint => Err(UmatError::Changed {
-                path: path.clone(),
-                wanted: wanted.clone(),
-                found: self.fingerprint.clone(),
-            }),
-            _ => Ok(()),
-        }
+    /// Why the library cannot be loaded, in the system's words, which know the copy only.
+    fn not_loaded(&self, settings: &UmatSettings, message: &str) -> UmatError {
+        let path = std::path::absolute(&settings.library);
+        let path = path.unwrap_or_else(|_| settings.library.clone());
+        let copy = self.folder.path().join(COPY);
+        let message = message.replace(&*copy.to_string_lossy(), &path.to_string_lossy());
+        UmatError::Load { path, message }
     }
 
     /// The sum of the library.

@@ -8,7 +8,8 @@ use std::sync::OnceLock;
 /// The variable that names a program whose `main` begins with [`serve_if_asked`]; used before all else.
 pub const HOST_VARIABLE: &str = "ONSET_UMAT_HOST";
 
-/// The first argument of a process that is to run a routine; the second is the library.
+/// The first argument of a process that is to run a routine; the second says to people which library it is, the third is the copy that
+/// is loaded.
 pub(crate) const MODE: &str = "umat-host";
 
 /// The running program, when it can serve.
@@ -19,7 +20,7 @@ static SELF: OnceLock<PathBuf> = OnceLock::new();
 pub fn serve_if_asked() -> Option<ExitCode> {
     let mut arguments = std::env::args_os().skip(1);
     if arguments.next().is_some_and(|mode| mode == MODE) {
-        let library = PathBuf::from(arguments.next().unwrap_or_default());
+        let library = PathBuf::from(arguments.nth(1).unwrap_or_default());
         return Some(serve(&library));
     }
     if let Ok(program) = std::env::current_exe() {

@@ -15,7 +15,8 @@ use std::time::Duration;
 /// What a user material is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UmatSettings {
-    /// The shared library that holds `umat_`.
+    /// The shared library that holds `umat_`. A copy of it is loaded: libraries beside it are found by absolute paths or
+    /// `LD_LIBRARY_PATH`, not by `$ORIGIN`.
     pub library: PathBuf,
     /// `PROPS`, in the routine's own units.
     pub properties: Vec<f64>,
@@ -281,15 +282,6 @@ fn place(at: usize) -> String {
 impl Hyperelastic for Umat {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let outcome = self.along(self.path(f)?)?;
-        let response = outcome.delivered.response(f);
-        let is_finite = response.first_piola.iter().all(|value| value.is_finite())
-            && response.tangent.is_finite();
-        if is_finite {
-            Ok(response)
-        } else {
-            Err(MaterialError::NotFinite {
-                jacobian: f.jacobian(),
-            })
-        }
+        outcome.delivered.response(f).finite()
     }
 }

@@ -1,13 +1,13 @@
 //! `onset boundary`: the boundaries of a study as curves.
 
-use super::{Failure, wrote};
+use super::{Failure, named, wrote};
 use crate::printing::{is_quiet, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
 use onset_study::output::Output;
 use onset_study::settings::Study;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use std::time::Duration;
 struct Document {
     #[serde(flatten)]
     summary: Summary,
-    files: Vec<PathBuf>,
+    files: Vec<String>,
 }
 
 /// How many states have been asked, on a terminal.
@@ -58,11 +58,13 @@ pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<E
     let made = files(&boundaries).map_err(Failure::machine)?;
     let table = made.iter().find(|(name, _)| name == "boundary.csv");
     let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
-    let files = match output {
+    let written = match output {
         Some(output) => output.write(&made)?,
         None => Vec::new(),
     };
     let summary = boundaries.summary();
-    let text = format!("{summary}{}", wrote(&files));
+    let text = format!("{summary}{}", wrote(&written));
+    // Told as text: a name that is none is no reason to fail when all is written.
+    let files = named(&written);
     print(&Document { summary, files }, text.trim_end(), table)
 }

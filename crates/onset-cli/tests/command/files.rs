@@ -140,6 +140,36 @@ fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed(
     }
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
+    use std::ffi::OsString;
+    use std::os::unix::ffi::OsStringExt;
+    let place = fresh_place("names");
+    fs::create_dir_all(&place).expect("a folder");
+    let study = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 1.6]\nstates = 8\n\
+                 [[axes]]\nquantity = 'stretch-2'\nrange = [0.8, 1.6]\nstates = 8\n";
+    fs::write(place.join("study.toml"), study).expect("a file");
+    for name in [vec![0xff, b'a', 0x80], vec![b'n'; 255]] {
+        let name = OsString::from_vec(name);
+        let writers = WRITERS.iter().map(|(line, files)| (*line, files[0]));
+        for (line, file) in writers.chain([("boundary study.toml --out", "boundary.csv")]) {
+            let words: Vec<&str> = line.split(' ').collect();
+            let output = command(&words)
+                .arg(&name)
+                .arg("--json")
+                .current_dir(&place)
+                .output()
+                .expect("the command starts");
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{line}: {told}");
+            assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
+            assert!(place.join(&name).join(file).is_file(), "{line}");
+        }
+    }
+    fs::remove_dir_all(place).expect("removable");
+}
+
 /// Without the right to fill a disk: no file may grow beyond one block.
 #[test]
 #[cfg(unix)]
@@ -174,6 +204,35 @@ fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
         );
         fs::remove_dir_all(folder).expect("removable");
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
+    let place = fresh_place("no-study");
+    fs::write(&place, b"title = 'a'\n# \xff\n").expect("a file");
+    for (file, facts) in [
+        ("/dev/zero", ["more than 16 MiB", "hint: expected a study"]),
+        (text(&place), ["line 2", "UTF-8"]),
+        ("/", ["cannot read /", "hint: expected a study file"]),
+        (
+            "map.tile=8",
+            ["cannot read map.tile=8", "hint: a key is set by --set"],
+        ),
+    ] {
+        for command in ["check", "map", "state"] {
+            let mut words = vec![command, file];
+            if command == "state" {
+                words.extend(["--stretch", "1,1"]);
+            }
+            let answer = onset(&words);
+            assert_eq!(answer.code, Some(2), "{words:?}: {}", answer.stderr);
+            for fact in facts {
+                assert!(answer.stderr.contains(fact), "{words:?}: {}", answer.stderr);
+            }
+        }
+    }
+    fs::remove_file(place).expect("removable");
 }
 
 #[test]

@@ -35,6 +35,8 @@ mod readme;
 mod refusals;
 mod settings;
 mod space;
+#[cfg(target_os = "linux")]
+mod terminal;
 mod thresholds;
 mod tune;
 #[cfg(unix)]
@@ -152,8 +154,13 @@ fn assert_close(computed: f64, expected: f64, relative: f64) {
 /// A place for files that no other test uses; nothing is there yet.
 fn fresh_place(name: &str) -> PathBuf {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let place = std::env::temp_dir().join(format!("onset-{}-{count}-{name}", std::process::id()));
-    assert!(!place.exists());
-    place
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let place = format!("onset-{}-{count}-{name}", std::process::id());
+        let place = std::env::temp_dir().join(place);
+        // A killed process of the same number may have left one: numbers come again within minutes where many are started.
+        if !place.exists() {
+            return place;
+        }
+    }
 }

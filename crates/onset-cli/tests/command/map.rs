@@ -433,3 +433,41 @@ fn a_law_whose_reference_carries_no_waves_is_refused() {
         answer.stderr
     );
 }
+
+/// The most memory that a process has had, in KiB.
+#[cfg(target_os = "linux")]
+fn most_memory(mut child: std::process::Child) -> u64 {
+    let path = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    loop {
+        let status = fs::read_to_string(&path).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let size = line.and_then(|line| line.split_whitespace().next()?.parse().ok());
+        most = size.unwrap_or(0).max(most);
+        if let Some(status) = child.try_wait().expect("a child") {
+            assert!(status.success());
+            return most;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+/// What is known of the states of a tile is kept until it is done: some 300 MB for a million of them.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_memory_of_a_map_of_large_tiles_does_not_grow_with_its_threads() {
+    let study = "[discretization]\narrangement = 'square'\nsupport = 1.6\nquadrature = 'nodal'\n\
+                 [[axes]]\nquantity = 'stretch-1'\nrange = [0.2, 2.0]\nstates = 2048\n\
+                 [[axes]]\nquantity = 'stretch-2'\nrange = [0.2, 2.0]\nstates = 1024\n\
+                 [map]\nadaptive = true\ntile = 1024\n";
+    let place = Place::new(study);
+    let with = |threads: &str| {
+        let arguments = place.arguments("a.zarr", "--overwrite --quiet");
+        let mut command = crate::command(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        command.env("RAYON_NUM_THREADS", threads);
+        most_memory(command.spawn().expect("the command starts"))
+    };
+    let [one, four] = ["1", "4"].map(with);
+    assert!(one > 100_000, "{one} KiB");
+    assert!(2 * four < 3 * one, "{one} and {four} KiB");
+}

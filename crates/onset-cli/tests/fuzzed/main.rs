@@ -5,424 +5,117 @@
 
 #[path = "../../../onset/tests/shared/hunt.rs"]
 mod hunt;
+mod lines;
+mod process;
 
 use hunt::hunted;
+use lines::Source;
+use process::{Line, Place};
 use serde_json::Value;
-use std::os::unix::process::ExitStatusExt;
-use std::process::{Command, Output};
+use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
-/// Seconds of processor time, and kibibytes of address space: a gibibyte, and what threads and the program itself reserve.
-const SECONDS: u64 = 10;
-const KIBIBYTES: u64 = 1_310_720;
-
-/// Runs a command within the limits of the operating system.
-fn limited(words: &[String]) -> Output {
-    let script = format!("ulimit -t {SECONDS}; ulimit -v {KIBIBYTES}; exec \"$@\"");
-    Command::new("sh")
-        .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_onset")])
-        .args(words)
-        .env("RAYON_NUM_THREADS", "1")
-        .current_dir(env!("CARGO_TARGET_TMPDIR"))
-        .output()
-        .expect("the command starts")
+/// What came of some command lines.
+#[derive(Default)]
+struct Tally {
+    answered: usize,
+    refused: usize,
+    failed: usize,
+    /// The one that took longest.
+    slowest: (Duration, String),
+    faults: Vec<String>,
 }
 
-/// A key with the words that it admits, if it admits words.
-type Key = (String, Vec<String>);
-
-/// The keys of material, discretization and method, from the schema that the program writes itself.
-fn keys() -> Vec<Key> {
-    let output = limited(&["schema".to_owned()]);
-    let schema: Value = serde_json::from_slice(&output.stdout).expect("a schema");
-    let mut keys = Vec::new();
-    for section in ["material", "discretization"] {
-        let properties = schema
-            .pointer(&format!("/properties/{section}/properties"))
-            .and_then(Value::as_object)
-            .unwrap_or_else(|| panic!("no keys of {section}"));
-        for (name, kind) in properties {
-            let mut words = Vec::new();
-            collect_words(kind, &mut words);
-            keys.push((format!("{section}.{name}"), words));
+impl Tally {
+    fn add(&mut self, line: &Line, ending: &process::Ending) {
+        match ending.status.code() {
+            Some(0) => self.answered += 1,
+            Some(2) => self.refused += 1,
+            _ => self.failed += 1,
         }
-    }
-    assert!(keys.len() > 40, "{keys:?}");
-    // A library of one's own is another matter.
-    keys.retain(|(name, _)| name != "material.library");
-    keys
-}
-
-fn collect_words(kind: &Value, words: &mut Vec<String>) {
-    match kind {
-        Value::Object(entries) => {
-            for (name, value) in entries {
-                match (name.as_str(), value.as_array()) {
-                    ("enum", Some(all)) => {
-                        words.extend(all.iter().filter_map(Value::as_str).map(str::to_owned));
-                    }
-                    _ => collect_words(value, words),
-                }
-            }
+        if ending.elapsed > self.slowest.0 {
+            self.slowest = (ending.elapsed, line.to_string());
         }
-        Value::Array(all) => all.iter().for_each(|value| collect_words(value, words)),
-        _ => {}
-    }
-}
-
-const NUMBERS: &[&str] = &[
-    "0",
-    "-1",
-    "1",
-    "2",
-    "3",
-    "0.5",
-    "1e-3",
-    "1e-160",
-    "1e160",
-    "1e300",
-    "-1e300",
-    "5e-324",
-    "1e999",
-    "nan",
-    "inf",
-    "-inf",
-    "",
-    " ",
-    "one",
-    "0x10",
-    "1_000",
-    "1,2",
-    "99999999999999999999",
-    "0.1",
-    "1.05",
-    "1e5",
-    "1e-9",
-    "27.9",
-    "0.0038",
-    "-0.0",
-];
-
-const FORMULAS: &[&str] = &[
-    "mu/2*(I1-3-2*ln(J))",
-    "mu*J^2",
-    "E33^E33",
-    "0",
-    "1/0",
-    "sqrt(3-I1)",
-    "1 - q",
-    "exp(1e3*J)",
-    "J",
-    ")",
-    "if(J<1, 0, mu*I1)",
-    "let a = J; a*a",
-];
-
-const LAWS: &[&str] = &["mu", "kappa", "lambda", "alpha2", "k1", "k2", "j_m", "c1"];
-
-/// Numbers spread evenly over `(-1, 1)`: SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
-
-/// A source of choices.
-struct Source {
-    random: Random,
-    keys: Vec<Key>,
-}
-
-impl Source {
-    fn below(&mut self, bound: usize) -> usize {
-        let unit = 0.5 * (self.random.number() + 1.0);
-        ((unit * bound as f64) as usize).min(bound - 1)
+        self.faults.extend(ending.fault(line));
     }
 
-    fn chance(&mut self, percent: usize) -> bool {
-        self.below(100) < percent
+    fn and(mut self, other: Self) -> Self {
+        self.answered += other.answered;
+        self.refused += other.refused;
+        self.failed += other.failed;
+        self.slowest = self.slowest.max(other.slowest);
+        self.faults.extend(other.faults);
+        self
     }
-
-    fn of<'a>(&mut self, words: &[&'a str]) -> &'a str {
-        words[self.below(words.len())]
-    }
-
-    /// Usually one that makes sense.
-    fn number(&mut self) -> String {
-        match self.below(10) {
-            0 => self.of(NUMBERS).to_owned(),
-            1 => format!("{:e}", 10_f64.powf(30.0 * self.random.number())),
-            2 => format!("{:?}", 8.0 * self.random.number()),
-            _ => format!("{:?}", 1.0 + 0.4 * self.random.number()),
-        }
-    }
-
-    fn numbers(&mut self, usual: usize) -> String {
-        let count = if self.chance(92) {
-            usual
-        } else {
-            self.below(10)
-        };
-        let all: Vec<String> = (0..count).map(|_| self.number()).collect();
-        all.join(",")
-    }
-
-    fn assignment(&mut self) -> String {
-        let n = self.below(self.keys.len());
-        let (name, words) = self.keys[n].clone();
-        if self.chance(3) {
-            return self
-                .of(&[
-                    "",
-                    "=",
-                    "nothing=1",
-                    "discretization.support",
-                    "a.b.c=2",
-                    "material.mu=1=2",
-                    "\u{3bb}=1",
-                ])
-                .to_owned();
-        }
-        let value = match name.as_str() {
-            // Large cells take their time, rightly.
-            "discretization.cells" => self.of(&["1", "2", "0", "-1", "1e9", "17"]).to_owned(),
-            "discretization.vectors" => {
-                let count = [4, 9][self.below(2)];
-                self.numbers(count)
-            }
-            "discretization.basis" | "discretization.points" => {
-                let count = [2, 3, 6, 12][self.below(4)];
-                self.numbers(count)
-            }
-            "material.energy" => self.of(FORMULAS).to_owned(),
-            _ if !words.is_empty() && self.chance(92) => words[self.below(words.len())].clone(),
-            _ => self.number(),
-        };
-        format!("{name}={value}")
-    }
-
-    fn problem(&mut self, words: &mut Vec<String>) {
-        for _ in 0..self.below(6) {
-            let assignment = self.assignment();
-            words.extend(["--set".to_owned(), assignment]);
-        }
-        if self.chance(25) {
-            let law = format!("material.{}={}", self.of(LAWS), self.number());
-            words.extend(["--set".to_owned(), law]);
-        }
-        if self.chance(10) {
-            words.extend(["--energy".to_owned(), self.of(FORMULAS).to_owned()]);
-        }
-        if self.chance(50) {
-            words.push("--json".to_owned());
-        }
-    }
-
-    fn strain(&mut self, words: &mut Vec<String>) {
-        if self.chance(70) {
-            let count = 2 + self.below(2);
-            let stretches = self.numbers(count);
-            words.push(format!("--stretch={stretches}"));
-        } else {
-            let count = [4, 9, 1][self.below(3)];
-            let components = self.numbers(count);
-            words.push(format!("--deformation-gradient={components}"));
-        }
-    }
-
-    /// A command line.
-    fn line(&mut self) -> Vec<String> {
-        let command = self.of(&[
-            "state",
-            "state",
-            "state",
-            "state",
-            "state",
-            "dispersion",
-            "path",
-            "modes",
-            "list",
-            "check",
-            "localize",
-            "audit",
-            "nonsense",
-            "--version",
-            "help",
-        ]);
-        let mut words = vec![command.to_owned()];
-        match command {
-            "state" => {
-                self.problem(&mut words);
-                self.strain(&mut words);
-                if self.chance(10) {
-                    words.push("--certify".to_owned());
-                    if self.chance(50) {
-                        words.push(format!("--tolerance={}", self.number()));
-                    }
-                }
-            }
-            "dispersion" => {
-                self.problem(&mut words);
-                self.strain(&mut words);
-                let wave_vector = self.numbers(2);
-                words.push(format!("--wave-vector={wave_vector}"));
-            }
-            "path" => {
-                self.problem(&mut words);
-                let (from, to) = (self.numbers(2), self.numbers(2));
-                words.extend([format!("--from={from}"), format!("--to={to}")]);
-            }
-            "modes" => {
-                self.problem(&mut words);
-                if self.chance(50) {
-                    words.push(format!(
-                        "--cells={}",
-                        self.of(&["1", "4", "0", "-3", "255", "256", "1e9", "x"])
-                    ));
-                }
-                if self.chance(30) {
-                    words.push(format!("--weak={}", self.number()));
-                }
-            }
-            "localize" => {
-                if self.chance(50) {
-                    words.push(format!(
-                        "--model={}",
-                        self.of(&["drucker-prager", "mises", "", "x", "rudnicki-rice"])
-                    ));
-                }
-                for name in ["hardening", "nu", "friction"] {
-                    if self.chance(30) {
-                        let assignment = format!("plasticity.{name}={}", self.number());
-                        words.extend(["--set".to_owned(), assignment]);
-                    }
-                }
-            }
-            "list" => words.push(
-                self.of(&["materials", "kernels", "formula", "", "x", "--json"])
-                    .to_owned(),
-            ),
-            "check" => words.push(
-                self.of(&["/dev/null", "", "no-such-file", "/", "--json"])
-                    .to_owned(),
-            ),
-            "audit" => self.problem(&mut words),
-            _ => {}
-        }
-        // Something left out, twice, or of another command.
-        if self.chance(5) {
-            let n = self.below(words.len());
-            words.remove(n);
-        }
-        if self.chance(5) {
-            let n = self.below(words.len().max(1)).min(words.len());
-            words.insert(
-                n,
-                self.of(&[
-                    "--json",
-                    "--stretch",
-                    "--out",
-                    "-",
-                    "--",
-                    "--quiet",
-                    "-9",
-                    "\u{1b}[2J",
-                    "--set",
-                ])
-                .to_owned(),
-            );
-        }
-        words
-    }
-}
-
-/// What is wrong with how a command ended.
-fn fault(words: &[String], output: &Output) -> Option<String> {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    let told = |what: String| {
-        let last: String = stderr.chars().take(600).collect();
-        Some(format!("{what}: onset {}\n{last}", words.join(" ")))
-    };
-    if let Some(signal) = output.status.signal() {
-        return told(format!("ended by signal {signal}"));
-    }
-    let code = output.status.code().unwrap_or(-1);
-    if !(0..=2).contains(&code) || stderr.contains("panicked") {
-        return told(format!("exit code {code}"));
-    }
-    if code == 2 && stderr.trim().is_empty() {
-        return told("refused without a word".to_owned());
-    }
-    let help = ["help", "--version", "--help"]
-        .iter()
-        .any(|word| words.iter().any(|own| own == word));
-    if code == 0
-        && !help
-        && words.iter().any(|word| word == "--json")
-        && serde_json::from_slice::<Value>(&output.stdout).is_err()
-    {
-        return told("no JSON".to_owned());
-    }
-    None
 }
 
 #[test]
 fn every_command_line_ends_in_time_within_its_memory_and_with_a_documented_code() {
     let (seed, cases) = hunted(2_000);
-    let workers = 2;
-    let known = keys();
-    let faults: Vec<String> = std::thread::scope(|scope| {
-        let worker = |number: usize| {
-            let mut source = Source {
-                random: Random(seed.wrapping_mul(1_000).wrapping_add(number as u64)),
-                keys: known.clone(),
-            };
-            move || {
-                let mut faults = Vec::new();
-                for _ in (number..cases).step_by(workers) {
-                    let words = source.line();
-                    faults.extend(fault(&words, &limited(&words)));
-                }
-                faults
+    let next = AtomicUsize::new(0);
+    let schema: Value = {
+        let ending = Place::new("schema").run(&Line::of("schema"));
+        serde_json::from_slice(&ending.stdout).expect("a schema")
+    };
+    let worker = |name: &str| {
+        let place = Place::new(name).with_stores();
+        let mut source = Source::new(&schema);
+        let mut tally = Tally::default();
+        loop {
+            let case = next.fetch_add(1, Ordering::Relaxed);
+            if case >= cases {
+                return tally;
             }
-        };
-        let running: Vec<_> = (0..workers)
-            .map(|number| scope.spawn(worker(number)))
-            .collect();
+            let line = source.line(seed, case as u64);
+            let ending = place.run(&line);
+            if let Some(fault) = ending.fault(&line) {
+                // A long hunt tells at once.
+                eprintln!("case {case} of seed {seed}: {fault}");
+            }
+            if std::env::var("TELL").is_ok() {
+                eprintln!(
+                    "TELL {:?} {:.3} {} | {}",
+                    ending.status.code(),
+                    ending.elapsed.as_secs_f64(),
+                    line.words.first().map_or("", |w| w),
+                    ending.stderr.lines().next().unwrap_or("")
+                );
+            }
+            tally.add(&line, &ending);
+        }
+    };
+    let tally = std::thread::scope(|scope| {
+        let running = ["one", "two"].map(|name| scope.spawn(move || worker(name)));
         running
             .into_iter()
-            .flat_map(|worker| worker.join().expect("a worker"))
-            .collect()
+            .map(|worker| worker.join().expect("a worker"))
+            .fold(Tally::default(), Tally::and)
     });
+    eprintln!(
+        "{cases} command lines: {} answered, {} refused, {} failed; the slowest, {:.1} s: {}",
+        tally.answered,
+        tally.refused,
+        tally.failed,
+        tally.slowest.0.as_secs_f64(),
+        tally.slowest.1
+    );
     assert!(
-        faults.is_empty(),
+        tally.faults.is_empty(),
         "{} of {cases} with seed {seed}:\n{}",
-        faults.len(),
-        faults.join("\n")
+        tally.faults.len(),
+        tally.faults.join("\n")
     );
-}
-
-fn answered(line: &str) -> Value {
-    let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-    let output = limited(&words);
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.success(),
-        "{line}: {:?} {stderr}",
-        output.status
-    );
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    // Lines that are all refused would test little.
+    let few = cases / 5;
+    assert!(tally.answered >= few && tally.refused >= few);
 }
 
 #[test]
 fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits() {
+    let place = Place::new("shear");
     for shear in ["1000", "-5000", "1000.5"] {
-        let answer = answered(&format!(
+        let answer = place.answered(&format!(
             "state --json --deformation-gradient=1,{shear},0,1 --set discretization.frame=eulerian"
         ));
         assert!(answer["verdict"].is_string());
@@ -431,6 +124,7 @@ fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits
 
 #[test]
 fn work_that_would_not_end_is_refused_or_given_up() {
+    let place = Place::new("endless");
     let oblique = "--set discretization.arrangement=oblique --set discretization.vectors=";
     for line in [
         format!("state --stretch 1.1,1 {oblique}6986.29,1e5,3,1e100"),
@@ -443,13 +137,13 @@ fn work_that_would_not_end_is_refused_or_given_up() {
         "modes --set discretization.arrangement=simple-cubic --set discretization.cells=16"
             .to_owned(),
     ] {
-        let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-        let output = limited(&words);
-        assert_eq!(output.status.code(), Some(2), "{line}");
-        assert!(!output.stderr.is_empty(), "{line}");
+        let line = Line::of(&line);
+        let ending = place.run(&line);
+        assert_eq!(ending.status.code(), Some(2), "{line}");
+        assert_eq!(ending.fault(&line), None);
     }
     let steep = "notions --json --mode simple-shear --set material.model=ogden --set material.alpha2=3579.3 --set material.kappa=1e-3";
-    let answer = answered(steep);
+    let answer = place.answered(steep);
     let reasons: Vec<String> = answer["loadings"]
         .as_array()
         .expect("loadings")
@@ -466,10 +160,11 @@ fn work_that_would_not_end_is_refused_or_given_up() {
 
 #[test]
 fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
+    let place = Place::new("units");
     let number =
         |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
     let oblique = |vectors: &str| {
-        answered(&format!(
+        place.answered(&format!(
             "state --json --stretch 1.05,0.98 --set discretization.arrangement=oblique --set discretization.support=1.7 \
              --set discretization.vectors={vectors}"
         ))
@@ -489,7 +184,7 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
     let law = "--set material.model=blatz-ko --set material.mu=";
     for (arrangement, stretch) in [("hexagonal", "1.15,1"), ("simple-cubic", "1.1,1,0.95")] {
         let line = |mu: &str, density: &str| {
-            answered(&format!(
+            place.answered(&format!(
                 "state --json --stretch {stretch} --set discretization.frame=eulerian --set discretization.arrangement={arrangement} \
                  --set discretization.density={density} {law}{mu}"
             ))
@@ -519,6 +214,77 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
                     "{arrangement} {mu} {density} {name}: {a} {b}"
                 );
             }
+        }
+    }
+}
+
+/// Methods beside the kernel methods.
+const OTHERS: [&str; 9] = [
+    "method=total-lagrangian-sph arrangement=square penalty=0.1",
+    "method=updated-sph artificial-stress=0.3 velocity-smoothing=0.5",
+    "method=updated-sph corrected=false viscosity=0.1",
+    "method=finite-elements integration=one-point hourglass-stiffness=0.05",
+    "method=conforming arrangement=square",
+    "method=peridynamics arrangement=square horizon=2.2",
+    "method=peridynamics arrangement=square bonds=correspondence control=penalty control-coefficient=0.5",
+    "method=material-points",
+    "method=material-points unknowns=updated grid-functions=quadratic-spline",
+];
+
+#[test]
+fn every_method_answers_the_same_in_all_units_and_refuses_those_that_are_out_of_bounds() {
+    let place = Place::new("methods");
+    let number =
+        |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
+    for method in OTHERS {
+        let set: Vec<String> = method
+            .split(' ')
+            .map(|choice| format!("--set discretization.{choice}"))
+            .collect();
+        let line = |mu: &str, density: &str, spacing: &str| {
+            format!(
+                "state --json --stretch 1.15,0.9 --set material.model=blatz-ko --set material.mu={mu} \
+                 --set discretization.density={density} --set discretization.spacing={spacing} {}",
+                set.join(" ")
+            )
+        };
+        let plain = place.answered(&line("1", "1", "1"));
+        for (mu, density, spacing) in [
+            ("1e80", "1", "1"),
+            ("1e-80", "1", "1"),
+            ("1", "1e30", "1e30"),
+            ("1e80", "1e-30", "1e-30"),
+            ("1e-80", "1e30", "1e-30"),
+        ] {
+            let what = format!("{method}: {mu} {density} {spacing}");
+            let other = place.answered(&line(mu, density, spacing));
+            assert_eq!(other["verdict"], plain["verdict"], "{what}");
+            let [a, b] = [&other, &plain].map(|answer| number(answer, "minimum_scaled"));
+            // What is zero is so to the rounding of the largest.
+            assert!((a - b).abs() < 1e-9 * b.abs() + 1e-13, "{what}: {a} {b}");
+            let [mu, density, spacing] =
+                [mu, density, spacing].map(|text| text.parse::<f64>().expect("a number"));
+            let unit = mu.sqrt() / density.sqrt() / spacing;
+            for name in ["maximum_omega", "growth_rate"] {
+                let [a, b] = [number(&other, name), number(&plain, name) * unit];
+                assert!((a - b).abs() <= 1e-9 * b.abs(), "{what} {name}: {a} {b}");
+            }
+        }
+        for (density, spacing, is_admitted) in [
+            ("1", "1e80", false),
+            ("1", "1e-80", false),
+            ("1e-40", "1", !method.contains("updated-sph")),
+        ] {
+            let line = Line::of(&line("1", density, spacing));
+            let ending = place.run(&line);
+            let code = if is_admitted { 0 } else { 2 };
+            assert_eq!(
+                ending.status.code(),
+                Some(code),
+                "{line}: {}",
+                ending.stderr
+            );
+            assert!(is_admitted || ending.stderr.contains("choose another unit"));
         }
     }
 }

@@ -2,7 +2,8 @@
  *
  * ONSET_POINT  which call, counted from 1; none when it is not set
  * ONSET_MODE   before: killed before the call; after: killed after it; cut: killed when a write has half been done;
- *              full: from this call on there is no room on the disk
+ *              full: from this call on there is no room on the disk; once: this call fails, as disks and networks do (EIO);
+ *              error: this and all that follow fail so
  * ONSET_COUNT  a file for the number of calls
  */
 #define _GNU_SOURCE
@@ -57,39 +58,34 @@ static void leave(int is_the_one) {
   if (is_the_one && (mode == 'a' || mode == 'c')) die();
 }
 
-static int is_full(void) {
-  return point && mode == 'f' && __atomic_load_n(&calls, __ATOMIC_SEQ_CST) >= point;
+/* The error that a call meets instead of being done; zero for none. */
+static int refusal(int here, int needs_room) {
+  if (here && mode == 'o') return EIO;
+  if (!point || __atomic_load_n(&calls, __ATOMIC_SEQ_CST) < point) return 0;
+  return mode == 'e' ? EIO : mode == 'f' && needs_room ? ENOSPC : 0;
 }
 
 #define REAL(type, name, ...) type (*real)(__VA_ARGS__) = (type (*)(__VA_ARGS__))dlsym(RTLD_NEXT, name)
 
-/* Calls that need no room. */
-#define FREE(name, parameters, arguments, ...)        \
-  int name parameters {                               \
-    REAL(int, #name, __VA_ARGS__);                    \
-    int here = enter();                               \
-    int result = real arguments;                      \
-    int error = errno;                                \
-    leave(here);                                      \
-    errno = error;                                    \
-    return result;                                    \
+#define CALL(name, needs_room, parameters, arguments, ...) \
+  int name parameters {                                   \
+    REAL(int, #name, __VA_ARGS__);                        \
+    int here = enter();                                   \
+    int refused = refusal(here, needs_room);              \
+    if (refused) {                                        \
+      errno = refused;                                    \
+      return -1;                                          \
+    }                                                     \
+    int result = real arguments;                          \
+    int error = errno;                                    \
+    leave(here);                                          \
+    errno = error;                                        \
+    return result;                                        \
   }
 
-/* Calls that need room. */
-#define NEEDY(name, parameters, arguments, ...)       \
-  int name parameters {                               \
-    REAL(int, #name, __VA_ARGS__);                    \
-    int here = enter();                               \
-    if (is_full()) {                                  \
-      errno = ENOSPC;                                 \
-      return -1;                                      \
-    }                                                 \
-    int result = real arguments;                      \
-    int error = errno;                                \
-    leave(here);                                      \
-    errno = error;                                    \
-    return result;                                    \
-  }
+/* Calls that need no room, and calls that do. */
+#define FREE(name, ...) CALL(name, 0, __VA_ARGS__)
+#define NEEDY(name, ...) CALL(name, 1, __VA_ARGS__)
 
 FREE(rename, (const char *a, const char *b), (a, b), const char *, const char *)
 FREE(unlink, (const char *a), (a), const char *)
@@ -97,6 +93,8 @@ FREE(unlinkat, (int d, const char *a, int f), (d, a, f), int, const char *, int)
 FREE(rmdir, (const char *a), (a), const char *)
 FREE(chmod, (const char *a, mode_t m), (a, m), const char *, mode_t)
 FREE(fchmod, (int f, mode_t m), (f, m), int, mode_t)
+NEEDY(link, (const char *a, const char *b), (a, b), const char *, const char *)
+NEEDY(linkat, (int c, const char *a, int d, const char *b, int f), (c, a, d, b, f), int, const char *, int, const char *, int)
 NEEDY(mkdir, (const char *a, mode_t m), (a, m), const char *, mode_t)
 NEEDY(fsync, (int f), (f), int)
 NEEDY(fdatasync, (int f), (f), int)
@@ -104,8 +102,9 @@ NEEDY(fdatasync, (int f), (f), int)
 static int opened(const char *name, int folder, const char *path, int flags, mode_t rights, int is_at) {
   int changes = (flags & (O_CREAT | O_TRUNC)) != 0;
   int here = changes ? enter() : 0;
-  if (changes && is_full()) {
-    errno = ENOSPC;
+  int refused = changes ? refusal(here, 1) : 0;
+  if (refused) {
+    errno = refused;
     return -1;
   }
   int result;
@@ -153,8 +152,9 @@ ssize_t write(int file, const void *bytes, size_t count) {
   struct stat found;
   if (fstat(file, &found) != 0 || !S_ISREG(found.st_mode)) return real(file, bytes, count);
   int here = enter();
-  if (is_full()) {
-    errno = ENOSPC;
+  int refused = refusal(here, 1);
+  if (refused) {
+    errno = refused;
     return -1;
   }
   ssize_t result = real(file, bytes, here && mode == 'c' ? count / 2 : count);

@@ -14,10 +14,7 @@ pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
     let Ok(response) = material.response(&DeformationGradient::identity()) else {
         return Vec::new();
     };
-    let tangent = &response.tangent;
-    let stiffness = (0..81)
-        .map(|n| tangent[(n / 27, n / 9 % 3, n / 3 % 3, n % 3)].abs())
-        .fold(0.0, f64::max);
+    let stiffness = response.tangent.largest();
     let cauchy = response.cauchy();
     if cauchy.amax() <= UNSTRESSED * stiffness {
         return Vec::new();

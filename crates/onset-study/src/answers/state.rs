@@ -78,6 +78,9 @@ pub struct MaterialAnswer {
     pub first_piola: [[f64; 3]; 3],
     /// Tangent `A_iJkL = dP_iJ/dF_kL`, nested in the order of its indices.
     pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
+    /// The size of its largest component: what stresses and eigenvalues are made of.
+    #[serde(skip)]
+    stiffness: f64,
     /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement: whether their smallest eigenvalue is
     /// positive, beyond rounding.
     pub elliptic: bool,
@@ -274,6 +277,7 @@ fn material_answer(
                     .collect()
             })
             .collect(),
+        stiffness: response.tangent.largest(),
         elliptic: continuum.ellipticity().is_elliptic(),
         ellipticity: continuum.ellipticity(),
         elliptic_in_space: in_space.elliptic,
@@ -380,7 +384,7 @@ impl std::fmt::Display for StateAnswer {
                 (Ellipticity::Lost, _) => "no".to_owned(),
             },
         )?;
-        let stiffness = material.stiffness();
+        let stiffness = material.stiffness;
         let eigenvalue = |value: f64| units.of(told_of(value, stiffness), "Pa");
         line(
             &of("smallest eigenvalue"),
@@ -482,15 +486,9 @@ impl std::fmt::Display for StateAnswer {
 }
 
 impl MaterialAnswer {
-    /// The largest component of the tangent: what stresses and eigenvalues are made of.
-    fn stiffness(&self) -> f64 {
-        let components = self.tangent.iter().flatten().flatten().flatten();
-        components.fold(0.0, |most: f64, own| most.max(own.abs()))
-    }
-
     /// The Cauchy stress; the shears out of the plane where there are some.
     fn stresses(&self) -> String {
-        let stiffness = self.stiffness();
+        let stiffness = self.stiffness;
         let plane = [(0, 0), (1, 1), (0, 1), (2, 2)];
         let out = [(0, 2), (1, 2)].into_iter();
         let out = out.filter(|(i, j)| told_of(self.cauchy[*i][*j], stiffness) != "0");

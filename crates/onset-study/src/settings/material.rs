@@ -6,7 +6,7 @@ use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Units, Value, aliases, modu
 use crate::shell::quoted_file;
 use onset::material::{Hyperelastic, MaterialError};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A material as set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +19,8 @@ pub struct MaterialSettings {
     fingerprint: Option<String>,
     /// Keys, without the section, whose values have units.
     with_units: BTreeSet<&'static str>,
+    /// Where the library is that the user allows a file to load.
+    allowed: Option<PathBuf>,
 }
 
 impl MaterialSettings {
@@ -33,6 +35,7 @@ impl MaterialSettings {
             set: parameters.iter().filter_map(set).collect(),
             fingerprint: None,
             with_units: BTreeSet::new(),
+            allowed: None,
         }
     }
 
@@ -142,7 +145,11 @@ impl MaterialSettings {
             kind => kind.accepts(value),
         };
         if takes {
-            self.set.insert(key.parts().1, (value.clone(), origin));
+            let name = key.parts().1;
+            if name == LIBRARY {
+                self.allowed = None;
+            }
+            self.set.insert(name, (value.clone(), origin));
         }
         takes
     }
@@ -257,8 +264,9 @@ impl MaterialSettings {
     pub fn allow(&mut self, trust: &Trust) {
         if let Some((Value::Word(library), origin @ Origin::File { .. })) =
             self.set.get_mut(LIBRARY)
-            && trust.covers(Path::new(library))
+            && let Some(place) = trust.admitted(Path::new(library))
         {
+            self.allowed = Some(place);
             *origin = Origin::CommandLine(format!("--allow-library {library}"));
         }
     }
@@ -281,6 +289,11 @@ impl MaterialSettings {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Where the library is that the user allows a file to load, without links.
+    pub(super) fn allowed(&self) -> Option<&Path> {
+        self.allowed.as_deref()
     }
 
     /// Whether the material is a program in a shared library, which building it loads.

@@ -21,7 +21,14 @@ impl<'t> File<'t> {
     pub(super) fn table(&self) -> Result<Spanned<DeTable<'t>>, SettingError> {
         DeTable::parse(self.text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
-            SettingError::new(self.at(offset), error.message().to_owned())
+            let message = error.message().to_owned();
+            let hint = match message.as_str() {
+                "duplicate key" => {
+                    "a key stands once in its section, and a section once in the file"
+                }
+                _ => "expected TOML: lines `key = value` below `[section]`, texts in quotes",
+            };
+            SettingError::new(self.at(offset), message).hint(hint)
         })
     }
 

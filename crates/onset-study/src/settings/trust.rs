@@ -38,8 +38,14 @@ impl Trust {
 
     /// Whether a library may be loaded. Links count as what they lead to.
     pub fn covers(&self, library: &Path) -> bool {
+        self.admitted(library).is_some()
+    }
+
+    /// The place without links of a library that may be loaded: to be loaded from there, wherever links lead by then.
+    pub(crate) fn admitted(&self, library: &Path) -> Option<PathBuf> {
         let library = resolved(library);
-        self.places.iter().any(|place| library.starts_with(place))
+        let is_covered = self.places.iter().any(|place| library.starts_with(place));
+        is_covered.then_some(library)
     }
 }
 

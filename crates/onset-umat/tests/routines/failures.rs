@@ -224,6 +224,97 @@ fn a_library_that_is_compiled_anew_while_it_is_used_is_refused() {
     }
 }
 
+/// A library that says in a file that it was loaded.
+fn telling(trace: &Path) -> PathBuf {
+    let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let (source, library) = (file("telling.c"), file("telling.so"));
+    let text = "#include <stdio.h>\n\
+                void umat_(void) {}\n\
+                __attribute__((constructor)) static void loaded(void) { fclose(fopen(TRACE, \"w\")); }\n";
+    std::fs::write(&source, text).expect("a file");
+    let status = std::process::Command::new("cc")
+        .args(["-shared", "-fPIC", "-o"])
+        .args([&library, &source])
+        .arg(format!("-DTRACE=\"{}\"", trace.display()))
+        .status();
+    assert!(status.expect("a C compiler").success());
+    library
+}
+
+#[test]
+fn of_a_library_that_is_not_the_one_that_was_looked_at_nothing_runs() {
+    let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let (trace, link) = (file("telling.trace"), file("turned.so"));
+    let _ = std::fs::remove_file(&trace);
+    let other = telling(&trace);
+    let with = |fingerprint: Option<String>| {
+        Umat::new(UmatSettings {
+            library: link.clone(),
+            fingerprint,
+            ..flawed(0)
+        })
+    };
+    let turn = |target: &Path| {
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink(target, &link).expect("a link");
+    };
+    turn(&library(&HOSTILE));
+    let first = onset_umat::fingerprint(&link).expect("a sum");
+    assert!(with(Some(first.clone())).is_ok());
+    turn(&other);
+    let refused = with(Some(first)).err();
+    assert!(
+        matches!(refused, Some(UmatError::Changed { .. })),
+        "{refused:?}"
+    );
+    assert!(!trace.exists(), "the other library was loaded");
+    assert!(with(None).is_ok());
+    assert!(trace.exists(), "this library tells that it is loaded");
+}
+
+#[test]
+fn a_library_that_is_written_over_while_it_is_used_goes_on_as_it_was() {
+    let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("over.so");
+    std::fs::copy(library(&HOSTILE), &own).expect("a copy");
+    let umat = Umat::new(UmatSettings {
+        library: own.clone(),
+        ..flawed(0)
+    })
+    .expect("a UMAT");
+    // In place, as `cp` does: pages of it that are not yet in memory are gone.
+    std::fs::write(&own, "no library").expect("a file");
+    assert_eq!(asked(&umat), asked(&hostile(0)));
+}
+
+#[test]
+fn a_pipe_in_the_place_of_a_library_is_refused_and_not_waited_for() {
+    let pipe = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pipe.so");
+    let _ = std::fs::remove_file(&pipe);
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.expect("mkfifo").success());
+    assert!(onset_umat::fingerprint(&pipe).is_err());
+    let refused = Umat::new(UmatSettings {
+        library: pipe,
+        ..flawed(0)
+    });
+    assert!(refused.is_err());
+}
+
+#[test]
+fn a_library_larger_than_the_memory_that_it_may_use_is_not_copied() {
+    let large = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("large.so");
+    let file = std::fs::File::create(&large).expect("a file");
+    // A hole, which takes no room until it is copied.
+    file.set_len(1 << 40).expect("a hole");
+    let refused = Umat::new(UmatSettings {
+        library: large.clone(),
+        ..flawed(0)
+    });
+    std::fs::remove_file(large).expect("removable");
+    let told = refused.err().expect("a refusal").to_string();
+    assert!(told.contains("material.memory-limit"), "{told}");
+}
+
 #[test]
 fn a_wish_for_smaller_increments_is_told() {
     match asked(&hostile(8)) {

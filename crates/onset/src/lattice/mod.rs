@@ -112,7 +112,9 @@ pub enum LatticeError {
     #[error("the cell holds no particle; at least one is needed")]
     NoSites,
     /// Two points of the set coincide, so that their Voronoi cells are not defined.
-    #[error("points {first} and {second} of the cell coincide")]
+    #[error(
+        "points {first} and {second} of the cell coincide; expected points apart from each other"
+    )]
     CoincidentPoints {
         /// One of them.
         first: usize,

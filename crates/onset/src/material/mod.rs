@@ -416,20 +416,11 @@ fn finite_response(
     f: &DeformationGradient,
 ) -> Result<Response, MaterialError> {
     let energy = energy_jet(law, f);
-    let response = Response {
+    Response {
         deformation: *f,
         energy: energy.value,
         first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
         tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
-    };
-    let is_finite = response.energy.is_finite()
-        && response.first_piola.iter().all(|value| value.is_finite())
-        && response.tangent.is_finite();
-    if is_finite {
-        Ok(response)
-    } else {
-        Err(MaterialError::NotFinite {
-            jacobian: f.jacobian(),
-        })
     }
+    .finite()
 }

@@ -1,6 +1,6 @@
 //! The stress measures and elasticity tensors that follow from `P` and `A`.
 
-use super::Response;
+use super::{MaterialError, Response};
 use nalgebra::Matrix3;
 use std::ops::{Index, IndexMut};
 
@@ -26,6 +26,18 @@ impl FourthOrder {
             .as_flattened()
             .iter()
             .all(|value| value.is_finite())
+    }
+
+    /// The size of the largest component.
+    ///
+    /// ```
+    /// use onset::material::FourthOrder;
+    /// let tensor = FourthOrder::from_fn(|i, j, k, l| if (i, j, k, l) == (0, 1, 2, 0) { -3.0 } else { 1.0 });
+    /// assert_eq!(tensor.largest(), 3.0);
+    /// ```
+    pub fn largest(&self) -> f64 {
+        let components = self.0.as_flattened().as_flattened().as_flattened().iter();
+        components.fold(0.0, |largest: f64, value| largest.max(value.abs()))
     }
 
     /// All four indices transformed by the same matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
@@ -63,6 +75,23 @@ fn delta(i: usize, j: usize) -> f64 {
 }
 
 impl Response {
+    /// The response, unless energy, stress or tangent over- or underflows.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] with the Jacobian of the state.
+    pub fn finite(self) -> Result<Self, MaterialError> {
+        let is_finite = self.energy.is_finite()
+            && self.first_piola.iter().all(|value| value.is_finite())
+            && self.tangent.is_finite();
+        if is_finite {
+            Ok(self)
+        } else {
+            Err(MaterialError::NotFinite {
+                jacobian: self.deformation.jacobian(),
+            })
+        }
+    }
+
     /// The second Piola-Kirchhoff stress `S = F^-1 P`. Material indices, units of stress.
     pub fn second_piola(&self) -> Matrix3<f64> {
         self.inverse_deformation() * self.first_piola

@@ -312,7 +312,8 @@ pub enum LoadingError {
     Law(#[from] MaterialError),
     /// No state with free faces near the reference.
     #[error(
-        "at stretch 1 no lateral stretches were found at which the free faces carry no traction"
+        "at stretch 1 no lateral stretches were found at which the free faces carry no traction; expected a law that \
+         is without stress at F = 1, or near it"
     )]
     NoReference,
 }

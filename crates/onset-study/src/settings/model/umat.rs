@@ -6,6 +6,7 @@ use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
 use onset_umat::{Umat, UmatError, UmatSettings, fingerprint};
+use std::path::Path;
 use std::time::Duration;
 
 /// The key of the library, without its section.
@@ -64,6 +65,7 @@ impl MaterialSettings {
             return None;
         }
         let number = |name: &str| self.given(name).and_then(Value::number);
+        let library = self.allowed().unwrap_or(Path::new(library));
         let mut umat = UmatSettings::new(library, &[]);
         if let Some(Value::Numbers(properties)) = self.given("properties") {
             umat.properties.clone_from(properties);
@@ -120,8 +122,37 @@ fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialE
 
 #[cfg(test)]
 mod tests {
-    use crate::settings::Settings;
+    use crate::settings::{MaterialSettings, Settings, Trust};
     use std::time::Duration;
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_that_is_turned_after_it_was_allowed_leads_nowhere_else() {
+        use std::fs;
+        use std::os::unix::fs::symlink;
+        let place = onset_umat::PrivateFolder::new(&std::env::temp_dir(), "onset-allowed-");
+        let place = place.expect("a folder");
+        // The folder for temporary files may be a link itself.
+        let root = fs::canonicalize(place.path()).expect("a folder");
+        let at = |name: &str| root.join(name);
+        fs::create_dir(at("trusted")).expect("a folder");
+        for library in ["trusted/a.so", "other.so"] {
+            fs::write(at(library), library).expect("a file");
+        }
+        symlink(at("trusted/a.so"), at("link.so")).expect("a link");
+        let text = format!(
+            "[material]\nmodel = \"umat\"\nlibrary = {:?}\n",
+            at("link.so").display().to_string()
+        );
+        let mut material =
+            MaterialSettings::of_file::<&str>("study.toml", &text, &[]).expect("one");
+        assert!(material.permitted().is_err());
+        material.allow(&Trust::of([at("trusted")]));
+        fs::remove_file(at("link.so")).expect("removable");
+        symlink(at("other.so"), at("link.so")).expect("a link");
+        let umat = material.umat_permitted().expect("allowed");
+        assert_eq!(umat.expect("a UMAT").library, at("trusted/a.so"));
+    }
 
     #[test]
     fn a_user_material_is_what_was_set() {

@@ -1,0 +1,155 @@
+//! What a person sees at a terminal while an answer takes its time. The terminal is that of `script` (util-linux).
+
+use crate::fresh_place;
+use std::fs;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// An answer that takes many seconds on any machine, and a folder for its files.
+const SLOW: &str = "card --set material.model=holzapfel-gasser-ogden --out new/inner";
+/// How long a loaded machine may take for anything.
+const PATIENCE: Duration = Duration::from_secs(120);
+const CTRL_C: &[u8] = b"\x03";
+
+/// A command at a terminal of its own, in a folder of its own.
+struct Terminal {
+    place: PathBuf,
+    child: Child,
+    begin: Instant,
+    shown: Receiver<Vec<u8>>,
+    text: String,
+}
+
+impl Terminal {
+    fn with(line: &str) -> Self {
+        let place = fresh_place("terminal");
+        fs::create_dir_all(place.join("tmp")).expect("folders");
+        fs::create_dir(place.join("here")).expect("a folder");
+        let mut child = Command::new("script")
+            .args(["--quiet", "--return", "--command", line, "/dev/null"])
+            .current_dir(place.join("here"))
+            .env("TMPDIR", place.join("tmp"))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("script, of util-linux");
+        let mut output = child.stdout.take().expect("a pipe");
+        let (sender, shown) = channel();
+        std::thread::spawn(move || {
+            let mut buffer = [0; 4096];
+            while let Ok(count @ 1..) = output.read(&mut buffer) {
+                if sender.send(buffer[..count].to_vec()).is_err() {
+                    break;
+                }
+            }
+        });
+        Self {
+            place,
+            child,
+            begin: Instant::now(),
+            shown,
+            text: String::new(),
+        }
+    }
+
+    /// Waits until some words are shown; how long after the start that was.
+    fn wait_for(&mut self, words: &str) -> Duration {
+        while !self.text.contains(words) {
+            match self.shown.recv_timeout(PATIENCE) {
+                Ok(bytes) => self.text.push_str(&String::from_utf8_lossy(&bytes)),
+                Err(error) => panic!("{error}, but no `{words}`: {}", self.text),
+            }
+        }
+        self.begin.elapsed()
+    }
+
+    fn press(&mut self, key: &[u8]) {
+        let keyboard = self.child.stdin.as_mut().expect("a pipe");
+        keyboard.write_all(key).expect("pressed");
+        keyboard.flush().expect("pressed");
+    }
+
+    /// The exit code, and all that was shown.
+    fn ended(&mut self) -> (Option<i32>, String) {
+        loop {
+            match self.shown.recv_timeout(PATIENCE) {
+                Ok(bytes) => self.text.push_str(&String::from_utf8_lossy(&bytes)),
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => panic!("no end: {}", self.text),
+            }
+        }
+        let code = self.child.wait().expect("an end").code();
+        (code, self.text.clone())
+    }
+
+    /// What is left in the folder of the command, and in that of temporary files.
+    fn left(&self) -> Vec<PathBuf> {
+        let all = |folder: &Path| {
+            let entries = fs::read_dir(folder).expect("a folder");
+            entries.map(|entry| entry.expect("one").path()).collect()
+        };
+        ["here", "tmp"]
+            .map(|name| self.place.join(name))
+            .iter()
+            .flat_map(|folder| -> Vec<PathBuf> { all(folder) })
+            .collect()
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = fs::remove_dir_all(&self.place);
+    }
+}
+
+fn onset(line: &str) -> String {
+    format!("{} {line}", env!("CARGO_BIN_EXE_onset"))
+}
+
+#[test]
+fn a_sign_of_life_is_shown_after_two_seconds_and_ctrl_c_ends_the_work_without_a_trace() {
+    let mut terminal = Terminal::with(&onset(SLOW));
+    let shown = terminal.wait_for("Ctrl-C ends it");
+    assert!(shown >= Duration::from_secs(2), "{shown:?}");
+    terminal.press(CTRL_C);
+    let (code, text) = terminal.ended();
+    assert_eq!(code, Some(130), "{text}");
+    assert!(!text.contains("panicked"), "{text}");
+    assert_eq!(terminal.left(), [PathBuf::new(); 0], "{text}");
+}
+
+#[test]
+fn a_quick_answer_is_shown_without_a_sign_of_life() {
+    let mut terminal = Terminal::with(&onset("list kernels"));
+    let (code, text) = terminal.ended();
+    assert_eq!(code, Some(0), "{text}");
+    assert!(!text.contains("Ctrl-C"), "{text}");
+}
+
+/// Where a closed terminal is to be ignored, signals are left to the system: Ctrl-C ends the command all the same.
+#[test]
+fn ctrl_c_ends_the_work_under_nohup_too() {
+    let mut terminal = Terminal::with(&format!("nohup {}", onset(SLOW)));
+    terminal.wait_for("nohup");
+    // It has begun when it has made its folder.
+    let folder = terminal.place.join("here/new/inner");
+    while !folder.is_dir() && terminal.begin.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    terminal.press(CTRL_C);
+    let (code, text) = terminal.ended();
+    assert_eq!(code, Some(130), "{text}");
+    assert!(
+        fs::read_dir(&folder).is_ok_and(|mut all| all.all(|one| {
+            // What was being tried is swept by the next command.
+            let name = one.expect("one").file_name();
+            name.to_string_lossy().starts_with(".onset-unfinished-")
+        })),
+        "{text}"
+    );
+}
