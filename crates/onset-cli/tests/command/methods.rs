@@ -97,6 +97,13 @@ impl Method {
         )
     }
 
+    /// Whether a question is asked here. To trace a boundary in space takes a minute of most methods: it is asked of elements, which
+    /// are asked in the way of all.
+    fn is_asked(&self, line: &str) -> bool {
+        let is_traced = line.contains("traced") || line.starts_with("boundary");
+        self.dimension < 3 || !is_traced || self.value("method") == "finite-elements"
+    }
+
     /// Asks everything; what was not answered.
     fn asked(&self) -> Vec<String> {
         let folder = fresh_place("methods");
@@ -114,7 +121,7 @@ impl Method {
             ("K", numbers(["0.7", "0.4", "0.2"])),
         ];
         let mut unanswered = Vec::new();
-        for line in COMMANDS {
+        for line in COMMANDS.into_iter().filter(|line| self.is_asked(line)) {
             let word = |word: &str| {
                 let stands_for = |(name, text): &(&str, String)| match word.strip_prefix(name) {
                     Some("") => Some(text.clone()),
@@ -174,14 +181,10 @@ fn wrong(line: &str, text: &str, dimension: usize) -> Option<String> {
     (!is_right).then(|| text.to_owned())
 }
 
-#[test]
-fn every_command_answers_for_every_method() {
-    let all: Vec<Method> = COMPARISONS
-        .iter()
-        .enumerate()
-        .flat_map(|(n, text)| methods(n + 1, text))
-        .collect();
-    assert_eq!(all.len(), 47);
+/// Every command for every method of a comparison.
+fn assert_answered(dimension: usize, count: usize) {
+    let all = methods(dimension, COMPARISONS[dimension - 1]);
+    assert_eq!(all.len(), count);
     let (next, unanswered) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..2 {
@@ -195,4 +198,19 @@ fn every_command_answers_for_every_method() {
     });
     let unanswered = unanswered.into_inner().expect("a list");
     assert!(unanswered.is_empty(), "{}", unanswered.join("\n"));
+}
+
+#[test]
+fn every_command_answers_for_every_method_on_a_chain() {
+    assert_answered(1, 16);
+}
+
+#[test]
+fn every_command_answers_for_every_method_in_the_plane() {
+    assert_answered(2, 20);
+}
+
+#[test]
+fn every_command_answers_for_every_method_in_space() {
+    assert_answered(3, 11);
 }
