@@ -88,7 +88,9 @@ fn answered<const D: usize>(
                 return None;
             }
             let spectrum = assess(&**method, material, f).ok()?.spectrum;
-            let speed = onset::verdict::speed_squared(&**method, material).ok()?.sqrt();
+            let speed = onset::verdict::speed_squared(&**method, material)
+                .ok()?
+                .sqrt();
             let matrix = dynamical_matrix(method, material, f).ok()?;
             Some((spectrum, speed, Waves::of_matrix(*method.lattice(), matrix)))
         }
