@@ -92,8 +92,8 @@ impl Method {
         format!(
             "[discretization]\n{}{}{}[map]\ncertify = true\n",
             lines.collect::<String>(),
-            axis(1),
-            axis(2)
+            axis("stretch-1"),
+            axis(second)
         )
     }
 
