@@ -92,8 +92,8 @@ impl Method {
         format!(
             "[discretization]\n{}{}{}[map]\ncertify = true\n",
             lines.collect::<String>(),
-            axis(1),
-            axis(2)
+            axis("stretch-1"),
+            axis(second)
         )
     }
 
@@ -145,7 +145,8 @@ impl Method {
                 ));
             }
         }
-        std::fs::remove_dir_all(&folder).expect("the folder");
+        // What is left behind is in the folder of temporary files.
+        let _ = std::fs::remove_dir_all(&folder);
         unanswered
     }
 }
