@@ -314,7 +314,7 @@ fn check_proof(
         };
         let all_gain = |sizes: &[f64]| sizes.iter().all(|size| change(*size).1);
         // A kink beside the state is met by the larger jumps only; what it gains grows as they become smaller.
-        let is_kink = change(1e-7).0 < 5.0 * change(1e-6).0;
+        let is_kink = change(1e-5).0 < 5.0 * change(1e-4).0;
         let gains = all_gain(&[1e-4, 1e-5, 1e-6, 1e-7])
             && (!is_kink || all_gain(&[1e-8, 1e-9, 1e-10, 1e-11]));
         assert!(!gains, "{text} at {f:?} along {n:?}");
