@@ -170,7 +170,7 @@ impl Drop for Place {
 }
 
 /// Words of which a refusal has one: what was expected, or what to do.
-const HELP: [&str; 10] = [
+const HELP: [&str; 11] = [
     "hint: ",
     "expected",
     "must be",
@@ -179,6 +179,7 @@ const HELP: [&str; 10] = [
     "needs",
     "answer for all",
     "is answered for",
+    "is not defined at",
     "Usage: onset",
     "try '--help'",
 ];
