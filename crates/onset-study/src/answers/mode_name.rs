@@ -1,6 +1,6 @@
 //! What a mode is called: how its particles move, and at which point of the zone.
 
-use crate::number::{told, vector};
+use crate::number::{told, told_of, vector};
 use crate::settings::{Family, Settings};
 use nalgebra::SVector;
 use onset::bloch::Mode;
@@ -12,12 +12,13 @@ const TRANSVERSE: f64 = 0.3;
 const SAME: f64 = 1e-6;
 
 /// A mode in words: `transverse wave at M (particles alternate), frequency 0.41`. The reciprocal vectors are the columns of `reciprocal`,
-/// `spatial` is the wave vector in the deformed lattice, or the direction of a long wave there.
+/// `spatial` is the wave vector in the deformed lattice, or the direction of a long wave there, `fastest` the largest frequency.
 pub(super) fn name<const D: usize>(
     settings: &Settings,
     reciprocal: &nalgebra::SMatrix<f64, D, D>,
     mode: &Mode<D>,
     spatial: &SVector<f64, D>,
+    fastest: f64,
 ) -> String {
     let along = spatial.try_normalize(0.0).unwrap_or_else(SVector::zeros);
     let share = (0..D)
@@ -35,11 +36,14 @@ pub(super) fn name<const D: usize>(
         return format!("long {kind}waves along {}", vector(along.as_slice()));
     }
     let omega_squared = mode.omega_squared;
-    let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 {
+    // What is rounding beside the largest is zero.
+    let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
+    let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {
             let omega = told(omega_squared.re.sqrt());
             format!(", frequency {}", settings.units().of(omega, "1/s"))
         }
+        false if is_zero => ", without energy".to_owned(),
         false => String::new(),
     };
     let k = &mode.wave_vector;

@@ -11,7 +11,9 @@ use crate::number::{told, vector};
 use crate::settings::{Effective, Units};
 use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::{DeformationGradient, DeformationPath};
-use onset::verdict::{Crossing, MaterialAssessment, Onset, PathScan, Phase, scan_material};
+use onset::verdict::{
+    Crossing, MaterialAssessment, Onset, PathScan, Phase, Verdict, scan_material,
+};
 use serde::Serialize;
 
 /// Everything about a straight path.
@@ -137,10 +139,17 @@ fn answer<const D: usize>(
     let method = Discretized::<D>::new(&problem.settings)?;
     // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
     // stress, as on a kink, is a state like others.
+    let mut notes = notes(&problem.settings, &*problem.material);
     match method.assess(&*problem.material, from) {
         Err(error) if error.is_outside_domain() => {}
         other => {
-            other?;
+            if other?.verdict == Verdict::RankDeficient {
+                notes.push(
+                    "at the start the particles have zero-energy modes (verdict rank-deficient), which do not grow by themselves and count as \
+                     stable along a path; `onset modes` shows them"
+                        .to_owned(),
+                );
+            }
         }
     }
     let is_marginal = |f: &DeformationGradient| {
@@ -195,7 +204,7 @@ fn answer<const D: usize>(
     Ok(PathAnswer {
         dimension: D,
         is_marginal: is_marginal(from) || is_marginal(to),
-        notes: notes(&problem.settings, &*problem.material),
+        notes,
         settings: problem.settings.effective(),
         loading: None,
         from: *from.components(),

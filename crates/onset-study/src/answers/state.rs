@@ -300,6 +300,7 @@ fn discretization_answer<const D: usize>(
         method.lattice().reciprocal(),
         mode,
         &method.spatial(f, &mode.wave_vector),
+        spectrum.maximum_omega,
     );
     DiscretizationAnswer {
         stable: spectrum.is_stable(),

@@ -453,7 +453,9 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
             return Err(KinematicsError::EmptyPath);
         }
         let section = Self { path, from, to };
-        [0.0, 1.0].into_iter().try_for_each(|s| section.at(s).map(drop))?;
+        [0.0, 1.0]
+            .into_iter()
+            .try_for_each(|s| section.at(s).map(drop))?;
         Ok(section)
     }
 
