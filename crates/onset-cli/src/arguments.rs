@@ -78,7 +78,7 @@ const PATH_EXAMPLES: &str = "Examples:
   onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
 const NOTIONS_EXAMPLES: &str = "Examples:
   onset notions --set material.model=ogden
-  onset notions --set material.model=mooney-rivlin --set material.young=3 --set material.poisson=0.49
+  onset notions --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
   onset notions --mode uniaxial --range 0.2,5 --out figures";
 const CARD_EXAMPLES: &str = "Examples:
   onset card --set material.model=blatz-ko
@@ -760,7 +760,7 @@ fn tiles(text: &str) -> Result<Range<usize>, String> {
 pub struct ProblemArguments {
     /// A study file whose material and discretization are meant, - for standard input [default: those of --set alone].
     pub file: Option<PathBuf>,
-    /// Set a key, for example discretization.support=1.6 (may be given several times).
+    /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
     /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by

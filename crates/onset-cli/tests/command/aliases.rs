@@ -32,7 +32,9 @@ fn words_that_people_type_ask_the_same_as_the_names() {
         ("hcp", "hexagonal-close-packed"),
         ("cubic", "simple-cubic"),
     ] {
-        let line = format!("modes set method=tlsph set arrangement={typed}");
+        let line = format!(
+            "dispersion --stretch 1,1,1 --wave-vector 0.1,0.2,0.3 set method=tlsph set arrangement={typed}"
+        );
         let settings = &document(&line)["settings"];
         assert_eq!(settings["discretization.arrangement"]["value"], own);
         assert_eq!(

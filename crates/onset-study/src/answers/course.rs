@@ -52,14 +52,14 @@ impl fmt::Display for LoadingOfPath {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             formatter,
-            "Loading: {}, from stretch {} to {}.",
+            "Loading: {}, from stretch {} to {}",
             self.title,
             told(self.from),
             told(self.to)
         )?;
         match &self.ends_early {
-            Some(why) => write!(formatter, " It ends there: {why}."),
-            None => Ok(()),
+            Some(why) => write!(formatter, ", where it ends: {why}."),
+            None => write!(formatter, "."),
         }
     }
 }
@@ -174,6 +174,8 @@ fn reached(path: &LoadingPath<'_>, stretch: f64) -> (f64, Option<String>) {
     )
 }
 
+/// Scaled minima below this are rounding.
+const ROUNDING: f64 = 1e-12;
 /// States that are looked at along a path.
 const SAMPLES: usize = 97;
 
@@ -318,7 +320,11 @@ impl PathSamples {
             .with(panel(
                 "Softest mode of the particles",
                 "min Re ω² / (c² |k|²) (−)".to_owned(),
-                values(&|state| state.discretization.minimum_scaled),
+                // Rounding is zero.
+                values(&|state| {
+                    let scaled = state.discretization.minimum_scaled;
+                    if scaled.abs() > ROUNDING { scaled } else { 0.0 }
+                }),
                 changes[0],
                 palette::BLUE,
             ))

@@ -1,7 +1,7 @@
 //! What a mode is called: how its particles move, and at which point of the zone.
 
 use super::problem::Problem;
-use crate::number::{told, vector};
+use crate::number::{told, told_of, vector};
 use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
@@ -13,8 +13,13 @@ const TRANSVERSE: f64 = 0.3;
 const SAME: f64 = 1e-6;
 
 /// A mode in words: `transverse wave at M (particles alternate), frequency 0.41`. `spatial` is its wave vector in the deformed lattice,
-/// or the direction of a long wave there.
-pub(super) fn name(problem: &Problem, mode: &Mode<3>, spatial: &SVector<f64, 3>) -> String {
+/// or the direction of a long wave there, `fastest` the largest frequency.
+pub(super) fn name(
+    problem: &Problem,
+    mode: &Mode<3>,
+    spatial: &SVector<f64, 3>,
+    fastest: f64,
+) -> String {
     let (settings, dimension) = (&problem.settings, problem.analysis.dimension());
     let reciprocal = problem.analysis.reciprocal();
     let along = spatial.try_normalize(0.0).unwrap_or_else(SVector::zeros);
@@ -36,11 +41,14 @@ pub(super) fn name(problem: &Problem, mode: &Mode<3>, spatial: &SVector<f64, 3>)
         );
     }
     let omega_squared = mode.omega_squared;
-    let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 {
+    // What is rounding beside the largest is zero.
+    let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
+    let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {
             let omega = told(omega_squared.re.sqrt());
             format!(", frequency {}", settings.units().of(omega, "1/s"))
         }
+        false if is_zero => ", without energy".to_owned(),
         false => String::new(),
     };
     let k = &mode.wave_vector;

@@ -50,10 +50,16 @@ fn assignments(settings: &Settings, without: Option<&str>) -> String {
         format!(" --set {}", quoted(format!("{name}={text}").as_ref()))
     };
     let effective = settings.effective();
+    // Moduli as they were set, not what follows from them.
+    let (moduli, follows) = settings.moduli();
     let chosen = effective
         .chosen()
-        .filter(|(name, _)| Some(*name) != without);
-    chosen.map(|(name, choice)| told(name, choice)).collect()
+        .filter(|(name, _)| Some(*name) != without && !follows.iter().any(|own| own == name));
+    let (model, others): (Vec<_>, Vec<_>) = chosen.partition(|(name, _)| *name == "material.model");
+    let told_moduli = moduli.iter().map(|(name, choice)| told(name, choice));
+    let first = model.into_iter().map(|(name, choice)| told(name, choice));
+    let last = others.into_iter().map(|(name, choice)| told(name, choice));
+    first.chain(told_moduli).chain(last).collect()
 }
 
 /// The same for the law alone.

@@ -12,7 +12,7 @@ use onset::analysis::scan_material_in;
 use onset::continuum::Ellipticity;
 use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::method::MethodError;
-use onset::verdict::{Crossing, Onset, PathScan, Phase};
+use onset::verdict::{Crossing, Onset, PathScan, Phase, Verdict};
 use serde::Serialize;
 
 /// Everything about a straight path.
@@ -137,10 +137,17 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     let list = |vector: &SVector<f64, 3>| list(dimension, vector);
     // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
     // stress, as on a kink, is a state like others.
+    let mut notes = notes(&problem.settings, &*problem.material);
     match analysis.assess(from) {
         Err(error) if error.is_outside_domain() => {}
         other => {
-            other?;
+            if other?.verdict == Verdict::RankDeficient {
+                notes.push(
+                    "at the start the particles have zero-energy modes (verdict rank-deficient), which do not grow by themselves and count as \
+                     stable along a path; `onset modes` shows them"
+                        .to_owned(),
+                );
+            }
         }
     }
     let is_marginal = |f: &DeformationGradient| {
@@ -195,7 +202,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     Ok(PathAnswer {
         dimension,
         is_marginal: is_marginal(from) || is_marginal(to),
-        notes: notes(&problem.settings, &*problem.material),
+        notes,
         settings: problem.settings.effective(),
         loading: None,
         from: *from.components(),

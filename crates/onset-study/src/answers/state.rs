@@ -300,7 +300,8 @@ fn discretization_answer(
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
-    let named = mode_name::name(problem, mode, &analysis.spatial(f, &mode.wave_vector));
+    let spatial = analysis.spatial(f, &mode.wave_vector);
+    let named = mode_name::name(problem, mode, &spatial, spectrum.maximum_omega);
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
         mode: named,

@@ -77,6 +77,22 @@ impl Settings {
         )
     }
 
+    /// The moduli that were set instead of parameters, and the keys of the parameters that follow from them.
+    pub(crate) fn moduli(&self) -> (Vec<(&'static str, Choice)>, Vec<String>) {
+        let moduli = KEYS.iter().filter(|key| key.is_modulus());
+        let moduli = moduli.filter_map(|key| {
+            let choice = Choice {
+                value: self.material.modulus(key.parts().1)?.clone(),
+                default: false,
+                unit: self.unit(key),
+            };
+            Some((key.name, choice))
+        });
+        let follows = self.material.of_moduli();
+        let follows = follows.map(|name| format!("material.{name}"));
+        (moduli.collect(), follows.collect())
+    }
+
     fn choice(&self, key: &'static Key) -> Option<(&'static str, Choice)> {
         let value = self.value(key.name)?;
         let default = Some(&value) == self.default_of(key).as_ref();
@@ -151,7 +167,7 @@ impl Effective {
                 let unit = choice
                     .unit
                     .map_or_else(String::new, |unit| format!(" {unit}"));
-                format!("{name} {}{unit}", crate::number::exact(*number))
+                format!("{name} {}{unit}", as_set(*number))
             }
             Value::Switch(true) => name.to_owned(),
             Value::Switch(false) => format!("not {name}"),
@@ -204,6 +220,16 @@ impl Effective {
     pub fn caption(&self) -> String {
         let (material, method) = (self.law(), self.method());
         format!("Material: {material}. Method: {method}.")
+    }
+}
+
+/// A number as it was set; one with more digits than one types, as it follows from others, with six.
+fn as_set(number: f64) -> String {
+    let exact = crate::number::exact(number);
+    let digits = exact.split('e').next().unwrap_or_default();
+    match digits.chars().filter(char::is_ascii_digit).count() > 12 {
+        true => crate::number::told(number),
+        false => exact,
     }
 }
 
