@@ -92,7 +92,7 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
 /// Perturbation theory: an eigenvalue at a distance `d` from the next one moves by some `noise * norm / d`, two that coincide
 /// part by some `sqrt(noise * norm)`. So one that is apart from all others keeps an imaginary part just above the noise.
 pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
-    const SAFETY: f64 = 4.0;
+    const SAFETY: f64 = 32.0;
     let explained = |n: usize| {
         let others = values.iter().enumerate().filter(|(m, _)| *m != n);
         let distance = others
