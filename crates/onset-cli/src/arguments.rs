@@ -136,10 +136,17 @@ pub enum Command {
             required_unless_present = "path"
         )]
         wave_vector: Option<String>,
-        /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
-        #[arg(long, conflicts_with = "wave_vector")]
-        path: bool,
-        /// Folder for dispersion.svg, dispersion.png and dispersion.csv.
+        /// Draw a dispersion diagram along the points of high symmetry that the state tells apart, or along a path of your own: their
+        /// names (G-M-K-G), or points in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave
+        /// vector k* is added.
+        #[arg(
+            long,
+            value_name = "POINTS",
+            num_args = 0..=1,
+            conflicts_with = "wave_vector"
+        )]
+        path: Option<Option<String>>,
+        /// Folder for dispersion.svg, dispersion.png, dispersion.csv and density-of-states.csv.
         #[arg(
             long,
             value_name = "DIR",

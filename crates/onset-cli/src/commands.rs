@@ -92,7 +92,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             problem,
             strain,
             wave_vector,
-            path: _,
+            path,
             out,
         } => {
             let json = problem.json;
@@ -100,7 +100,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let strain = strain.build(&problem)?;
             match wave_vector {
                 Some(wave_vector) => print(&Waves::new(&problem, &strain, &wave_vector)?, json),
-                None => diagram(&problem, &strain, &out, json),
+                None => diagram(&problem, &strain, path.flatten().as_deref(), &out, json),
             }
         }
         Command::Path { problem, from, to } => {
@@ -296,26 +296,31 @@ impl StrainArguments {
 fn diagram(
     problem: &Problem,
     strain: &Strain,
+    path: Option<&str>,
     out: &Path,
     json: bool,
 ) -> Result<ExitCode, Failure> {
-    let output = Output::at(out, &["dispersion.svg", "dispersion.png", "dispersion.csv"])?;
-    let diagram = Diagram::new(problem, strain)?;
+    let names = [
+        "dispersion.svg",
+        "dispersion.png",
+        "dispersion.csv",
+        "density-of-states.csv",
+    ];
+    let output = Output::at(out, &names)?;
+    let diagram = Diagram::new(problem, strain, path)?;
     let mut files = diagram
         .figure("Waves in the particles and in the continuum")
         .files("dispersion")
         .map_err(Failure::machine)?;
     files.push(text("dispersion.csv", diagram.csv()));
+    files.push(text("density-of-states.csv", diagram.density_csv()));
     let written = output.write(&files)?;
     if json {
         return print_json(&diagram);
     }
-    let names = named(&written);
-    let [first, second, third] = &names[..] else {
-        return Ok(ExitCode::SUCCESS);
-    };
     print_text(&format!(
-        "wrote {first}, {second} and {third}\n\n{}",
+        "wrote {}\n\n{}",
+        named(&written).join(", "),
         diagram.told()
     ))
 }

@@ -1,6 +1,7 @@
 //! Answers to single questions: a state, a dispersion relation, a path. Serializable, and readable.
 
 mod certificate;
+mod diagram;
 mod dispersion;
 mod mode;
 mod next;
@@ -10,9 +11,11 @@ mod problem;
 mod sentence;
 mod state;
 mod summary;
+mod zone_path;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
-pub use dispersion::{Diagram, DispersionAnswer, Waves};
+pub use diagram::{Corner, CriticalWave, DensityOfStates, Diagram};
+pub use dispersion::{DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};

@@ -14,9 +14,6 @@ use onset::verdict::{Assessment, Verdict};
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
 
-/// A gradient norm, or a squared relative frequency, that is zero to rounding.
-const NO_ENERGY: f64 = 1e-10;
-
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
     searched: (Verdict, Stability),
@@ -57,9 +54,6 @@ pub(super) fn of<const D: usize>(
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
                 let share = assessment.gradient_norm.max(0.0).sqrt();
                 match method.kernel() {
-                    _ if assessment.gradient_norm <= NO_ENERGY => format!(
-                        " Beware: the softest mode, {wave}, is a zero-energy mode, which nothing but the stress of this state holds."
-                    ),
                     Some(_) => format!(
                         " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
                         told(100.0 * share)
@@ -89,22 +83,25 @@ pub(super) fn of<const D: usize>(
             vector(assessment.material.minimum.direction.as_slice())
         ),
         Verdict::RankDeficient => {
-            let frame = method.kernel().map(|method| method.discretization().frame);
-            let when = match frame {
-                Some(Frame::Lagrangian) => "at any state",
-                _ => "at this state",
-            };
             let which = if mode.is_long_wave {
                 let along = method.spatial(f, &mode.wave_vector).normalize();
-                format!("even long waves along {} have", vector(along.as_slice()))
+                format!("long waves along {}", vector(along.as_slice()))
             } else {
-                format!("a wave of {wave} has")
+                wave
+            };
+            let frame = method.kernel().map(|method| method.discretization().frame);
+            let when = if frame == Some(Frame::Lagrangian) {
+                ", at any state"
+            } else if spectrum.softest.scaled > spectrum.tolerance {
+                "; only the stress of this state resists it"
+            } else {
+                ""
             };
             format!(
-                "Not usable as it is although the material is stable: the {} rank-deficient, {which} no energy, {when}.",
+                "Not usable as it is although the material is stable: it has zero-energy modes. The {} sees no strain in a wave ({which}){when}.",
                 match family {
-                    Family::Kernel | Family::FiniteElements => "quadrature is",
-                    _ => "discretization is",
+                    Family::Kernel | Family::FiniteElements => "quadrature",
+                    _ => "discretization",
                 }
             )
         }

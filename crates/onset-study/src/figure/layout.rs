@@ -276,7 +276,15 @@ fn box_size(panel: &Panel, width: f64) -> (f64, f64) {
     if !panel.equal_aspect || panel.x.scale != panel.y.scale {
         // Names below each other need their lines.
         let names = panel.y.ticks.as_ref().map_or(0, Vec::len);
-        return (width, (0.75 * width).round().max(NAME * names as f64));
+        let wider = if panel.width.is_finite() {
+            panel.width.clamp(0.1, 10.0)
+        } else {
+            1.0
+        };
+        return (
+            (wider * width).round(),
+            (0.75 * width).round().max(NAME * names as f64),
+        );
     }
     // Beyond a shape of 1 to 8 a panel is a line; there the longer side is cut rather than the figure.
     let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);

@@ -73,6 +73,8 @@ pub struct Panel {
     pub y: Axis,
     /// One unit (one decade on logarithmic axes) is as long in x as in y.
     pub equal_aspect: bool,
+    /// Width of the box in usual ones; panels with an equal aspect take no notice.
+    pub width: f64,
     /// What is drawn, from back to front.
     pub layers: Vec<Layer>,
 }
@@ -190,6 +192,7 @@ impl Panel {
             x,
             y,
             equal_aspect: false,
+            width: 1.0,
             layers: Vec::new(),
         }
     }
@@ -197,6 +200,12 @@ impl Panel {
     /// Make one unit as long in x as in y.
     pub fn equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
+        self
+    }
+
+    /// Make it so many times as wide as usual, and as high as usual.
+    pub fn wider(mut self, width: f64) -> Self {
+        self.width = width;
         self
     }
 

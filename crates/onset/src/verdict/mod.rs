@@ -24,7 +24,7 @@ use crate::bloch::{
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
-use crate::method::{Method, MethodError};
+use crate::method::{Frame, Method, MethodError};
 
 /// To whom the first instability belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,7 +38,8 @@ pub enum Verdict {
     Stable,
     /// Ellipticity is lost, and the discretization says so for long waves too: a faithful answer.
     Material,
-    /// The material's waves do not grow, but a mode of finite wavelength has no energy at any state.
+    /// No wave grows, but the method has zero-energy modes: the strains that it sees of its softest wave vanish, so that nothing but the
+    /// stress of the state, if anything, resists it.
     RankDeficient,
     /// The method's own instability: modes grow although the material's waves do not, or although its
     /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign
@@ -185,7 +186,7 @@ pub fn assess<const D: usize>(
 
     let softest = &spectrum.softest;
     let gradient_norm = gradient_norm_of(method, f, &search, softest)?;
-    let has_zero_mode = softest.scaled.abs() <= spectrum.tolerance && gradient_norm <= ZERO_ENERGY;
+    let has_zero_mode = is_zero_energy(gradient_norm);
     let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
     let verdict = decided(
         continuum.ellipticity(),
@@ -199,6 +200,13 @@ pub fn assess<const D: usize>(
         spectrum,
         gradient_norm,
     })
+}
+
+/// Whether a mode strains no point of the discretization, by the squared norm of its discrete gradient over that of the exact one. In a
+/// stressed state its `omega^2` need not vanish: forces of the stress can resist it, but no stiffness does, and a state with other
+/// stresses lets it go.
+fn is_zero_energy(gradient_norm: f64) -> bool {
+    gradient_norm <= ZERO_ENERGY
 }
 
 /// The squared norm of the discrete gradient of a mode over that of the exact gradient.
@@ -261,8 +269,11 @@ pub fn judge<const D: usize>(
     let matrix = dynamical_matrix(method, material, f)?;
     let (stability, measure) = search.stability(&matrix);
     let is_stable = stability == Stability::Stable;
-    if is_stable && !ellipticity.is_lost() && measure <= search.tolerance(&matrix) {
-        // Zero to rounding: whether a mode has no energy takes the mode itself.
+    // A zero-energy mode of a Lagrangian kernel has the measure zero; on an Eulerian one the stress acts too.
+    let is_zero = measure <= search.tolerance(&matrix);
+    let is_eulerian = method.discretization().frame == Frame::Eulerian;
+    if is_stable && !ellipticity.is_lost() && (is_zero || is_eulerian) {
+        // Whether a mode has no energy takes the mode itself.
         return Ok((assess(method, material, f)?.verdict, stability));
     }
     // Only where both are unstable do the long waves tell to whom it belongs.

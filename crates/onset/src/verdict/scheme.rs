@@ -168,14 +168,11 @@ impl<'a, const D: usize> SchemeSurvey<'a, D> {
         Ok((phase, spectrum.softest.scaled))
     }
 
-    /// Whether the softest mode has no energy, neither at the state nor at rest, where those of the material have.
+    /// Whether the softest mode is a zero-energy mode: it has no energy at rest, where all waves of the material have. What resists it at
+    /// the state, if anything does, is its stress.
     fn has_zero_mode(&self, spectrum: &SpectrumSummary<D>) -> bool {
         let softest = &spectrum.softest;
-        let is_material = !self.is_elliptic_at_rest;
-        if is_material
-            || softest.is_long_wave
-            || softest.scaled.abs() > spectrum.tolerance.max(ZERO)
-        {
+        if !self.is_elliptic_at_rest || softest.is_long_wave {
             return false;
         }
         let k = &softest.wave_vector;

@@ -1,8 +1,10 @@
 //! Many states of one method and material: what depends on neither state nor wave vector is computed once.
 
-use super::{Assessment, Verdict, decided, finite, gradient_norm_of, speed_squared};
+use super::{
+    Assessment, Verdict, decided, finite, gradient_norm_of, is_zero_energy, speed_squared,
+};
 use crate::bloch::{
-    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZERO_ENERGY, ZoneSearch,
+    GradientMoments, Local, MomentExtremes, SpectrumSummary, Stability, ZoneSearch,
     dynamical_matrix, dynamical_matrix_with,
 };
 use crate::continuum::{AcousticMinimum, plane_minimum};
@@ -176,9 +178,8 @@ impl<const D: usize> Survey<D> {
         };
         let spectrum = finite(search.summary(&matrix))?;
         let softest = &spectrum.softest;
-        let is_zero = softest.scaled.abs() <= spectrum.tolerance;
-        let has_zero_mode =
-            is_zero && gradient_norm_of(&self.method, f, &search, softest)? <= ZERO_ENERGY;
+        let has_zero_mode = spectrum.is_stable()
+            && is_zero_energy(gradient_norm_of(&self.method, f, &search, softest)?);
         Ok(SurveyedState::of_spectrum(
             stiffness.minimum(),
             &spectrum,

@@ -1,0 +1,366 @@
+//! Paths through the Brillouin zone of a deformed state: which points of high symmetry it tells apart, and paths that are typed.
+
+use super::problem::{ProblemError, numbers};
+use nalgebra::{SMatrix, SVector};
+use onset::algebra::Complex;
+use onset::lattice::{BravaisLattice, Fractional};
+use std::f64::consts::TAU;
+
+/// The name of `k = 0`.
+const GAMMA: &str = "Γ";
+/// The name of the critical wave vector.
+pub(super) const CRITICAL: &str = "k*";
+/// The name of the point where the zone ends beyond it.
+const EDGE: &str = "∂";
+/// Wave vectors of no symmetry, in units of the reciprocal vectors.
+const GENERIC: [[f64; 3]; 3] = [
+    [0.237_068_1, 0.396_871_4, 0.141_592_7],
+    [0.414_213_6, 0.118_033_9, 0.302_775_6],
+    [0.087_298_3, 0.267_949_2, 0.449_489_7],
+];
+/// Squared frequencies that differ by less, relative to the largest, are the same.
+const SAME: f64 = 1e-8;
+/// Coordinates in units of the reciprocal vectors that differ by less are the same.
+const NEAR: f64 = 1e-7;
+
+/// A named wave vector.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Stop<const D: usize> {
+    /// Its name.
+    pub(super) name: String,
+    /// The reference wave vector.
+    pub(super) wave_vector: SVector<f64, D>,
+}
+
+/// Pieces of a path, each a chain of wave vectors; between pieces it jumps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct ZonePath<const D: usize>(pub(super) Vec<Vec<Stop<D>>>);
+
+impl<const D: usize> ZonePath<D> {
+    /// Adds a chain: to the last one, where it starts at the end of that.
+    fn add(&mut self, chain: Vec<Stop<D>>) {
+        let follows = |last: &Vec<Stop<D>>| {
+            let ends = last.last().zip(chain.first());
+            ends.is_some_and(|(end, start)| end.wave_vector == start.wave_vector)
+        };
+        match self.0.last_mut().filter(|last| follows(last)) {
+            Some(last) => last.extend(chain.into_iter().skip(1)),
+            None => self.0.push(chain),
+        }
+    }
+
+    /// Adds the line through a wave vector: from zero to it, and on to the end of the zone, `reach` times as far.
+    pub(super) fn through(&mut self, k: &SVector<f64, D>, reach: f64) {
+        let mut chain = vec![Stop::new(GAMMA, SVector::zeros()), Stop::new(CRITICAL, *k)];
+        if reach.is_finite() && reach > 1.0 + NEAR {
+            chain.push(Stop::new(EDGE, k * reach));
+        }
+        self.add(chain);
+    }
+}
+
+impl<const D: usize> Stop<D> {
+    fn new(name: impl Into<String>, wave_vector: SVector<f64, D>) -> Self {
+        Self {
+            name: name.into(),
+            wave_vector,
+        }
+    }
+}
+
+/// The points of high symmetry of a lattice that a state tells apart.
+///
+/// A rotation or reflection of the undeformed lattice is a symmetry of the state if waves of no symmetry keep their frequencies under
+/// it: whatever breaks it (the deformation, fibers of the material, one family of stress points, a grid beside the particles) shows in
+/// them. Points that such a map takes to each other, or to opposite ones, have the same waves, and one of them is enough.
+pub(super) struct SymmetryPoints<const D: usize> {
+    lattice: BravaisLattice<D>,
+    holohedry: Vec<SMatrix<f64, D, D>>,
+    /// Those of the holohedry that are symmetries of the state.
+    of_state: Vec<SMatrix<f64, D, D>>,
+    /// The usual path, of which the names are.
+    route: Vec<(&'static str, SVector<f64, D>)>,
+    /// The points, with `k = 0` first: the images of one name as `M`, `M′`, `M″`.
+    points: Vec<Stop<D>>,
+}
+
+impl<const D: usize> SymmetryPoints<D> {
+    /// For a lattice with the usual path in its undeformed state, and the squared frequencies of the waves of a state.
+    pub(super) fn new(
+        lattice: &BravaisLattice<D>,
+        route: &[(&'static str, Fractional<D>)],
+        omega_squared: impl Fn(&SVector<f64, D>) -> Vec<Complex>,
+    ) -> Self {
+        let holohedry = lattice.holohedry();
+        let generic = GENERIC.map(|place| lattice.reciprocal() * SVector::from_fn(|i, _| place[i]));
+        let own = generic.map(|k| omega_squared(&k));
+        let keeps = |map: &&SMatrix<f64, D, D>| {
+            let waves = generic.iter().zip(&own);
+            waves
+                .into_iter()
+                .all(|(k, own)| is_same_spectrum(own, &omega_squared(&(*map * k))))
+        };
+        let of_state = holohedry.iter().filter(keeps).copied().collect();
+        let wave_vector =
+            |(name, place): &(&'static str, Fractional<D>)| (*name, lattice.reciprocal() * place);
+        let mut symmetry = Self {
+            lattice: *lattice,
+            holohedry,
+            of_state,
+            route: route.iter().map(wave_vector).collect(),
+            points: vec![Stop::new(GAMMA, SVector::zeros())],
+        };
+        symmetry.name_points();
+        symmetry
+    }
+
+    fn name_points(&mut self) {
+        for (name, k) in self.route.clone() {
+            for map in self.holohedry.clone() {
+                let image = map * k;
+                if self.known(&image).is_none() {
+                    let images = self.points.iter().filter(|p| p.name.starts_with(name));
+                    let primes = "′".repeat(images.count());
+                    self.points
+                        .push(Stop::new(format!("{name}{primes}"), image));
+                }
+            }
+        }
+    }
+
+    /// The number of the point that has the same waves as a wave vector by symmetry.
+    fn known(&self, k: &SVector<f64, D>) -> Option<usize> {
+        let is_lattice_vector = |difference: SVector<f64, D>| {
+            let place = self.lattice.vectors().transpose() * difference / TAU;
+            (place - place.map(f64::round)).amax() < NEAR
+        };
+        self.points.iter().position(|point| {
+            self.of_state.iter().any(|map| {
+                let image = map * point.wave_vector;
+                is_lattice_vector(image - k) || is_lattice_vector(image + k)
+            })
+        })
+    }
+
+    /// The name of a wave vector, where it is a point of high symmetry.
+    pub(super) fn name(&self, k: &SVector<f64, D>) -> Option<&str> {
+        self.known(k)
+            .map(|number| self.points[number].name.as_str())
+    }
+
+    /// The usual path, and loops from `k = 0` through the images of its points that the state tells apart from them.
+    pub(super) fn path(&self) -> ZonePath<D> {
+        let mut path = ZonePath::default();
+        let mut visited = vec![false; self.points.len()];
+        let stop = |k: SVector<f64, D>| Stop::new(self.name(&k).unwrap_or_default(), k);
+        for (_, k) in &self.route {
+            if let Some(number) = self.known(k) {
+                visited[number] = true;
+            }
+        }
+        path.add(self.route.iter().map(|(_, k)| stop(*k)).collect());
+        loop {
+            // The points that an image of the path adds, in its order.
+            let added = |map: &SMatrix<f64, D, D>| {
+                let mut numbers: Vec<(usize, SVector<f64, D>)> = Vec::new();
+                for (_, k) in &self.route {
+                    let image = map * k;
+                    let new = self.known(&image).filter(|number| !visited[*number]);
+                    let is_new = |number: &usize| numbers.iter().all(|(known, _)| known != number);
+                    if let Some(number) = new.filter(is_new) {
+                        numbers.push((number, image));
+                    }
+                }
+                numbers
+            };
+            // Of images with equally many the first.
+            let most = self.holohedry.iter().map(added).reduce(|best, other| {
+                if other.len() > best.len() {
+                    other
+                } else {
+                    best
+                }
+            });
+            let Some(loop_points) = most.filter(|points| !points.is_empty()) else {
+                return path;
+            };
+            for (number, _) in &loop_points {
+                visited[*number] = true;
+            }
+            let zero = || std::iter::once(stop(SVector::zeros()));
+            let points = loop_points.into_iter().map(|(_, k)| stop(k));
+            path.add(zero().chain(points).chain(zero()).collect());
+        }
+    }
+
+    /// A path as it is typed: labels joined by hyphens (`G-M-K-G`), or points in units of the reciprocal vectors and labels, separated
+    /// by semicolons (`0,0; 0.5,0; K`); a bar (`G-X|K-G`) jumps.
+    ///
+    /// # Errors
+    /// [`ProblemError`] where a label is unknown, a point has another dimension, or a chain has less than two points.
+    pub(super) fn typed(&self, text: &str) -> Result<ZonePath<D>, ProblemError> {
+        let mut path = ZonePath::default();
+        for chain in text.split('|') {
+            let separators: &[char] = match chain.contains([',', ';']) {
+                true => &[';'],
+                false => &['-', '–', '—', '→'],
+            };
+            let stops: Vec<Stop<D>> = chain
+                .split(separators)
+                .map(|word| self.typed_stop(word.trim()))
+                .collect::<Result<_, _>>()?;
+            if stops.len() < 2 {
+                return Err(ProblemError::Numbers {
+                    what: "--path",
+                    given: stops.len(),
+                    expected: "at least two points, for example G-M-K-G".to_owned(),
+                });
+            }
+            path.add(stops);
+        }
+        Ok(path)
+    }
+
+    fn typed_stop(&self, word: &str) -> Result<Stop<D>, ProblemError> {
+        let label = match word {
+            "G" | "g" | "Gamma" | "gamma" | "γ" => GAMMA.to_owned(),
+            _ => word.replace('\'', "′"),
+        };
+        if let Some(point) = self.points.iter().find(|point| point.name == label) {
+            return Ok(point.clone());
+        }
+        // What starts like a number, or has several parts, is meant as a point.
+        let starts = word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        if !starts && !(D > 1 && word.contains(',')) {
+            return Err(ProblemError::ZonePoint {
+                label: word.to_owned(),
+                known: self.points.iter().map(|point| point.name.clone()).collect(),
+            });
+        }
+        let place = numbers("--path", word)?;
+        if place.len() != D {
+            return Err(ProblemError::Numbers {
+                what: "a point of --path",
+                given: place.len(),
+                expected: D.to_string(),
+            });
+        }
+        let k = self.lattice.reciprocal() * SVector::from_fn(|i, _| place[i]);
+        let name = self
+            .name(&k)
+            .map_or_else(|| format!("({word})"), str::to_owned);
+        Ok(Stop::new(name, k))
+    }
+}
+
+/// Whether two sets of squared frequencies are the same to rounding, in any order.
+fn is_same_spectrum(a: &[Complex], b: &[Complex]) -> bool {
+    let size = a
+        .iter()
+        .chain(b)
+        .map(|value| value.norm())
+        .fold(0.0, f64::max);
+    let mut left: Vec<&Complex> = b.iter().collect();
+    a.len() == b.len()
+        && a.iter().all(|value| {
+            // The opposite wave has the complex conjugate.
+            let is_same = |other: &&Complex| {
+                let distance = (value - *other).norm().min((value - other.conj()).norm());
+                distance <= SAME * size
+            };
+            let place = left.iter().position(is_same);
+            place.map(|place| left.swap_remove(place)).is_some()
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use onset::lattice::Arrangement;
+
+    /// Waves of springs between a particle and its neighbors in a state that stretches the axes.
+    fn springs<const D: usize>(
+        lattice: &BravaisLattice<D>,
+        stretches: [f64; 3],
+    ) -> impl Fn(&SVector<f64, D>) -> Vec<Complex> {
+        let short: Vec<SVector<f64, D>> = lattice
+            .holohedry()
+            .iter()
+            .map(|map| map * lattice.vectors().column(0))
+            .collect();
+        move |k| {
+            let spring = |a: &SVector<f64, D>| {
+                let deformed = SVector::<f64, D>::from_fn(|i, _| stretches[i] * a[i]);
+                (1.0 - k.dot(a).cos()) / deformed.norm_squared()
+            };
+            vec![Complex::new(short.iter().map(spring).sum(), 0.0)]
+        }
+    }
+
+    fn names<const D: usize>(arrangement: Arrangement, stretches: [f64; 3]) -> Vec<String> {
+        let lattice = arrangement.lattice::<D>(1.0).unwrap();
+        let route = arrangement.zone_path::<D>();
+        let symmetry = SymmetryPoints::new(&lattice, &route, springs(&lattice, stretches));
+        let path = symmetry.path();
+        let visited = |name: &str| path.0.iter().flatten().any(|stop| stop.name == name);
+        assert!(symmetry.points.iter().all(|point| visited(&point.name)));
+        symmetry
+            .points
+            .into_iter()
+            .map(|point| point.name)
+            .collect()
+    }
+
+    #[test]
+    fn points_are_told_apart_as_far_as_the_state_does() {
+        assert_eq!(names::<2>(Arrangement::Square, [1.0; 3]), ["Γ", "X", "M"]);
+        assert_eq!(
+            names::<2>(Arrangement::Square, [1.2, 1.0, 1.0]),
+            ["Γ", "X", "X′", "M"]
+        );
+        assert_eq!(
+            names::<2>(Arrangement::Hexagonal, [1.0; 3]),
+            ["Γ", "M", "K"]
+        );
+        let hexagonal = names::<2>(Arrangement::Hexagonal, [1.2, 1.0, 1.0]);
+        // Of the three midpoints of edges two are mirror images; all corners are opposite ones, or the same, up to reciprocal vectors.
+        assert_eq!(hexagonal, ["Γ", "M", "M′", "K"]);
+        assert_eq!(
+            names::<3>(Arrangement::SimpleCubic, [1.0; 3]),
+            ["Γ", "X", "M", "R"]
+        );
+        let orthorhombic = names::<3>(Arrangement::SimpleCubic, [1.1, 1.0, 0.9]);
+        assert_eq!(orthorhombic, ["Γ", "X", "X′", "X″", "M", "M′", "M″", "R"]);
+        assert_eq!(names::<1>(Arrangement::Chain, [1.3; 3]), ["Γ", "X"]);
+    }
+
+    #[test]
+    fn typed_paths_have_labels_points_and_jumps() {
+        let lattice = Arrangement::Hexagonal.lattice::<2>(1.0).unwrap();
+        let route = Arrangement::Hexagonal.zone_path::<2>();
+        let waves = springs(&lattice, [1.0; 3]);
+        let symmetry = SymmetryPoints::new(&lattice, &route, waves);
+        let told = |text: &str| -> Vec<Vec<String>> {
+            let path = symmetry.typed(text).unwrap();
+            let names = |chain: &Vec<Stop<2>>| chain.iter().map(|s| s.name.clone()).collect();
+            path.0.iter().map(names).collect()
+        };
+        assert_eq!(told("G-M-K-G"), [["Γ", "M", "K", "Γ"]]);
+        assert_eq!(told("Γ–M|K-G"), [["Γ", "M"], ["K", "Γ"]]);
+        assert_eq!(
+            told("0,0; 0.5,0; 0.1,0.2; K"),
+            [["Γ", "M", "(0.1,0.2)", "K"]]
+        );
+        for wrong in [
+            "G",
+            "",
+            "G-Q",
+            "0,0;1",
+            "0,0,0;1,1,1",
+            "study.toml",
+            "0,0;x,1",
+        ] {
+            assert!(symmetry.typed(wrong).is_err(), "{wrong}");
+        }
+    }
+}
