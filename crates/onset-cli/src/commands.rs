@@ -135,6 +135,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
+                until: None,
             };
             let study = study(&file, &assignments, &trust.trust())?;
             boundary::boundary(&study, tracing, &out, json)
@@ -143,13 +144,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Modes(arguments) => modes::modes(&arguments),
         Command::Tune(arguments) => tune::tune(&arguments),
         Command::Recommend(arguments) => compare::recommend(&arguments),
-        Command::Plot {
-            stores,
-            field,
-            no_trace,
-            out,
-            trust,
-        } => plot::plot(&stores, &field, !no_trace, &trust.trust(), &out),
+        Command::Plot(arguments) => plot::plot(&arguments),
         Command::Reproduce { out, json } => reproduce(&out, json),
     }
 }

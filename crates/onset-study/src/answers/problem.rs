@@ -79,6 +79,9 @@ pub enum ProblemError {
         /// The names of this state.
         known: Vec<String>,
     },
+    /// A question that was given a time.
+    #[error("there was not enough time")]
+    OutOfTime,
     /// A number that is not finite.
     #[error("{what} holds {value}; all its numbers must be finite")]
     NotFinite {

@@ -1,7 +1,7 @@
-//! Figures: axes, layers and their rendering to SVG and PNG.
+//! Figures: axes, layers and their rendering to SVG, PNG and PDF.
 //!
-//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG and a PNG that show
-//! the same picture on every machine: both are drawn from the same outlines, and the letters are outlines of an embedded
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG, a PNG and a PDF that show
+//! the same picture on every machine: all are drawn from the same outlines, and the letters are outlines of an embedded
 //! font. (In the SVG each line of text keeps its words in an `aria-label`.)
 //!
 //! ```
@@ -33,13 +33,14 @@ mod layer;
 mod layout;
 mod legend;
 pub mod palette;
+mod pdf;
 mod pen;
 mod scene;
 
 pub use axis::{Axis, Scale};
 pub use color::{Color, ColorMap};
 pub use layer::{
-    Arrows, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
+    Arrows, Ball, Balls, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
 };
 pub use legend::{LegendEntry, Symbol};
 
@@ -60,6 +61,8 @@ pub struct Figure {
     pub columns: usize,
     /// The legend below the panels; collected from the layers if empty.
     pub legend: Vec<LegendEntry>,
+    /// Width and height of the box of a panel in pixels, of which an inch has 96; with an equal aspect the largest. As usual if `None`.
+    pub panel_size: Option<(f64, f64)>,
 }
 
 /// Two axes and what is drawn between them.
@@ -155,6 +158,11 @@ impl Figure {
     /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
         layout::scene(self).to_png()
+    }
+
+    /// The same picture as a PDF of one page, as large as it is in pixels of 1/96 inch.
+    pub fn to_pdf(&self) -> Vec<u8> {
+        layout::scene(self).to_pdf()
     }
 
     /// The picture as the files `name.svg` and `name.png`.
