@@ -151,7 +151,8 @@ fn a_field_has_a_label_with_its_unit() {
         let asked = Plot {
             stores: std::slice::from_ref(&store),
             field: name,
-            traced: false,
+            boundaries: Lines::OfCells,
+            look: Look::default(),
         };
         let error = plot(&asked, &()).expect_err("not a field of numbers");
         assert!(
@@ -217,7 +218,8 @@ fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
     let asked = Plot {
         stores: &[first, other],
         field: "verdict",
-        traced: true,
+        boundaries: Lines::Traced,
+        look: Look::default(),
     };
     let error = plot(&asked, &()).expect_err("another material");
     assert!(
