@@ -5,6 +5,7 @@ use crate::printing::PrintingArguments;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
+use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::notions::{Lateral, Mode, Range as Stretches};
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
@@ -213,10 +214,17 @@ pub enum Command {
             required_unless_present = "path"
         )]
         wave_vector: Option<String>,
-        /// Draw a dispersion diagram along the usual path (hexagonal G-M-K-G, square G-X-M-G, chain G-X).
-        #[arg(long, conflicts_with = "wave_vector")]
-        path: bool,
-        /// Folder for dispersion.svg, dispersion.png and dispersion.csv; nothing is written without it.
+        /// Draw a dispersion diagram along the points of high symmetry that the state tells apart, or along a path of your own: their
+        /// names (G-M-K-G), or points in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave
+        /// vector k* is added.
+        #[arg(
+            long,
+            value_name = "POINTS",
+            num_args = 0..=1,
+            conflicts_with = "wave_vector"
+        )]
+        path: Option<Option<String>>,
+        /// Folder for dispersion.svg, dispersion.png, dispersion.csv and density-of-states.csv; nothing is written without it.
         #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
         out: Option<PathBuf>,
     },
@@ -312,24 +320,7 @@ pub enum Command {
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
     /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
-    Plot {
-        /// Stores that `onset map` has written.
-        #[arg(value_name = "STORE", required = true)]
-        stores: Vec<PathBuf>,
-        /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
-        /// critical_time_step or lowest_omega_squared; of a certified map also certainty and certainty_material.
-        #[arg(long, value_name = "FIELD", default_value = "verdict")]
-        field: String,
-        /// Do not trace the boundaries; take them from the cells of the map.
-        #[arg(long)]
-        no_trace: bool,
-        /// Where to write: NAME.svg or NAME.png (both are written), or a folder for map.svg and map.png.
-        #[arg(long, value_name = "PATH", default_value = ".")]
-        out: PathBuf,
-        /// What the stores may load.
-        #[command(flatten)]
-        trust: TrustArguments,
-    },
+    Plot(PlotArguments),
     /// Does a law have an energy, and is its tangent consistent?
     #[command(after_help = AUDIT_EXAMPLES, after_long_help = with_keys(AUDIT_EXAMPLES, &law_keys()))]
     Audit(AuditArguments),
@@ -405,6 +396,83 @@ pub struct ThresholdArguments {
     /// Verdicts may be wrong on this share of the window of states.
     #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
+}
+
+/// What to draw of which stores.
+#[derive(Debug, Args)]
+pub struct PlotArguments {
+    /// Stores that `onset map` has written.
+    #[arg(value_name = "STORE", required = true)]
+    pub stores: Vec<PathBuf>,
+    /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
+    /// critical_time_step or lowest_omega_squared; of a certified map also certainty and certainty_material.
+    #[arg(long, value_name = "FIELD", default_value = "verdict")]
+    pub field: String,
+    /// Trace the boundaries however long it takes, with gaps where they cannot be followed [default: for ten seconds, and only where no
+    /// axis varies material or method and they are found without gaps].
+    #[arg(long, conflicts_with = "no_trace")]
+    pub trace: bool,
+    /// Do not trace the boundaries; take them from the cells of the map.
+    #[arg(long)]
+    pub no_trace: bool,
+    /// Title of the figure [default: that of the study].
+    #[arg(long, value_name = "TEXT", help_heading = "Look")]
+    pub title: Option<String>,
+    /// Width and height of a panel in pixels, of which an inch has 96; with stretches on both axes the largest, for example 420,315.
+    #[arg(long, value_name = "W,H", value_parser = size, help_heading = "Look")]
+    pub size: Option<(f64, f64)>,
+    /// Limits of the horizontal axis.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
+    pub x_limits: Option<(f64, f64)>,
+    /// Limits of the vertical axis.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
+    pub y_limits: Option<(f64, f64)>,
+    /// Numbers at the ends of the color bar of a field; those beyond take the end colors [default: those that all but 1 % lie between].
+    #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
+    pub limits: Option<(f64, f64)>,
+    /// Colors of a field: viridis, cividis, grey, or red-blue with white at zero [default: red-blue where there are negative numbers,
+    /// otherwise viridis].
+    #[arg(long, value_name = "NAME", value_parser = color_map, help_heading = "Look")]
+    pub color_map: Option<ColorMap>,
+    /// Where to write: NAME.svg or NAME.png (both are written), NAME.pdf (all three), or a folder for map.svg and map.png.
+    #[arg(long, value_name = "PATH", default_value = ".")]
+    pub out: PathBuf,
+    /// What the stores may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
+}
+
+/// Two finite numbers, the first below the second.
+fn limits(text: &str) -> Result<(f64, f64), String> {
+    match two(text) {
+        Some((low, high)) if low < high => Ok((low, high)),
+        _ => Err("expected two numbers LOW,HIGH with LOW below HIGH, for example 0.5,2".to_owned()),
+    }
+}
+
+/// Two numbers of pixels.
+fn size(text: &str) -> Result<(f64, f64), String> {
+    let is_drawable = |pixels: f64| (40.0..=4000.0).contains(&pixels);
+    match two(text) {
+        Some((width, height)) if is_drawable(width) && is_drawable(height) => Ok((width, height)),
+        _ => Err(
+            "expected width and height in pixels from 40 to 4000, for example 420,315".to_owned(),
+        ),
+    }
+}
+
+fn two(text: &str) -> Option<(f64, f64)> {
+    let (first, second) = text.split_once(',')?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    Some((number(first)?, number(second)?))
+}
+
+fn color_map(text: &str) -> Result<ColorMap, String> {
+    let known = ColorMap::ALL.into_iter().find(|map| map.name() == text);
+    known.ok_or_else(|| {
+        let names = ColorMap::ALL.map(ColorMap::name);
+        format!("available are {}", names.join(", "))
+    })
 }
 
 /// What files may load.

@@ -102,7 +102,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             problem,
             strain,
             wave_vector,
-            path: _,
+            path,
             out,
         } => {
             let problem = problem.build()?;
@@ -112,7 +112,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                     let waves = Waves::new(&problem, &strain, &wave_vector)?;
                     printing::print(&waves, waves.to_string().trim_end(), None)
                 }
-                None => diagram(&problem, &strain, out.as_deref()),
+                None => diagram(&problem, &strain, path.flatten().as_deref(), out.as_deref()),
             }
         }
         Command::Path {
@@ -153,6 +153,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
+                until: None,
             };
             let study = study(&file, &assignments, &trust.trust())?;
             boundary::boundary(&study, tracing, out.as_deref())
@@ -161,13 +162,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Modes(arguments) => modes::modes(&arguments),
         Command::Tune(arguments) => tune::tune(&arguments),
         Command::Recommend(arguments) => compare::recommend(&arguments),
-        Command::Plot {
-            stores,
-            field,
-            no_trace,
-            out,
-            trust,
-        } => plot::plot(&stores, &field, !no_trace, &trust.trust(), &out),
+        Command::Plot(arguments) => plot::plot(&arguments),
         Command::Reproduce { out } => reproduce(&out),
     }
 }
@@ -359,10 +354,20 @@ impl StrainArguments {
     }
 }
 
-fn diagram(problem: &Problem, strain: &Strain, out: Option<&Path>) -> Result<ExitCode, Failure> {
-    let names = ["dispersion.svg", "dispersion.png", "dispersion.csv"];
+fn diagram(
+    problem: &Problem,
+    strain: &Strain,
+    path: Option<&str>,
+    out: Option<&Path>,
+) -> Result<ExitCode, Failure> {
+    let names = [
+        "dispersion.svg",
+        "dispersion.png",
+        "dispersion.csv",
+        "density-of-states.csv",
+    ];
     let output = out.map(|out| Output::at(out, &names)).transpose()?;
-    let diagram = Diagram::new(problem, strain)?;
+    let diagram = Diagram::new(problem, strain, path)?;
     let written = match output {
         Some(output) => {
             let mut files = diagram
@@ -370,6 +375,7 @@ fn diagram(problem: &Problem, strain: &Strain, out: Option<&Path>) -> Result<Exi
                 .files("dispersion")
                 .map_err(Failure::machine)?;
             files.push(text("dispersion.csv", diagram.csv()));
+            files.push(text("density-of-states.csv", diagram.density_csv()));
             output.write(&files)?
         }
         None => Vec::new(),

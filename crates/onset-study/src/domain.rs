@@ -57,6 +57,9 @@ impl Class {
     }
 }
 
+/// How often the cells of a map are halved so that it looks smooth.
+const HALVINGS: usize = 3;
+
 /// A map of a study: cell-centered states, the first stretch running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
@@ -75,6 +78,20 @@ impl Domain {
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
         evaluated(study, &problem)
+    }
+
+    /// The same map with eight states in the place of one along each axis, so that its boundaries look smooth: states are computed where
+    /// classes change around them, and are as their surroundings elsewhere.
+    ///
+    /// # Errors
+    /// As for [`Domain::of`].
+    pub fn smoothed(&self) -> Result<Self, ProblemError> {
+        let problem = Problem::new(self.study.settings.clone())?;
+        let mut finer = self.clone();
+        for _ in 0..HALVINGS {
+            finer = halved(&finer, &problem)?;
+        }
+        Ok(finer)
     }
 
     /// The map as a layer of a figure.
@@ -144,6 +161,42 @@ fn evaluated(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
         study: study.clone(),
         classes,
     })
+}
+
+/// The map with two states in the place of one along each axis.
+fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
+    let [first, second] = map.study.plane();
+    let (columns, rows) = (first.count, second.count);
+    let mut study = map.study.clone();
+    study.axes[0].count *= 2;
+    study.axes[1].count *= 2;
+    let of_state = |index: usize| {
+        let (column, row) = (index % (2 * columns), index / (2 * columns));
+        let own = map.classes[row / 2 * columns + column / 2];
+        // The states around it, among them that of which it is a part.
+        let around = |at: usize, count: usize| {
+            let (half, side) = (at / 2, at % 2);
+            let next = if side == 0 {
+                half.saturating_sub(1)
+            } else {
+                (half + 1).min(count - 1)
+            };
+            [half, next]
+        };
+        let neighbors = around(row, rows)
+            .into_iter()
+            .flat_map(|j| around(column, columns).map(|i| map.classes[j * columns + i]));
+        if neighbors.into_iter().all(|class| class == own) {
+            return Ok(own);
+        }
+        let f = study.deformation_at(&study.coordinates(index))?;
+        class(problem, &f)
+    };
+    let classes = (0..4 * columns * rows)
+        .into_par_iter()
+        .map(of_state)
+        .collect::<Result<_, ProblemError>>()?;
+    Ok(Domain { study, classes })
 }
 
 /// The class of one state.

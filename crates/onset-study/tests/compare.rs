@@ -303,3 +303,71 @@ fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
     assert_eq!(of("discretization.perturbation=0"), 3.0);
     of("discretization.perturbation=0.25");
 }
+
+#[test]
+fn a_page_says_where_the_material_stays_elliptic_and_draws_what_lies_beyond_the_window() {
+    use onset_study::figure::Layer;
+    let pair = |load, material, method| OnsetPair {
+        load,
+        material,
+        method,
+    };
+    let mut measured = good();
+    measured.onsets = vec![
+        pair(
+            Load::UniaxialTension,
+            StretchOnset::NotBefore(3.0),
+            StretchOnset::NotBefore(3.0),
+        ),
+        pair(
+            Load::UniaxialCompression,
+            StretchOnset::At(0.4),
+            StretchOnset::NotBefore(0.3),
+        ),
+        pair(
+            Load::EquibiaxialTension,
+            StretchOnset::NotBefore(3.0),
+            StretchOnset::At(1.5),
+        ),
+        pair(
+            Load::EquibiaxialCompression,
+            StretchOnset::NotBefore(0.3),
+            StretchOnset::Undefined(0.5),
+        ),
+    ];
+    let mut table = table(vec![("one", Ok(measured))]);
+    table.dimension = 2;
+    let page = table.html();
+    for told in [
+        "loses ellipticity at 0.4000 in uniaxial compression.",
+        "stays elliptic up to 3 in uniaxial tension, up to 3 in equibiaxial tension, up to 0.3 in",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+    assert!(!page.contains("ellipticity at &gt;") && !page.contains("ellipticity at >"));
+    let panel = &table.figure().panels[0];
+    let arrows = panel.layers.iter().filter_map(|layer| match layer {
+        Layer::Arrows(arrows) => Some(arrows),
+        _ => None,
+    });
+    let drawn: Vec<(f64, f64)> = arrows
+        .flat_map(|arrows| {
+            arrows
+                .from
+                .iter()
+                .zip(&arrows.to)
+                .map(|(from, to)| (from.0, to.0))
+        })
+        .collect();
+    assert_eq!(drawn.len(), 2);
+    let (low, high) = panel.x.range;
+    assert!(drawn[0].0 == 3.0 && drawn[0].1 > 3.0 && drawn[0].1 < high);
+    assert!(drawn[1].0 == 0.3 && drawn[1].1 < 0.3 && drawn[1].1 > low);
+    let crosses = panel.layers.iter().filter(|layer| match layer {
+        Layer::Points(points) => {
+            points.marker == onset_study::figure::Marker::Cross && !points.points.is_empty()
+        }
+        _ => false,
+    });
+    assert_eq!(crosses.count(), 1);
+}

@@ -352,3 +352,63 @@ fn a_picture_that_fits_no_memory_is_an_error() {
     figure.panels = vec![unit_panel(""); 1_000];
     assert!(matches!(figure.to_png(), Err(FigureError::Size { .. })));
 }
+
+#[test]
+fn a_pdf_holds_the_outlines_of_the_svg() {
+    use std::io::Read;
+    let panel = Panel::new(
+        "A (title)",
+        Axis::linear("x", (0.0, 1.0)),
+        Axis::linear("y", (0.0, 1.0)),
+    )
+    .with(Regions::of_words(
+        (0.0, 1.0),
+        (0.0, 1.0),
+        (2, 2),
+        ["stable", "kernel", "stable", "material"],
+    ))
+    .with(
+        Line::new(vec![(0.0, 0.0), (1.0, 1.0)])
+            .dashed()
+            .named("a line"),
+    );
+    let figure = Figure::new("Title").with(panel).caption("A caption.");
+    let pdf = figure.to_pdf();
+    assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
+    let place = |needle: &[u8]| {
+        pdf.windows(needle.len())
+            .position(|window| window == needle)
+    };
+    let start = place(b"stream\n").expect("a stream") + b"stream\n".len();
+    let end = place(b"endstream").expect("its end");
+    let mut content = String::new();
+    flate2::read::ZlibDecoder::new(&pdf[start..end])
+        .read_to_string(&mut content)
+        .expect("operators");
+    let count = |operator: &str| {
+        content
+            .lines()
+            .filter(|line| line.ends_with(operator))
+            .count()
+    };
+    // One upright page, filled and stroked areas, a dashed line, and letters as curves.
+    assert_eq!(count(" cm"), 1);
+    assert!(count("f") > 10, "letters and patches");
+    assert!(count("B") >= 3, "areas of three verdicts");
+    assert!(count("S") >= 2, "axes and the line");
+    assert!(count(" c") > 100, "curves of letters");
+    assert!(
+        count("] 0 d") > 0 && content.contains("[6.4 4] 0 d"),
+        "dashes"
+    );
+    assert!(!content.contains("NaN") && !content.contains("inf"));
+    // As wide as the SVG, 72 points and 96 pixels an inch.
+    let svg = figure.to_svg();
+    let width = svg
+        .split("width=\"")
+        .nth(1)
+        .and_then(|rest| rest.split('"').next());
+    let width: f64 = width.and_then(|text| text.parse().ok()).expect("a width");
+    let told = format!("/MediaBox [0 0 {}", 0.75 * width);
+    assert!(place(told.as_bytes()).is_some(), "{told}");
+}

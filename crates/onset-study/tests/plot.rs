@@ -2,7 +2,7 @@
 
 use onset_study::figure::{Layer, Panel, Symbol};
 use onset_study::map::{Plan, Watch};
-use onset_study::plot::{Plot, plot};
+use onset_study::plot::{Lines, Look, Plot, plot};
 use onset_study::settings::Study;
 use onset_study::store::ZarrStore;
 use std::path::PathBuf;
@@ -61,7 +61,12 @@ fn draw(stores: &[PathBuf], field: &str, traced: bool) -> onset_study::figure::F
     let asked = Plot {
         stores,
         field,
-        traced,
+        boundaries: if traced {
+            Lines::Traced
+        } else {
+            Lines::OfCells
+        },
+        look: Look::default(),
     };
     plot(&asked, &()).expect("a figure")
 }
@@ -146,7 +151,8 @@ fn a_field_has_a_label_with_its_unit() {
         let asked = Plot {
             stores: std::slice::from_ref(&store),
             field: name,
-            traced: false,
+            boundaries: Lines::OfCells,
+            look: Look::default(),
         };
         let error = plot(&asked, &()).expect_err("not a field of numbers");
         assert!(
@@ -212,11 +218,110 @@ fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
     let asked = Plot {
         stores: &[first, other],
         field: "verdict",
-        traced: true,
+        boundaries: Lines::Traced,
+        look: Look::default(),
     };
     let error = plot(&asked, &()).expect_err("another material");
     assert!(
         error.to_string().contains("they have different materials"),
         "{error}"
     );
+}
+
+/// Counts the states that are asked.
+#[derive(Default)]
+struct Asked(std::sync::atomic::AtomicU64);
+
+impl onset_study::boundary::Watch for Asked {
+    fn asked(&self, states: u64) {
+        self.0.fetch_add(states, Ordering::Relaxed);
+    }
+}
+
+fn drawn_best(store: PathBuf) -> (onset_study::figure::Figure, u64) {
+    let asked = Asked::default();
+    let plot_of = Plot {
+        stores: &[store],
+        field: "verdict",
+        boundaries: Lines::Best,
+        look: Look::default(),
+    };
+    let figure = plot(&plot_of, &asked).expect("a figure");
+    (figure, asked.0.into_inner())
+}
+
+#[test]
+fn the_boundaries_of_a_map_that_varies_the_method_are_taken_from_its_cells() {
+    let place = Place::new();
+    let text = "title = 'a'\n[discretization]\nframe = 'eulerian'\n[state]\nstretch-2 = 1.0\n\
+         [[axes]]\nquantity = 'stretch-1'\nrange = [0.7, 1.6]\nstates = 9\n\
+         [[axes]]\nquantity = 'discretization.support'\nrange = [1.4, 2.4]\nstates = 10\n";
+    let store = place.store("a", text, 10);
+    let (figure, asked) = drawn_best(store);
+    assert_eq!(asked, 0);
+    assert!(
+        names(&figure)
+            .iter()
+            .any(|name| name == "boundary of the particles")
+    );
+    // Those of a method at stretches are traced.
+    let store = place.store("b", &study("one", ""), 100);
+    let (figure, asked) = drawn_best(store.clone());
+    assert!(asked > 1000);
+    assert_eq!(figure, draw(&[store], "verdict", true));
+}
+
+#[test]
+fn tracing_ends_when_its_time_is_over() {
+    use onset_study::answers::ProblemError;
+    use onset_study::boundary::{Boundaries, BoundaryError, Tracing};
+    let study = Study::parse("study.toml", &study("one", "")).expect("a study");
+    let tracing = Tracing {
+        until: Some(std::time::Instant::now()),
+        ..Tracing::default()
+    };
+    let ended = Boundaries::of(&study, tracing, &());
+    assert!(matches!(
+        ended,
+        Err(BoundaryError::Problem(ProblemError::OutOfTime))
+    ));
+}
+
+#[test]
+fn a_figure_looks_as_it_is_asked_to() {
+    use onset_study::figure::ColorMap;
+    let place = Place::new();
+    let store = place.store("a", &study("one", ""), 100);
+    let look = Look {
+        title: Some("Mine"),
+        size: Some((500.0, 250.0)),
+        x: Some((0.7, 1.1)),
+        y: Some((0.8, 1.2)),
+        range: Some((-1.0, 0.25)),
+        color_map: Some(ColorMap::Cividis),
+    };
+    let asked = Plot {
+        stores: &[store],
+        field: "scaled_minimum",
+        boundaries: Lines::OfCells,
+        look,
+    };
+    let figure = plot(&asked, &()).expect("a figure");
+    assert_eq!(figure.title, "Mine");
+    let panel = &figure.panels[0];
+    assert_eq!((panel.x.range, panel.y.range), ((0.7, 1.1), (0.8, 1.2)));
+    let Layer::Field(field) = &panel.layers[0] else {
+        panic!("{:?}", panel.layers[0]);
+    };
+    assert_eq!(
+        (field.range, field.map),
+        (Some((-1.0, 0.25)), ColorMap::Cividis)
+    );
+    // Equal stretches are as high as they are wide, and no higher than asked.
+    let svg = figure.to_svg();
+    let usual = onset_study::figure::Figure {
+        panel_size: None,
+        ..figure
+    };
+    assert!(svg.len() > 1000 && svg != usual.to_svg());
 }

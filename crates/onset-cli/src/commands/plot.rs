@@ -2,10 +2,10 @@
 
 use super::boundary::Counter;
 use super::{Failure, wrote};
+use crate::arguments::PlotArguments;
 use crate::printing::print;
 use onset_study::output::Output;
-use onset_study::plot::{Plot, plot_allowing as figure};
-use onset_study::settings::Trust;
+use onset_study::plot::{Lines, Look, Plot, plot_allowing as figure};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -18,50 +18,63 @@ struct Drawn {
 }
 
 /// Draws stores and writes the figure.
-pub fn plot(
-    stores: &[PathBuf],
-    field: &str,
-    traced: bool,
-    trust: &Trust,
-    out: &Path,
-) -> Result<ExitCode, Failure> {
-    let (folder, name) = place(out)?;
-    let names = [".svg", ".png"].map(|format| {
+pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
+    let (folder, name) = place(&arguments.out)?;
+    let with = |format: &str| {
         let mut name = name.clone();
         name.push(format);
         name
-    });
-    let output = Output::at(&folder, &names)?;
+    };
+    let is_pdf = arguments
+        .out
+        .extension()
+        .is_some_and(|extension| extension == "pdf");
+    let pdf = is_pdf.then(|| with(".pdf"));
+    let names = [with(".svg"), with(".png")].into_iter().chain(pdf.clone());
+    let output = Output::at(&folder, &names.collect::<Vec<_>>())?;
     let counter = Counter::new();
     let asked = Plot {
-        stores,
-        field,
-        traced,
+        stores: &arguments.stores,
+        field: &arguments.field,
+        boundaries: match (arguments.trace, arguments.no_trace) {
+            (true, _) => Lines::Traced,
+            (_, true) => Lines::OfCells,
+            _ => Lines::Best,
+        },
+        look: Look {
+            title: arguments.title.as_deref(),
+            size: arguments.size,
+            x: arguments.x_limits,
+            y: arguments.y_limits,
+            range: arguments.limits,
+            color_map: arguments.color_map,
+        },
     };
-    let made = figure(&asked, trust, &counter);
+    let made = figure(&asked, &arguments.trust.trust(), &counter);
     counter.finish();
     let made = made.map_err(|error| match error.is_input() {
         true => Failure::input(error),
         false => Failure::machine(error),
     })?;
-    let files = output.write(&made.files(&name).map_err(Failure::machine)?)?;
+    let mut drawn = made.files(&name).map_err(Failure::machine)?;
+    drawn.extend(pdf.map(|name| (name, made.to_pdf())));
+    let files = output.write(&drawn)?;
     let text = wrote(&files);
     print(&Drawn { files }, &text, None)
 }
 
-/// The folder and the name of a figure: those of a file NAME.svg or NAME.png, or `map` in a folder.
+/// The folder and the name of a figure: those of a file NAME.svg, NAME.png or NAME.pdf, or `map` in a folder.
 fn place(out: &Path) -> Result<(PathBuf, OsString), Failure> {
     let extension = out.extension().and_then(|extension| extension.to_str());
     match (extension, out.file_stem()) {
-        (Some("svg" | "png"), Some(stem)) => {
+        (Some("svg" | "png" | "pdf"), Some(stem)) => {
             let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
             let folder = folder.unwrap_or(Path::new("."));
             Ok((folder.to_owned(), stem.to_owned()))
         }
-        (Some("pdf" | "eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
+        (Some("eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
             Err(Failure::input(format!(
-                "cannot draw {}: figures are written as SVG and PNG\n  hint: give a name that ends in .svg or .png; \
-                 most programs turn SVG into PDF without loss",
+                "cannot draw {}: figures are written as SVG, PNG and PDF\n  hint: give a name that ends in .svg, .png or .pdf",
                 out.display()
             )))
         }

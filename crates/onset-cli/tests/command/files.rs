@@ -103,7 +103,12 @@ fn folders_that_cannot_be_made_are_named() {
 const WRITERS: [(&str, &[&str]); 4] = [
     (
         "dispersion --stretch 1.2,0.9 --path --out",
-        &["dispersion.svg", "dispersion.png", "dispersion.csv"],
+        &[
+            "dispersion.svg",
+            "dispersion.png",
+            "dispersion.csv",
+            "density-of-states.csv",
+        ],
     ),
     (
         "modes --set discretization.quadrature=nodal --cells 4 --out",

@@ -26,7 +26,67 @@ fn what_is_no_store_is_refused() {
 
 #[test]
 fn a_figure_of_another_format_is_refused_before_any_work() {
-    let answer = onset(&["plot", "nowhere.zarr", "--out", "map.pdf"]);
+    let answer = onset(&["plot", "nowhere.zarr", "--out", "map.eps"]);
     assert_eq!(answer.code, Some(2));
-    assert!(answer.stderr.contains("SVG and PNG"), "{}", answer.stderr);
+    assert!(
+        answer.stderr.contains("SVG, PNG and PDF"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[test]
+fn a_look_that_cannot_be_drawn_is_refused() {
+    for (option, wrong, told) in [
+        ("--size", "420", "width and height"),
+        ("--size", "1,1", "from 40 to 4000"),
+        ("--x-limits", "2,1", "LOW below HIGH"),
+        ("--y-limits", "0,nan", "LOW,HIGH"),
+        ("--limits", "a,b", "LOW,HIGH"),
+        ("--color-map", "jet", "viridis, cividis, grey, red-blue"),
+    ] {
+        let answer = onset(&["plot", "nowhere.zarr", option, wrong]);
+        assert_eq!(answer.code, Some(2), "{option}");
+        assert!(answer.stderr.contains(told), "{option}: {}", answer.stderr);
+    }
+    let both = onset(&["plot", "nowhere.zarr", "--trace", "--no-trace"]);
+    assert_eq!(both.code, Some(2));
+}
+
+#[test]
+fn a_map_becomes_a_pdf_with_the_svg_and_the_png_beside_it() {
+    let folder = fresh_place("pdf");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let study = folder.join("study.toml");
+    let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 3.2]\nstates = 12\n\
+         [[axes]]\nquantity = 'stretch-2'\nrange = [0.8, 3.2]\nstates = 12\n";
+    std::fs::write(&study, text).expect("a file");
+    let path = |name: &str| folder.join(name).display().to_string();
+    let made = onset(&[
+        "map",
+        &path("study.toml"),
+        "--out",
+        &path("a.zarr"),
+        "--quiet",
+    ]);
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let figure = path("figure.pdf");
+    let line = [
+        "plot",
+        &path("a.zarr"),
+        "--title",
+        "A map",
+        "--out",
+        &figure,
+    ];
+    let answer = onset(&line);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    for name in ["figure.svg", "figure.png", "figure.pdf"] {
+        assert!(answer.stdout.contains(name), "{}", answer.stdout);
+    }
+    let pdf = std::fs::read(figure).expect("a figure");
+    assert!(pdf.starts_with(b"%PDF-"));
+    let svg = std::fs::read_to_string(folder.join("figure.svg")).expect("a figure");
+    assert!(svg.contains("A map"));
+    std::fs::remove_dir_all(folder).expect("removable");
 }

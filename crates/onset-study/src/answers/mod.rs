@@ -2,6 +2,7 @@
 
 mod certificate;
 mod course;
+mod diagram;
 mod dispersion;
 mod mode;
 mod mode_name;
@@ -12,10 +13,12 @@ mod problem;
 mod sentence;
 mod state;
 mod summary;
+mod zone_path;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
 pub use course::{Course, LoadingOfPath, PathSample, PathSamples};
-pub use dispersion::{Diagram, DispersionAnswer, Waves};
+pub use diagram::{Corner, CriticalWave, DensityOfStates, Diagram};
+pub use dispersion::{DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain};

@@ -70,6 +70,20 @@ pub enum ProblemError {
         /// `|k|` times the spacing.
         value: f64,
     },
+    /// A point of the zone that has no such name.
+    #[error(
+        "--path: no point of the zone is called `{label}`\n  hint: this state has {}; others are given in units of the reciprocal \
+         vectors, for example --path=\"0,0; 0.5,0\"; a study file goes before --path", known.join(", ")
+    )]
+    ZonePoint {
+        /// What was typed.
+        label: String,
+        /// The names of this state.
+        known: Vec<String>,
+    },
+    /// A question that was given a time.
+    #[error("there was not enough time")]
+    OutOfTime,
     /// A number that is not finite.
     #[error("{what} holds {value}; all its numbers must be finite")]
     NotFinite {

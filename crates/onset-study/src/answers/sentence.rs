@@ -16,7 +16,7 @@ use onset::verdict::{Assessment, Verdict};
 const WEAK: f64 = 0.05;
 
 /// A gradient norm, or a squared relative frequency, that is zero to rounding.
-const NO_ENERGY: f64 = 1e-10;
+const NO_STRAIN: f64 = 1e-9;
 
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
@@ -61,9 +61,6 @@ pub(super) fn of(
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
                 let share = assessment.gradient_norm.max(0.0).sqrt();
                 match assessment.is_gradient {
-                    _ if assessment.gradient_norm <= NO_ENERGY => format!(
-                        " Beware: the softest mode, {wave}, is a zero-energy mode, which nothing but the stress of this state holds."
-                    ),
                     true => format!(
                         " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
                         told(100.0 * share)
@@ -93,22 +90,34 @@ pub(super) fn of(
             along(&assessment.material.minimum.direction)
         ),
         Verdict::RankDeficient => {
-            let when = match (assessment.is_gradient, settings.discretization.frame) {
-                (true, Frame::Lagrangian) => "at any state",
-                _ => "at this state",
-            };
             let which = if mode.is_long_wave {
                 let direction = analysis.spatial(f, &mode.wave_vector).normalize();
-                format!("even long waves along {} have", along(&direction))
+                format!("long waves along {}", along(&direction))
             } else {
-                format!("a wave of {wave} has")
+                wave
+            };
+            let whose = match family {
+                Family::Kernel | Family::FiniteElements => "quadrature",
+                _ => "discretization",
+            };
+            let is_lagrangian =
+                assessment.is_gradient && settings.discretization.frame == Frame::Lagrangian;
+            let unseen = if assessment.gradient_norm > NO_STRAIN {
+                format!(
+                    "The {whose} sees no strain where neighbors alternate. Only the stress of this state resists that, and the softest wave \
+                     is one beside it ({which})."
+                )
+            } else if is_lagrangian {
+                format!("The {whose} sees no strain in a wave ({which}), at any state.")
+            } else if spectrum.softest.scaled > spectrum.tolerance {
+                format!(
+                    "The {whose} sees no strain in a wave ({which}). Only the stress of this state resists it."
+                )
+            } else {
+                format!("The {whose} sees no strain in a wave ({which}).")
             };
             format!(
-                "Not usable as it is although the material is stable: the {} rank-deficient, {which} no energy, {when}.",
-                match family {
-                    Family::Kernel | Family::FiniteElements => "quadrature is",
-                    _ => "discretization is",
-                }
+                "Not usable as it is although the material is stable: it has zero-energy modes. {unseen}"
             )
         }
         Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(

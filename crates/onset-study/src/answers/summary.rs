@@ -2,12 +2,12 @@
 
 use super::notes::notes;
 use super::problem::{Problem, ProblemError};
+use crate::map::{Forecast, PATIENCE, edge, tiling};
 use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Value};
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// What a study asks for, and what about it deserves attention.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,9 +38,13 @@ pub struct StudySummary {
     pub sampled: usize,
     /// How many of these have no verdict.
     pub undefined: usize,
-    /// Processor time of the verdict on one state, the median over corners and center; seconds. `null` when none of them has
-    /// a verdict.
+    /// How many states will be computed, as a rehearsal on sampled states says; others are filled in. `null` where a library must be
+    /// allowed first.
+    pub evaluations: Option<u64>,
+    /// Processor time of one of them, the mean over sampled ones; seconds.
     pub seconds_per_state: Option<f64>,
+    /// Processor time of the whole map; seconds.
+    pub seconds: Option<f64>,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// What deserves attention.
@@ -61,15 +65,15 @@ pub struct AxisSummary {
 }
 
 impl StudySummary {
-    /// Summarizes a study; looks at a coarse grid of its states, and takes the verdict on the corners and the center.
+    /// Summarizes a study; looks at a coarse grid of its states, and computes some as its map will.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be set up at one of these states.
     pub fn new(file: &str, study: &Study) -> Result<Self, ProblemError> {
         // Without permission nothing is loaded, and no state is looked at.
         let not_loaded = study.settings.material.permitted().err();
-        let (samples, seconds_per_state) = match not_loaded {
-            None => (Samples::of(study)?, seconds_per_state(study)?),
+        let (samples, forecast) = match not_loaded {
+            None => (Samples::of(study)?, Some(Forecast::of(study, PATIENCE)?)),
             Some(_) => (Samples::default(), None),
         };
         let varied = |name: &str| {
@@ -96,14 +100,12 @@ impl StudySummary {
             axes: study.axes.iter().map(AxisSummary::of).collect(),
             map: study.map,
             states: study.states(),
-            tiles: study
-                .axes
-                .iter()
-                .map(|axis| axis.count.div_ceil(study.map.tile))
-                .product(),
+            tiles: tiling(study).tiles(),
             sampled: samples.looked_at,
             undefined: samples.undefined,
-            seconds_per_state,
+            evaluations: forecast.map(|forecast| forecast.evaluations),
+            seconds_per_state: forecast.map(|forecast| forecast.seconds_per_state),
+            seconds: forecast.map(|forecast| forecast.seconds()),
             notes: study.settings.material.build().map_or_else(
                 |_| Vec::new(),
                 |material| notes(&study.settings, &*material),
@@ -186,24 +188,6 @@ fn look(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> 
     Ok(())
 }
 
-/// The time of the verdict on one state, the median over corners and center.
-fn seconds_per_state(study: &Study) -> Result<Option<f64>, ProblemError> {
-    let center = |axis: &Axis| axis.coordinate(axis.count / 2);
-    let mut states = sampled(study, 2);
-    states.push(study.axes.iter().map(center).collect());
-    let mut times = Vec::new();
-    for coordinates in states {
-        let problem = Problem::new(study.settings_at(&coordinates)?)?;
-        let f = study.deformation_at(&coordinates)?;
-        let start = Instant::now();
-        if problem.analysis.judge(&f).is_ok() {
-            times.push(start.elapsed().as_secs_f64());
-        }
-    }
-    times.sort_by(f64::total_cmp);
-    Ok(times.get(times.len() / 2).copied())
-}
-
 fn named(study: &Study, coordinates: &[f64]) -> String {
     let value = |(axis, value): (&Axis, &f64)| format!("{} = {value:.4}", axis.name());
     let values: Vec<String> = study.axes.iter().zip(coordinates).map(value).collect();
@@ -263,11 +247,16 @@ impl std::fmt::Display for StudySummary {
             line(if number == 0 { "axes" } else { "" }, axis(summary))?;
         }
         line("map", self.map_words())?;
-        if let Some(seconds) = self.seconds_per_state {
+        if let (Some(seconds), Some(each)) = (self.seconds, self.seconds_per_state) {
+            let computed = self.evaluations.unwrap_or(0);
+            let filled = match computed < self.states as u64 {
+                true => format!("; about {computed} states are computed, the others filled in"),
+                false => String::new(),
+            };
             let work = format!(
-                "{} of processor time, taken state by state at {}",
-                duration(seconds * self.states as f64),
-                duration(seconds)
+                "{} of processor time, {} a state{filled}",
+                duration(seconds),
+                duration(each)
             );
             line("estimated work", work)?;
         }
@@ -282,7 +271,8 @@ impl std::fmt::Display for StudySummary {
 
 impl StudySummary {
     fn map_words(&self) -> String {
-        let edge = vec![self.map.tile.to_string(); self.axes.len()].join(" x ");
+        let axes = self.axes.len();
+        let edge = vec![edge(self.map.tile, axes).to_string(); axes].join(" x ");
         let way = match self.map.adaptive {
             true => format!("adaptive from a stride of {}", self.map.refine_from),
             false => "every state".to_owned(),
@@ -301,6 +291,7 @@ impl StudySummary {
 /// A duration to two digits.
 fn duration(seconds: f64) -> String {
     match seconds {
+        s if s < 1e-4 => format!("{:.1} µs", 1e6 * s),
         s if s < 0.01 => format!("{:.2} ms", 1e3 * s),
         s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
         s if s < 120.0 => format!("{s:.1} s"),

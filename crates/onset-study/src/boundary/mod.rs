@@ -16,6 +16,7 @@ use onset::verdict::boundary::{
 use onset::verdict::{Phase, Probe};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::time::Instant;
 use thiserror::Error;
 
 /// Cells of the grid of seeds along an axis: as many as the study has states, within these bounds.
@@ -67,6 +68,18 @@ pub struct Tracing {
     pub flutter: bool,
     /// Measure how faithful the discretization is.
     pub fidelity: bool,
+    /// Give up at this time.
+    pub until: Option<Instant>,
+}
+
+impl Tracing {
+    /// An error when there is no time left.
+    fn in_time(&self) -> Result<(), ProblemError> {
+        match self.until {
+            Some(end) if Instant::now() >= end => Err(ProblemError::OutOfTime),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Who is told what is going on.
@@ -99,7 +112,7 @@ impl Boundaries {
     /// Traces the boundaries of a study of two axes.
     ///
     /// # Errors
-    /// [`BoundaryError`] when it has three, or a state cannot be evaluated for another reason than its support.
+    /// [`BoundaryError`] when it has three, no time is left, or a state cannot be evaluated for another reason than its support.
     pub fn of(study: &Study, tracing: Tracing, watch: &dyn Watch) -> Result<Self, BoundaryError> {
         let [first, second] = plane(study)?;
         let window = Window {
@@ -120,10 +133,12 @@ impl Boundaries {
             [0, 1].map(|axis: usize| study.axes[axis].count.clamp(least, most))
         };
         let material = |at: [f64; 2]| {
+            tracing.in_time()?;
             watch.asked(1);
             probes.material(at)
         };
         let particles = |at: [f64; 2]| {
+            tracing.in_time()?;
             watch.asked(1);
             let (phase, measure) = probes.discretization(at)?;
             Ok(if tracing.flutter {

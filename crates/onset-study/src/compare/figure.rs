@@ -2,11 +2,48 @@
 
 use super::table::percent;
 use super::{Measured, Table};
-use crate::figure::{Axis, Figure, Marker, Panel, Points, Rule, palette};
+use crate::figure::{Arrows, Axis, Color, Figure, Marker, Panel, Points, Rule, palette};
 use onset::measures::{Load, StretchOnset};
 
 /// Numbers of this size and smaller are drawn at it: a logarithmic axis has no zero.
 const SMALLEST: f64 = 1e-4;
+
+/// How a loading is drawn.
+struct Look {
+    color: Color,
+    marker: Marker,
+    filled: bool,
+    /// How far its markers lie beside the line of the method, of which the next is 1 away.
+    shift: f64,
+}
+
+/// The looks of [`Load::ALL`]: triangles for tension, bodies for compression, and colors that color-blind readers tell apart.
+const LOOKS: [Look; 4] = [
+    Look {
+        color: palette::LOADS[0],
+        marker: Marker::Triangle,
+        filled: true,
+        shift: 0.21,
+    },
+    Look {
+        color: palette::LOADS[1],
+        marker: Marker::Circle,
+        filled: true,
+        shift: 0.07,
+    },
+    Look {
+        color: palette::LOADS[2],
+        marker: Marker::Triangle,
+        filled: false,
+        shift: -0.07,
+    },
+    Look {
+        color: palette::LOADS[3],
+        marker: Marker::Square,
+        filled: true,
+        shift: -0.21,
+    },
+];
 
 impl Table {
     /// Onsets against the material's, wrong verdicts, errors of frequencies, and time steps: a line for each method.
@@ -23,7 +60,8 @@ impl Table {
             .with(self.errors())
             .with(self.cost())
             .caption(format!(
-                "Material {}, {} dimension(s). Verdicts on stretches from {} to {}. Errors of frequencies of the undeformed body over all \
+                "Material {}, {} dimension(s). First instability: arrows where a loading up to the end of the window leaves the method \
+                 stable, crosses where the method is not defined any more. Verdicts on stretches from {} to {}. Errors of frequencies of the undeformed body over all \
                  directions; those below {} are drawn there.",
                 self.material,
                 self.dimension,
@@ -50,34 +88,44 @@ impl Table {
         Axis::linear("", (0.4, self.rows.len() as f64 + 0.6)).ticks(ticks)
     }
 
+    /// A marker where a loading destabilizes a method; an arrow out of the window where it does not.
     fn onsets(&self) -> Panel {
         let ends = [self.options.compression, self.options.tension];
-        let axis = Axis::linear("stretch at onset (−)", (ends[0], ends[1])).covering(ends);
+        let reach = 0.06 * (ends[1] - ends[0]);
+        let axis = Axis::linear("stretch at onset (−)", (ends[0], ends[1]));
+        let axis = axis.covering([ends[0] - reach, ends[1] + reach]);
         let mut panel = Panel::new("First instability", axis, self.methods());
-        let loads = Load::ALL
-            .into_iter()
-            .filter(|load| load.is_possible(self.dimension));
-        for (load, color) in loads.zip(palette::SERIES) {
+        let loads = Load::ALL.into_iter().zip(LOOKS);
+        for (load, look) in loads.filter(|(load, _)| load.is_possible(self.dimension)) {
             let of = |m: &Measured| m.onsets.iter().find(|pair| pair.load == load).copied();
             let material = self.measured().find_map(|(_, m)| of(m));
             if let Some(StretchOnset::At(stretch)) = material.map(|pair| pair.material) {
                 panel = panel.with(
                     Rule::vertical(stretch)
-                        .color(color)
+                        .color(look.color)
                         .dashed()
                         .named(format!("material, {}", load.name())),
                 );
             }
-            let points = self
-                .measured()
-                .filter_map(|(height, m)| Some((of(m)?.method.stretch()?, height)));
-            let marker = if load.is_tension() {
-                Marker::Triangle
-            } else {
-                Marker::Circle
-            };
-            let points = Points::new(points.collect()).marker(marker).color(color);
-            panel = with_some(panel, points.named(load.name()));
+            let (mut points, mut beyond, mut undefined) = (Vec::new(), Vec::new(), Vec::new());
+            for (height, m) in self.measured() {
+                // A little apart, so that loadings that end alike do not hide each other.
+                let height = height + look.shift;
+                match of(m).map(|pair| pair.method) {
+                    Some(StretchOnset::NotBefore(end)) => beyond.push((end, height)),
+                    Some(StretchOnset::Undefined(stretch)) => undefined.push((stretch, height)),
+                    Some(onset) => points.extend(onset.stretch().map(|x| (x, height))),
+                    None => {}
+                }
+            }
+            let out = if load.is_tension() { reach } else { -reach };
+            let tips = beyond.iter().map(|(x, y)| (x + out, *y)).collect();
+            let marked = |points| Points::new(points).color(look.color);
+            let onsets = marked(points).marker(look.marker).named(load.name());
+            let onsets = if look.filled { onsets } else { onsets.open() };
+            panel = panel.with(Arrows::new(beyond, tips).color(look.color));
+            panel = panel.with(marked(undefined).marker(Marker::Cross));
+            panel = with_some(panel, onsets);
         }
         panel
     }

@@ -3,14 +3,17 @@
 use super::Table;
 use super::rank::{recommended, rules};
 use crate::html::{embedded, escaped};
-use onset::measures::Load;
+use onset::measures::{Load, StretchOnset};
 
-const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:76rem;color:#111}\
-h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}.wide{overflow-x:auto}table{border-collapse:collapse;width:100%}\
-th,td{text-align:right;padding:.25rem .5rem;border-bottom:1px solid #ccc;vertical-align:top;font-variant-numeric:tabular-nums;\
-white-space:nowrap}th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:#fff}td.why{text-align:left;\
-white-space:normal}svg{max-width:100%;height:auto}small{color:#444}dl{display:grid;grid-template-columns:auto 1fr;gap:.1rem 1rem}\
-dt{font-weight:600}dd{margin:0}";
+/// Heads of columns break, and a page that is too narrow still scrolls the table, under the name of the method.
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:100rem;color:#111}\
+p,dl,ol,ul{max-width:76rem}h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}.wide{overflow-x:auto;max-width:100%}\
+table{border-collapse:collapse;font-size:13px}\
+th,td{text-align:right;padding:.2rem .45rem;border-bottom:1px solid #ccc;vertical-align:bottom;font-variant-numeric:tabular-nums}\
+td{white-space:nowrap}th{font-weight:600;max-width:5.5rem}th:first-child,td:first-child{text-align:left;position:sticky;left:0;\
+background:#fff;white-space:normal;min-width:9rem;max-width:16rem}td.why{text-align:left;white-space:normal;max-width:60rem}\
+svg{max-width:100%;height:auto}small{color:#444}dl{display:grid;grid-template-columns:auto 1fr;gap:.1rem 1rem}\
+dt{font-weight:600}dd{margin:0}@media print{.wide{overflow:visible}table{font-size:8px}}";
 
 impl Table {
     /// The table as a page, with the figure and the ranking.
@@ -26,7 +29,7 @@ impl Table {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n\
-             <p>Material {}, {} dimension(s). The material itself loses ellipticity at {}.</p>\n\
+             <p>Material {}, {} dimension(s).{}</p>\n\
              <div class=\"wide\"><table><tr><th>method</th>",
             escaped(&self.material),
             self.dimension,
@@ -108,12 +111,38 @@ impl Table {
         page
     }
 
+    /// Where the material itself loses ellipticity, and where it keeps it, as sentences.
     fn material_onsets(&self) -> String {
         let loads = Load::ALL.into_iter();
-        let told: Vec<String> = loads
+        let told: Vec<(String, bool)> = loads
             .filter(|load| load.is_possible(self.dimension))
-            .map(|load| format!("{} {}", escaped(&self.material_onset(load)), load.name()))
+            .filter_map(|load| {
+                let (place, is_lost) = match self.material_onset_of(load)? {
+                    StretchOnset::AtRest => ("at rest".to_owned(), true),
+                    StretchOnset::At(stretch) => (format!("at {stretch:.4}"), true),
+                    StretchOnset::NotBefore(end) => (format!("up to {end}"), false),
+                    StretchOnset::Undefined(stretch) => {
+                        (format!("up to {stretch:.4}, where the law ends,"), false)
+                    }
+                };
+                Some((format!("{place} in {}", load.name()), is_lost))
+            })
             .collect();
-        told.join(", ")
+        let of = |kind: bool| {
+            let matching = told.iter().filter(|(_, is_lost)| *is_lost == kind);
+            matching
+                .map(|(place, _)| place.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let sentence = |start: &str, places: String| match places.as_str() {
+            "" => String::new(),
+            places => format!(" The material itself {start} {places}."),
+        };
+        [
+            sentence("loses ellipticity", of(true)),
+            sentence("stays elliptic", of(false)),
+        ]
+        .concat()
     }
 }

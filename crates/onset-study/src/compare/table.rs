@@ -157,8 +157,17 @@ impl Table {
         columns
     }
 
-    /// Where the material loses stability along a loading, which all rows agree on.
-    pub(super) fn material_onset(&self, load: Load) -> String {
+    /// Where the material loses stability along a loading, which all rows agree on, in words.
+    fn material_onset(&self, load: Load) -> String {
+        match self.material_onset_of(load) {
+            None => String::new(),
+            Some(StretchOnset::NotBefore(end)) => format!("not up to {end}"),
+            Some(onset) => told(onset),
+        }
+    }
+
+    /// The same as a number.
+    pub(super) fn material_onset_of(&self, load: Load) -> Option<StretchOnset> {
         let mut pairs = self
             .rows
             .iter()
@@ -166,7 +175,7 @@ impl Table {
             .flat_map(|measured| &measured.onsets);
         pairs
             .find(|pair| pair.load == load)
-            .map_or_else(String::new, |pair| told(pair.material))
+            .map(|pair| pair.material)
     }
 
     /// The table as CSV: numbers with all digits, empty where there is none.

@@ -27,7 +27,7 @@ impl Color {
     }
 
     /// The color a fraction `t` of the way to `other`, component by component.
-    fn toward(self, other: Self, t: f64) -> Self {
+    pub fn toward(self, other: Self, t: f64) -> Self {
         let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
         Self {
             red: mix(self.red, other.red),
@@ -43,12 +43,16 @@ impl std::fmt::Display for Color {
     }
 }
 
-/// How the numbers of a [`Field`](super::Field) become colors; both maps are safe for color-blind readers.
+/// How the numbers of a [`Field`](super::Field) become colors; all are safe for color-blind readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
     /// Dark to light, for quantities with an order but no special value.
     #[default]
     Viridis,
+    /// Dark blue to yellow, the same to readers with and without color blindness.
+    Cividis,
+    /// White to black, for prints without color.
+    Grey,
     /// Red below zero, white at zero, blue above it: for quantities whose sign is the message.
     Diverging,
 }
@@ -59,6 +63,15 @@ const VIRIDIS: [u32; 10] = [
     0xfde725,
 ];
 
+/// Cividis of J. R. Nunez et al., PLoS ONE 13 (2018) e0199239, as in matplotlib, sampled evenly.
+const CIVIDIS: [u32; 10] = [
+    0x00224e, 0x15396d, 0x434e6c, 0x61646f, 0x7d7c78, 0x9b9477, 0xbbae6f, 0xdac95f, 0xf4e45a,
+    0xfee838,
+];
+
+/// Light to dark, neither white nor black at its ends.
+const GREY: [u32; 2] = [0xf2f2f2, 0x111111];
+
 /// RdBu of ColorBrewer (Apache-2.0), which its authors list as color-blind safe.
 const RED_BLUE: [u32; 11] = [
     0x67001f, 0xb2182b, 0xd6604d, 0xf4a582, 0xfddbc7, 0xf7f7f7, 0xd1e5f0, 0x92c5de, 0x4393c3,
@@ -66,6 +79,19 @@ const RED_BLUE: [u32; 11] = [
 ];
 
 impl ColorMap {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Viridis, Self::Cividis, Self::Grey, Self::Diverging];
+
+    /// The word used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viridis => "viridis",
+            Self::Cividis => "cividis",
+            Self::Grey => "grey",
+            Self::Diverging => "red-blue",
+        }
+    }
+
     /// The color of `value` when the map covers `range`; values beyond it take the end colors.
     ///
     /// ```
@@ -76,6 +102,8 @@ impl ColorMap {
     pub fn color(self, value: f64, range: (f64, f64)) -> Color {
         let (anchors, t): (&[u32], f64) = match self {
             Self::Viridis => (&VIRIDIS, (value - range.0) / (range.1 - range.0)),
+            Self::Cividis => (&CIVIDIS, (value - range.0) / (range.1 - range.0)),
+            Self::Grey => (&GREY, (value - range.0) / (range.1 - range.0)),
             Self::Diverging => {
                 let reach = range.0.abs().max(range.1.abs());
                 (&RED_BLUE, 0.5 + 0.5 * value / reach)

@@ -2,11 +2,23 @@
 
 use super::pen::{CAPITAL, NUMBERS, Pen, crisp, marker, pixels, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint, Shape, Words};
-use super::{Axis, Color, ColorMap, Direction, Field, Layer, Line, Panel, Regions, font, grid};
+use super::{
+    Axis, Balls, Color, ColorMap, Direction, Field, Layer, Line, Marker, Panel, Regions, font,
+    grid, palette,
+};
 use tiny_skia::PathBuilder;
 
 /// Colors in a map of numbers and in its color bar.
 pub(super) const LEVELS: u8 = 128;
+
+/// The discs of a ball: their size and how far they lie to the upper left, both in radii, and how much lighter they are.
+const SHADES: [(f64, f64, f64); 5] = [
+    (1.0, 0.0, -0.45),
+    (0.93, 0.0, 0.0),
+    (0.70, 0.18, 0.18),
+    (0.45, 0.30, 0.42),
+    (0.20, 0.38, 0.80),
+];
 
 /// The values of a field that have a cell.
 pub(super) fn shown_values(field: &Field) -> impl Iterator<Item = f64> + Clone {
@@ -22,7 +34,7 @@ pub(super) fn field_range(field: &Field) -> (f64, f64) {
             (low.min(value), high.max(value))
         });
         match field.map {
-            ColorMap::Viridis => (low, high),
+            ColorMap::Viridis | ColorMap::Cividis | ColorMap::Grey => (low, high),
             ColorMap::Diverging => {
                 let reach = low.abs().max(high.abs());
                 (-reach, reach)
@@ -105,6 +117,7 @@ impl Frame<'_> {
                 }
                 pen.outline(outline, Paint::fill(arrows.color));
             }
+            Layer::Balls(balls) => self.balls(pen, balls),
             Layer::Label(label) => {
                 let Some(place) = self.at(label.at).filter(|&place| self.holds(place)) else {
                     return;
@@ -233,6 +246,41 @@ impl Frame<'_> {
             t => (from.0 + t * dx, from.1 + t * dy),
         };
         Some((along(enter), along(leave)))
+    }
+
+    /// Balls from back to front, each with its arrow: discs within discs that are lighter toward the upper left.
+    fn balls(&self, pen: &mut Pen, balls: &Balls) {
+        for ball in &balls.balls {
+            let edge = (ball.at.0 + ball.radius, ball.at.1);
+            let (Some(place), Some(edge)) = (self.at(ball.at), self.at(edge)) else {
+                continue;
+            };
+            if !self.holds(place) {
+                continue;
+            }
+            let radius = (edge.0 - place.0).abs();
+            let faded =
+                |color: Color| color.toward(palette::WHITE, 0.75 * ball.fade.clamp(0.0, 1.0));
+            for (size, shift, light) in SHADES {
+                let color = if light < 0.0 {
+                    balls.color.toward(palette::BLACK, -light)
+                } else {
+                    balls.color.toward(palette::WHITE, light)
+                };
+                let diameter = 2.0 * size * radius;
+                let (outline, paint) = marker(Marker::Circle, diameter, faded(color), true);
+                let at = (place.0 - shift * radius, place.1 - shift * radius);
+                pen.stamps(outline, vec![at], paint);
+            }
+            if let Some(tip) = ball.tip.and_then(|tip| self.at(tip)) {
+                let mut rim = PathBuilder::new();
+                self.arrow(&mut rim, place, tip, pixels(balls.arrow_width) + 2.0);
+                pen.outline(rim, Paint::fill(palette::WHITE));
+                let mut outline = PathBuilder::new();
+                self.arrow(&mut outline, place, tip, pixels(balls.arrow_width));
+                pen.outline(outline, Paint::fill(faded(balls.arrow_color)));
+            }
+        }
     }
 
     /// An arrow as one filled outline; the part of its shaft in the box, and its head if the tip is there.

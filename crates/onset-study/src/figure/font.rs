@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_font_has_the_letters_of_mechanics() {
-        for c in "λω²μσ₁₂₃θπ×−·ρ⁴ΓκνεΔ∂∇≤≥≈∞°±→⁻⁰¹³⁵⁶⁷⁸⁹½".chars()
+        for c in "λω²μσ₁₂₃θπ×−·ρ⁴ΓκνεΔ∂∇≤≥≈∞°±→⁻⁰¹³⁵⁶⁷⁸⁹½′∂".chars()
         {
             let (glyph, _) = glyphs(c.encode_utf8(&mut [0; 4])).next().unwrap();
             assert_ne!(glyph, GlyphId(0), "{c} is missing");

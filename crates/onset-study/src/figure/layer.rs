@@ -18,6 +18,8 @@ pub enum Layer {
     Points(Points),
     /// Arrows.
     Arrows(Arrows),
+    /// Shaded balls with arrows.
+    Balls(Balls),
     /// A word in the plane.
     Label(Label),
     /// A straight line across the whole panel.
@@ -134,6 +136,36 @@ pub struct Arrows {
     pub color: Color,
     /// Width of the shaft in pixels.
     pub width: f64,
+}
+
+/// Balls in space as they are seen, each with an arrow from its center; drawn in the order of the list, the farthest first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Balls {
+    /// The balls.
+    pub balls: Vec<Ball>,
+    /// Name of the balls in the legend.
+    pub name: Option<String>,
+    /// Color of the balls.
+    pub color: Color,
+    /// Name of the arrows in the legend.
+    pub arrow_name: Option<String>,
+    /// Color of the arrows.
+    pub arrow_color: Color,
+    /// Width of the shafts in pixels.
+    pub arrow_width: f64,
+}
+
+/// A ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    /// Its center.
+    pub at: (f64, f64),
+    /// Its radius, measured along the horizontal axis.
+    pub radius: f64,
+    /// How pale it is, from 0 (near) to 1 (far).
+    pub fade: f64,
+    /// The tip of its arrow.
+    pub tip: Option<(f64, f64)>,
 }
 
 /// A word in the plane, centered at a point but kept inside the panel.
@@ -323,6 +355,26 @@ impl Arrows {
     }
 }
 
+impl Balls {
+    /// Blue balls with vermilion arrows.
+    pub fn new(balls: Vec<Ball>) -> Self {
+        Self {
+            balls,
+            name: None,
+            color: palette::BLUE,
+            arrow_name: None,
+            arrow_color: palette::VERMILION,
+            arrow_width: 1.8,
+        }
+    }
+
+    /// Give the arrows a name in the legend.
+    pub fn arrows_named(mut self, name: impl Into<String>) -> Self {
+        self.arrow_name = Some(name.into());
+        self
+    }
+}
+
 impl Label {
     /// A black word centered at a point.
     pub fn new(at: (f64, f64), text: impl Into<String>) -> Self {
@@ -379,7 +431,7 @@ macro_rules! named {
         }
     )*};
 }
-named!(Line, Points, Arrows, Rule);
+named!(Line, Points, Arrows, Balls, Rule);
 
 /// `dashed` and `dotted` for layers that are lines.
 macro_rules! dashed {
@@ -410,4 +462,4 @@ macro_rules! into_layer {
         }
     )*};
 }
-into_layer!(Regions, Field, Line, Points, Arrows, Label, Rule);
+into_layer!(Regions, Field, Line, Points, Arrows, Balls, Label, Rule);

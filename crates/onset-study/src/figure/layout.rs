@@ -29,11 +29,12 @@ const BAR: f64 = 13.0;
 /// Draw the whole figure.
 pub(super) fn scene(figure: &Figure) -> Scene {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let box_width = if columns == 1 { 420.0 } else { 300.0 };
+    let usual = if columns == 1 { 420.0 } else { 300.0 };
+    let size = Size::of(figure.panel_size, usual);
     let panels: Vec<Measured> = figure
         .panels
         .iter()
-        .map(|panel| Measured::new(panel, box_width))
+        .map(|panel| Measured::new(panel, size))
         .collect();
 
     let column = |index: usize, size: fn(&Measured) -> f64| {
@@ -135,8 +136,8 @@ struct Bar<'a> {
 }
 
 impl<'a> Measured<'a> {
-    fn new(panel: &'a Panel, box_width: f64) -> Self {
-        let (width, height) = box_size(panel, box_width);
+    fn new(panel: &'a Panel, size: Size) -> Self {
+        let (width, height) = box_size(panel, size);
         let title = font::wrap(&panel.title, WORDS, width + 50.0);
         let x_label = font::wrap(&panel.x.label, WORDS, width + 50.0);
         let y_label = font::wrap(&panel.y.label, WORDS, height + 10.0);
@@ -267,20 +268,62 @@ impl<'a> Measured<'a> {
     }
 }
 
+/// The largest box between the axes: its width, its height where the axes measure different things, and where they measure the same.
+#[derive(Clone, Copy)]
+struct Size {
+    width: f64,
+    height: f64,
+    equal_height: f64,
+}
+
+impl Size {
+    /// As asked for, made drawable; of the usual width otherwise.
+    fn of(asked: Option<(f64, f64)>, usual: f64) -> Self {
+        let sane = |pixels: f64| {
+            if pixels.is_finite() {
+                pixels.clamp(40.0, 10_000.0)
+            } else {
+                usual
+            }
+        };
+        match asked {
+            Some((width, height)) => Self {
+                width: sane(width),
+                height: sane(height),
+                equal_height: sane(height),
+            },
+            None => Self {
+                width: usual,
+                height: (0.75 * usual).round(),
+                equal_height: 1.2 * usual,
+            },
+        }
+    }
+}
+
 /// The size of the box between the axes.
-fn box_size(panel: &Panel, width: f64) -> (f64, f64) {
+fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
     let length = |axis: &Axis| {
         let (start, end) = axis.limits();
         (end - start).abs()
     };
+    let width = size.width;
     if !panel.equal_aspect || panel.x.scale != panel.y.scale {
         // Names below each other need their lines.
         let names = panel.y.ticks.as_ref().map_or(0, Vec::len);
-        return (width, (0.75 * width).round().max(NAME * names as f64));
+        let wider = if panel.width.is_finite() {
+            panel.width.clamp(0.1, 10.0)
+        } else {
+            1.0
+        };
+        return (
+            (wider * width).round(),
+            size.height.max(NAME * names as f64),
+        );
     }
     // Beyond a shape of 1 to 8 a panel is a line; there the longer side is cut rather than the figure.
     let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);
-    let highest = 1.2 * width;
+    let highest = size.equal_height;
     if ratio * width <= highest {
         (width, ratio * width)
     } else {
@@ -403,7 +446,7 @@ mod tests {
             ((2.0, -2.0), (0.0, 1.0)),
         ] {
             let panel = Panel::new("", Axis::linear("", x), Axis::linear("", y)).equal_aspect();
-            let (width, height) = box_size(&panel, 300.0);
+            let (width, height) = box_size(&panel, Size::of(None, 300.0));
             let (in_x, in_y) = (width / (x.1 - x.0).abs(), height / (y.1 - y.0).abs());
             assert!(
                 (in_x - in_y).abs() < 1e-9,

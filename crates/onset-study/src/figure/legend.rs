@@ -109,6 +109,17 @@ pub(super) fn collect(panels: &[Panel]) -> Vec<LegendEntry> {
                 },
             ),
             Layer::Arrows(arrows) => (&arrows.name, Symbol::Arrow(arrows.color)),
+            Layer::Balls(balls) => {
+                if let Some(name) = &balls.arrow_name {
+                    add(name, Symbol::Arrow(balls.arrow_color));
+                }
+                let symbol = Symbol::Marker {
+                    color: balls.color,
+                    marker: Marker::Circle,
+                    filled: true,
+                };
+                (&balls.name, symbol)
+            }
             Layer::Regions(_) | Layer::Field(_) | Layer::Label(_) => continue,
         };
         if let Some(name) = name {

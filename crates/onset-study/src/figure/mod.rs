@@ -1,7 +1,7 @@
-//! Figures: axes, layers and their rendering to SVG and PNG.
+//! Figures: axes, layers and their rendering to SVG, PNG and PDF.
 //!
-//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG and a PNG that show
-//! the same picture on every machine: both are drawn from the same outlines, and the letters are outlines of an embedded
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG, a PNG and a PDF that show
+//! the same picture on every machine: all are drawn from the same outlines, and the letters are outlines of an embedded
 //! font. (In the SVG each line of text keeps its words in an `aria-label`.)
 //!
 //! ```
@@ -33,13 +33,14 @@ mod layer;
 mod layout;
 mod legend;
 pub mod palette;
+mod pdf;
 mod pen;
 mod scene;
 
 pub use axis::{Axis, Scale};
 pub use color::{Color, ColorMap};
 pub use layer::{
-    Arrows, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
+    Arrows, Ball, Balls, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
 };
 pub use legend::{LegendEntry, Symbol};
 
@@ -60,6 +61,8 @@ pub struct Figure {
     pub columns: usize,
     /// The legend below the panels; collected from the layers if empty.
     pub legend: Vec<LegendEntry>,
+    /// Width and height of the box of a panel in pixels, of which an inch has 96; with an equal aspect the largest. As usual if `None`.
+    pub panel_size: Option<(f64, f64)>,
 }
 
 /// Two axes and what is drawn between them.
@@ -73,6 +76,8 @@ pub struct Panel {
     pub y: Axis,
     /// One unit (one decade on logarithmic axes) is as long in x as in y.
     pub equal_aspect: bool,
+    /// Width of the box in usual ones; panels with an equal aspect take no notice.
+    pub width: f64,
     /// What is drawn, from back to front.
     pub layers: Vec<Layer>,
 }
@@ -155,6 +160,11 @@ impl Figure {
         layout::scene(self).to_png()
     }
 
+    /// The same picture as a PDF of one page, as large as it is in pixels of 1/96 inch.
+    pub fn to_pdf(&self) -> Vec<u8> {
+        layout::scene(self).to_pdf()
+    }
+
     /// The picture as the files `name.svg` and `name.png`.
     ///
     /// # Errors
@@ -190,6 +200,7 @@ impl Panel {
             x,
             y,
             equal_aspect: false,
+            width: 1.0,
             layers: Vec::new(),
         }
     }
@@ -197,6 +208,12 @@ impl Panel {
     /// Make one unit as long in x as in y.
     pub fn equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
+        self
+    }
+
+    /// Make it so many times as wide as usual, and as high as usual.
+    pub fn wider(mut self, width: f64) -> Self {
+        self.width = width;
         self
     }
 

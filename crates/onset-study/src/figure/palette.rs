@@ -28,6 +28,9 @@ pub const PURPLE: Color = Color::hex(0xcc79a7);
 /// Colors for the first, second, ... curve of a panel.
 pub const SERIES: [Color; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
+/// Uniaxial tension and compression, equibiaxial tension and compression: the lighter one of two blues is the equibiaxial one.
+pub const LOADS: [Color; 4] = [BLUE, ORANGE, SKY, BLACK];
+
 /// The verdicts and their colors, from harmless to dangerous.
 ///
 /// The lightness differs from each to each, so a greyscale print or a color-blind reader can still tell them apart.
@@ -132,7 +135,29 @@ mod tests {
 
     #[test]
     fn verdict_colors_differ_for_color_blind_readers() {
-        for ((a, first), (b, second)) in pairs() {
+        differ_for_color_blind_readers(pairs());
+    }
+
+    #[test]
+    fn loads_differ_for_color_blind_readers() {
+        let names = [
+            "tension",
+            "compression",
+            "equibiaxial tension",
+            "equibiaxial compression",
+        ];
+        let named = |n: usize| (names[n], LOADS[n]);
+        differ_for_color_blind_readers(
+            (0..4)
+                .flat_map(|i| (0..i).map(move |j| (i, j)))
+                .map(|(i, j)| (named(i), named(j))),
+        );
+    }
+
+    fn differ_for_color_blind_readers(
+        pairs: impl Iterator<Item = ((&'static str, Color), (&'static str, Color))>,
+    ) {
+        for ((a, first), (b, second)) in pairs {
             for matrix in DICHROMATS {
                 let seen = |color| {
                     let rgb = linear(color);

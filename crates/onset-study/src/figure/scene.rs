@@ -94,7 +94,7 @@ impl Paint {
 
 impl Stroke {
     /// Lengths of dash and gap.
-    fn pattern(&self) -> Option<[f64; 2]> {
+    pub(super) fn pattern(&self) -> Option<[f64; 2]> {
         match self.dash {
             Dash::Solid => None,
             Dash::Dashed => Some([4.0 * self.width, 2.5 * self.width]),
@@ -105,7 +105,7 @@ impl Stroke {
 
 impl Words {
     /// From font units to pixels.
-    fn transform(&self) -> Transform {
+    pub(super) fn transform(&self) -> Transform {
         let scale = self.size as f32 / font::units();
         let shift = match self.anchor {
             Anchor::Start => 0.0,
@@ -123,7 +123,7 @@ impl Words {
     }
 
     /// The width of the rim in font units.
-    fn rim_width(&self) -> f32 {
+    pub(super) fn rim_width(&self) -> f32 {
         3.0 / self.size as f32 * font::units()
     }
 }

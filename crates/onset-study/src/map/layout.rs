@@ -2,12 +2,12 @@
 
 use super::fields::fields;
 use crate::settings::{Axis, MapSettings, Study};
-use crate::store::{Dimension, LIBRARY, Layout};
+use crate::store::{Dimension, LIBRARY, Layout, Tiling};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 /// States of a tile along an axis: as many of them in space as in the plane, so that a tile takes the same memory.
-fn edge(tile: usize, axes: usize) -> usize {
+pub(crate) fn edge(tile: usize, axes: usize) -> usize {
     let edge = (tile as f64).powf(2.0 / axes as f64).round() as usize;
     edge.max(1)
 }
@@ -22,16 +22,22 @@ pub(crate) fn stored_layout(study: &Study, stored: &Map<String, Value>) -> Layou
     of_attributes(study, stored.clone())
 }
 
+/// How the states of a study are cut into tiles.
+pub(crate) fn tiling(study: &Study) -> Tiling {
+    let edge = edge(study.map.tile, study.axes.len());
+    let shape: Vec<usize> = study.axes.iter().rev().map(|axis| axis.count).collect();
+    Tiling {
+        tile: shape.iter().map(|states| edge.min(*states)).collect(),
+        shape,
+    }
+}
+
 fn of_attributes(study: &Study, attributes: Map<String, Value>) -> Layout {
     let dimensions: Vec<Dimension> = study.axes.iter().rev().map(dimension).collect();
-    let edge = edge(study.map.tile, study.axes.len());
     Layout {
         identity: identity(study, &attributes),
         attributes,
-        tile: dimensions
-            .iter()
-            .map(|dimension| edge.min(dimension.coordinates.len()))
-            .collect(),
+        tile: tiling(study).tile,
         dimensions,
         components: study.settings.dimension(),
         fields: fields(&study.map),

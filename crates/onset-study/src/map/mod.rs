@@ -7,6 +7,7 @@
 mod adaptive;
 mod evaluate;
 mod fields;
+mod forecast;
 mod layout;
 mod proved;
 mod record;
@@ -16,7 +17,8 @@ mod tile;
 
 pub use evaluate::Evaluator;
 pub use fields::{CERTAINTY, CERTAINTY_MATERIAL, VERDICT, fields};
-pub(crate) use layout::stored_layout;
+pub use forecast::{Forecast, PATIENCE};
+pub(crate) use layout::{edge, stored_layout, tiling};
 pub use record::{Certainty, Finding, Outcome, Proof, Record};
 pub use run::{MapError, Watch};
 pub use summary::{Proved, Share, Summary};

@@ -1,6 +1,8 @@
 //! Modes that move, in a page that needs nothing else.
 
+use super::view::View;
 use super::{ModesAnswer, ShownMode};
+use crate::figure::palette;
 use crate::html::escaped;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -38,50 +40,51 @@ impl ModesAnswer {
     }
 
     fn moving(&self, mode: &ShownMode) -> String {
-        let margin = self.spacing;
-        let shown = self.shown(mode);
-        let seen = |all: &[[f64; 3]]| -> Vec<[f64; 2]> {
-            shown.iter().map(|n| self.seen(&all[*n]).into()).collect()
-        };
-        let (positions, now, later) = (
-            seen(&mode.positions),
-            seen(&mode.displacements),
-            seen(&mode.quarter),
-        );
-        let ends = |axis: usize| {
-            let all = positions.iter().map(move |x| x[axis]);
+        let mut shown = self.shown(mode);
+        let places: Vec<[f64; 3]> = shown.iter().map(|n| mode.positions[*n]).collect();
+        let view = View::of(&places, self.dimension);
+        // The farthest are drawn first.
+        shown.sort_by(|a, b| {
+            let farness = |n: &usize| view.seen(&mode.positions[*n]).farness;
+            farness(b).total_cmp(&farness(a))
+        });
+        let ends = |axis: fn((f64, f64)) -> f64| {
+            let all = places.iter().map(|x| axis(view.seen(x).at));
             let low = all.clone().fold(f64::INFINITY, f64::min);
             let high = all.fold(f64::NEG_INFINITY, f64::max);
-            (low - margin, high + margin)
+            (low - self.spacing, high + self.spacing)
         };
-        let ((left, right), (bottom, top)) = (ends(0), ends(1));
+        let ((left, right), (bottom, top)) = (ends(|at| at.0), ends(|at| at.1));
         let scale = WIDTH / (right - left);
         let height = (top - bottom) * scale;
-        let radius = (0.16 * self.spacing * scale).max(1.5);
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" \
              role=\"img\" aria-label=\"moving particles\">"
         );
-        for ((x, u), quarter) in positions.iter().zip(&now).zip(&later) {
-            let along = |axis: usize| {
-                let at = |frame: usize| {
+        for n in shown {
+            let (x, u, quarter) = (&mode.positions[n], &mode.displacements[n], &mode.quarter[n]);
+            let rest = view.seen(x);
+            let radius = (0.16 * self.spacing * scale * rest.scale).max(1.5);
+            let frames: Vec<(f64, f64)> = (0..=FRAMES)
+                .map(|frame| {
                     let (sine, cosine) = (TAU * frame as f64 / FRAMES as f64).sin_cos();
-                    let moved = x[axis] + u[axis] * cosine + quarter[axis] * sine;
-                    if axis == 0 {
-                        (moved - left) * scale
-                    } else {
-                        (top - moved) * scale
-                    }
-                };
-                let all: Vec<String> = (0..=FRAMES)
-                    .map(|frame| format!("{:.2}", at(frame)))
-                    .collect();
-                (format!("{:.2}", at(0)), all.join(";"))
+                    let moved = std::array::from_fn(|i| x[i] + u[i] * cosine + quarter[i] * sine);
+                    let at = view.seen(&moved).at;
+                    ((at.0 - left) * scale, (top - at.1) * scale)
+                })
+                .collect();
+            let along = |axis: fn(&(f64, f64)) -> f64| {
+                let all: Vec<String> = frames.iter().map(|at| format!("{:.2}", axis(at))).collect();
+                (all[0].clone(), all.join(";"))
             };
-            let ((cx, xs), (cy, ys)) = (along(0), along(1));
+            let ((cx, xs), (cy, ys)) = (along(|at| at.0), along(|at| at.1));
+            let color = match self.dimension {
+                3 => palette::BLUE.toward(palette::WHITE, 0.75 * rest.farness),
+                _ => palette::BLUE,
+            };
             let _ = write!(
                 svg,
-                "<circle cx=\"{cx}\" cy=\"{cy}\" r=\"{radius:.2}\" fill=\"#0072b2\">\
+                "<circle cx=\"{cx}\" cy=\"{cy}\" r=\"{radius:.2}\" fill=\"{color}\" stroke=\"#ffffff\" stroke-width=\"0.7\">\
                  <animate attributeName=\"cx\" values=\"{xs}\" dur=\"2s\" repeatCount=\"indefinite\"/>\
                  <animate attributeName=\"cy\" values=\"{ys}\" dur=\"2s\" repeatCount=\"indefinite\"/></circle>"
             );

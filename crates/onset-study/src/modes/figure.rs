@@ -1,19 +1,26 @@
 //! Modes drawn on the lattice.
 
+use super::view::View;
 use super::{ModesAnswer, ShownMode};
-use crate::figure::{Arrows, Axis, Figure, Panel, Points, palette};
+use crate::figure::{
+    Arrows, Axis, Ball, Balls, Color, Figure, Label, Line, Panel, Points, palette,
+};
 
 /// Modes that are drawn.
 const DRAWN: usize = 6;
 
-/// Where the third axis points in the picture.
-const THIRD: (f64, f64) = (0.45, 0.3);
 /// Half the side of the cube of particles that is drawn in space, in spacings.
-const HALF_SIDE: f64 = 2.2;
+const HALF_SIDE: f64 = 1.6;
+/// Radius of a ball, in spacings.
+const RADIUS: f64 = 0.15;
+/// Neighbors nearer than this, in spacings, are joined by a line.
+const JOINED: f64 = 1.05;
+/// The lines between neighbors.
+const PALE: Color = Color::hex(0xc4c4c4);
 
 impl ModesAnswer {
     /// The first modes, each on a patch of particles: where they are, and how they move. Of three dimensions the middle of the patch
-    /// is shown, seen obliquely.
+    /// is shown, in perspective.
     pub fn figure(&self) -> Figure {
         let figure = Figure::new("Spurious modes of the undeformed body").columns(3);
         let shown = self.modes.iter().take(DRAWN);
@@ -34,11 +41,6 @@ impl ModesAnswer {
         figure.caption(caption.trim_start())
     }
 
-    /// A place or a displacement in the picture.
-    pub(super) fn seen(&self, x: &[f64; 3]) -> (f64, f64) {
-        (x[0] + THIRD.0 * x[2], x[1] + THIRD.1 * x[2])
-    }
-
     /// The particles that are shown: all, in space those in the middle of the patch.
     pub(super) fn shown(&self, mode: &ShownMode) -> Vec<usize> {
         let all = 0..mode.positions.len();
@@ -57,25 +59,21 @@ impl ModesAnswer {
 
     fn panel(&self, mode: &ShownMode) -> Panel {
         let title = format!("k = {}: {}", mode.place(), mode.kind());
+        if self.dimension == 3 {
+            return self.panel_in_space(mode, &title);
+        }
         let (from, to): (Vec<_>, Vec<_>) = self
             .shown(mode)
             .into_iter()
             .map(|n| self.arrow(&mode.positions[n], &mode.displacements[n]))
             .unzip();
         let ends = || from.iter().chain(&to);
-        let labels = match self.dimension {
-            // Displacements along the line are drawn across it.
-            1 => [
-                "x₁ (length)".to_owned(),
-                "displacement u₁ (length)".to_owned(),
-            ],
-            2 => ["x₁ (length)".to_owned(), "x₂ (length)".to_owned()],
-            _ => [
-                format!("x₁ + {} x₃ (length)", THIRD.0),
-                format!("x₂ + {} x₃ (length)", THIRD.1),
-            ],
+        // Displacements along a line are drawn across it.
+        let second = match self.dimension {
+            1 => "displacement u₁ (length)",
+            _ => "x₂ (length)",
         };
-        let [x, y] = labels.map(|label| Axis::linear(label, (0.0, 1.0)));
+        let [x, y] = ["x₁ (length)", second].map(|label| Axis::linear(label, (0.0, 1.0)));
         let x = x.covering(ends().map(|end: &(f64, f64)| end.0));
         let y = y.covering(ends().map(|end: &(f64, f64)| end.1));
         let panel = Panel::new(title, x, y)
@@ -102,7 +100,88 @@ impl ModesAnswer {
             return ((x[0], 0.0), (x[0], u[0]));
         }
         // Twice as long, so that it shows.
-        let (from, along) = (self.seen(x), self.seen(u));
-        (from, (from.0 + 2.0 * along.0, from.1 + 2.0 * along.1))
+        ((x[0], x[1]), (x[0] + 2.0 * u[0], x[1] + 2.0 * u[1]))
+    }
+
+    /// Balls in perspective, the farther the paler, with lines between neighbors and the directions of the axes.
+    fn panel_in_space(&self, mode: &ShownMode, title: &str) -> Panel {
+        let shown = self.shown(mode);
+        let places: Vec<[f64; 3]> = shown.iter().map(|n| mode.positions[*n]).collect();
+        let view = View::of(&places, self.dimension);
+        let mut balls: Vec<Ball> = shown
+            .iter()
+            .map(|n| {
+                let (x, u) = (&mode.positions[*n], &mode.displacements[*n]);
+                let seen = view.seen(x);
+                let tip = view.seen(&std::array::from_fn(|i| x[i] + 2.0 * u[i]));
+                Ball {
+                    at: seen.at,
+                    radius: RADIUS * self.spacing * seen.scale,
+                    fade: seen.farness,
+                    tip: Some(tip.at),
+                }
+            })
+            .collect();
+        balls.sort_by(|a, b| b.fade.total_cmp(&a.fade));
+        let ends: Vec<(f64, f64)> = balls
+            .iter()
+            .flat_map(|ball| [Some(ball.at), ball.tip])
+            .flatten()
+            .collect();
+        let least = |of: fn(&(f64, f64)) -> f64| ends.iter().map(of).fold(f64::INFINITY, f64::min);
+        let (axes, words) = self.triad(&view, (least(|end| end.0), least(|end| end.1)));
+        let all = || ends.iter().chain(&axes.from).chain(&axes.to);
+        let margin = 0.4 * self.spacing;
+        let blank = || Axis::linear("", (0.0, 1.0)).ticks(Vec::<(f64, String)>::new());
+        let x = blank().covering(all().flat_map(|end| [end.0 - margin, end.0 + margin]));
+        let y = blank().covering(all().flat_map(|end| [end.1 - margin, end.1 + margin]));
+        let mut panel = Panel::new(title, x, y)
+            .equal_aspect()
+            .with(
+                Line::new(self.joined(&places, &view))
+                    .color(PALE)
+                    .width(1.0),
+            )
+            .with(
+                Balls::new(balls)
+                    .named("particles")
+                    .arrows_named("displacements"),
+            )
+            .with(axes);
+        for word in words {
+            panel = panel.with(word);
+        }
+        panel
+    }
+
+    /// Lines between neighbors, with breaks.
+    fn joined(&self, places: &[[f64; 3]], view: &View) -> Vec<(f64, f64)> {
+        let mut points = Vec::new();
+        for (n, a) in places.iter().enumerate() {
+            for b in &places[n + 1..] {
+                let distance = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+                if distance < JOINED * self.spacing {
+                    points.extend([view.seen(a).at, view.seen(b).at, (f64::NAN, f64::NAN)]);
+                }
+            }
+        }
+        points
+    }
+
+    /// The directions of the axes as arrows from a corner, with their names.
+    fn triad(&self, view: &View, corner: (f64, f64)) -> (Arrows, Vec<Label>) {
+        let length = 0.8 * self.spacing;
+        let base = (corner.0 - 0.9 * self.spacing, corner.1 - 0.2 * self.spacing);
+        let tip = |axis: usize, reach: f64| {
+            let (right, up) = view.direction(axis);
+            (
+                base.0 + reach * length * right,
+                base.1 + reach * length * up,
+            )
+        };
+        let words = ["x₁", "x₂", "x₃"];
+        let words = (0..3).map(|axis| Label::new(tip(axis, 1.4), words[axis]));
+        let to = (0..3).map(|axis| tip(axis, 1.0)).collect();
+        (Arrows::new(vec![base; 3], to), words.collect())
     }
 }

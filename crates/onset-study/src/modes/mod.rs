@@ -3,6 +3,7 @@
 mod animation;
 mod export;
 mod figure;
+mod view;
 
 use crate::answers::{Problem, ProblemError, notes};
 use crate::settings::{Effective, Settings};

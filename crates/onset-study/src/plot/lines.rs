@@ -1,13 +1,17 @@
 //! Boundaries in a figure: traced, or along the edges of cells.
 
 use super::stored::{Slice, StoredMap};
-use super::{PlotError, is_elliptic};
-use crate::boundary::{Boundaries, Tracing, Watch};
+use super::{Lines, PlotError, is_elliptic};
+use crate::answers::ProblemError;
+use crate::boundary::{Boundaries, BoundaryError, Tracing, Watch};
 use crate::domain::Class;
 use crate::figure::{Line, palette};
 use crate::settings::Study;
 use onset::verdict::boundary::Boundary;
+use std::time::{Duration, Instant};
 
+/// How long boundaries are traced where cells would do.
+const PATIENCE: Duration = Duration::from_secs(10);
 const MATERIAL: &str = "boundary of the material";
 const PARTICLES: &str = "boundary of the particles";
 
@@ -27,7 +31,7 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
 pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     match boundary.is_complete() {
         true => name.to_owned(),
-        false => format!("{name} (incomplete; see --no-trace)"),
+        false => format!("{name} (with gaps; --no-trace has none)"),
     }
 }
 
@@ -50,9 +54,33 @@ fn of_particles(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     })
 }
 
-/// Both boundaries of a study.
-pub(super) fn traced(study: &Study, watch: &dyn Watch) -> Result<Vec<Line>, PlotError> {
-    let boundaries = Boundaries::of(study, Tracing::default(), watch)?;
+/// The boundaries of a study, traced as asked for; `None` where they are to be taken from cells.
+pub(super) fn boundaries(
+    study: &Study,
+    lines: Lines,
+    watch: &dyn Watch,
+) -> Result<Option<Boundaries>, PlotError> {
+    let until = match lines {
+        Lines::OfCells => return Ok(None),
+        Lines::Best if study.varies_settings() => return Ok(None),
+        Lines::Best => Some(Instant::now() + PATIENCE),
+        Lines::Traced => None,
+    };
+    let tracing = Tracing {
+        until,
+        ..Tracing::default()
+    };
+    let is_whole = |boundaries: &Boundaries| {
+        boundaries.material.is_complete() && boundaries.discretization.is_complete()
+    };
+    match Boundaries::of(study, tracing, watch) {
+        Err(BoundaryError::Problem(ProblemError::OutOfTime)) => Ok(None),
+        traced => Ok(Some(traced?).filter(|traced| lines == Lines::Traced || is_whole(traced))),
+    }
+}
+
+/// Both boundaries as they are traced.
+pub(super) fn traced(boundaries: &Boundaries) -> Vec<Line> {
     let lines = [
         material(&boundaries.material),
         of_particles(
@@ -60,7 +88,7 @@ pub(super) fn traced(study: &Study, watch: &dyn Watch) -> Result<Vec<Line>, Plot
             honest(PARTICLES, &boundaries.discretization),
         ),
     ];
-    Ok(lines.into_iter().flatten().collect())
+    lines.into_iter().flatten().collect()
 }
 
 /// Both boundaries as edges of cells.
@@ -186,6 +214,6 @@ mod tests {
             unresolved: vec![[0.5, 0.5]],
             ..Boundary::default()
         };
-        assert!(honest("a", &broken).contains("incomplete"));
+        assert!(honest("a", &broken).contains("with gaps"));
     }
 }

@@ -6,7 +6,7 @@ mod stored;
 
 use crate::boundary::{BoundaryError, Watch};
 use crate::domain::Class;
-use crate::figure::{Axis, Field, Figure, Panel, Regions, palette};
+use crate::figure::{Axis, ColorMap, Field, Figure, Layer, Panel, Regions, palette};
 use crate::settings::{Quantity, SettingError, Study, Trust};
 use crate::store::StoreError;
 use onset::verdict::Verdict;
@@ -30,8 +30,63 @@ pub struct Plot<'a> {
     pub stores: &'a [PathBuf],
     /// `verdict`, `certainty`, `certainty_material`, or the name of a field of numbers.
     pub field: &'a str,
-    /// Whether the boundaries are traced; otherwise they are the edges of cells.
-    pub traced: bool,
+    /// How the boundaries are found.
+    pub boundaries: Lines,
+    /// How it looks.
+    pub look: Look<'a>,
+}
+
+/// How the boundaries in a figure are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lines {
+    /// Traced, unless that takes too long or leaves gaps, or an axis varies material or method, of which each costs a preparation; then
+    /// as the edges of cells.
+    #[default]
+    Best,
+    /// Traced as far as they can be followed, however long it takes.
+    Traced,
+    /// The edges of cells.
+    OfCells,
+}
+
+/// How a figure looks, where not as usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look<'a> {
+    /// Its title.
+    pub title: Option<&'a str>,
+    /// Width and height of a panel in pixels of 1/96 inch.
+    pub size: Option<(f64, f64)>,
+    /// The ends of the horizontal axis.
+    pub x: Option<(f64, f64)>,
+    /// The ends of the vertical axis.
+    pub y: Option<(f64, f64)>,
+    /// The numbers at the ends of the color bar.
+    pub range: Option<(f64, f64)>,
+    /// The colors of a field of numbers.
+    pub color_map: Option<ColorMap>,
+}
+
+impl Look<'_> {
+    /// A figure with this look.
+    fn applied(&self, mut figure: Figure) -> Figure {
+        if let Some(title) = self.title {
+            title.clone_into(&mut figure.title);
+        }
+        figure.panel_size = self.size;
+        for panel in &mut figure.panels {
+            panel.x.range = self.x.unwrap_or(panel.x.range);
+            panel.y.range = self.y.unwrap_or(panel.y.range);
+            let fields = panel.layers.iter_mut().filter_map(|layer| match layer {
+                Layer::Field(field) => Some(field),
+                _ => None,
+            });
+            for field in fields {
+                field.range = self.range.or(field.range);
+                field.map = self.color_map.unwrap_or(field.map);
+            }
+        }
+        figure
+    }
 }
 
 /// Why a map cannot be drawn.
@@ -121,16 +176,20 @@ pub fn plot_allowing(
     let captions = captions.collect::<Vec<_>>().join(" ");
     let may_trace = maps.iter().all(StoredMap::may_be_evaluated);
     let plot = &Plot {
-        traced: plot.traced && may_trace,
+        boundaries: if may_trace {
+            plot.boundaries
+        } else {
+            Lines::OfCells
+        },
         ..*plot
     };
-    match &maps[..] {
-        [map] => single(map, plot, watch),
-        [] => Ok(Figure::default()),
+    let figure = match &maps[..] {
+        [map] => single(map, plot, watch)?,
+        [] => Figure::default(),
         _ if plot.field == VERDICT => {
-            let figure = overlay::overlay(&maps, plot.traced, watch)?;
+            let figure = overlay::overlay(&maps, plot.boundaries, watch)?;
             let caption = format!("{} {captions}", figure.caption);
-            Ok(figure.caption(caption.trim_start()))
+            figure.caption(caption.trim_start())
         }
         _ => {
             let mut figure = Figure::new("").columns(maps.len().min(3));
@@ -144,9 +203,10 @@ pub fn plot_allowing(
                     figure = figure.with(panel(map, &slice, plot, &title, watch)?);
                 }
             }
-            Ok(figure.caption(captions))
+            figure.caption(captions)
         }
-    }
+    };
+    Ok(plot.look.applied(figure))
 }
 
 fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
@@ -213,10 +273,10 @@ fn panel(
     } else {
         panel.with(field(map, slice, plot.field)?)
     };
-    let lines = if plot.traced {
-        lines::traced(&slice.study, watch)?
-    } else {
-        lines::of_cells(map, slice)?
+    let traced = lines::boundaries(&slice.study, plot.boundaries, watch)?;
+    let lines = match traced {
+        Some(boundaries) => lines::traced(&boundaries),
+        None => lines::of_cells(map, slice)?,
     };
     Ok(lines.into_iter().fold(panel, Panel::with))
 }

@@ -1,9 +1,9 @@
 //! Boundaries of several discretizations over the domain of their material.
 
 use super::stored::StoredMap;
-use super::{PlotError, axes, lines};
+use super::{Lines, PlotError, axes, lines};
 use crate::answers::{Problem, ProblemError};
-use crate::boundary::{Boundaries, BoundaryError, Tracing, Watch};
+use crate::boundary::{BoundaryError, Watch};
 use crate::domain::Class;
 use crate::figure::{Color, Dash, Figure, Line, Regions, palette};
 use crate::settings::Study;
@@ -28,7 +28,7 @@ const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 /// The figure of several maps with two axes.
 pub(super) fn overlay(
     maps: &[StoredMap],
-    traced: bool,
+    boundaries: Lines,
     watch: &dyn Watch,
 ) -> Result<Figure, PlotError> {
     let first = &maps[0];
@@ -66,8 +66,8 @@ pub(super) fn overlay(
         if maps.iter().filter(|other| other.title() == name).count() > 1 {
             name = format!("{name} ({})", map.path.display());
         }
-        let points = if traced {
-            let boundaries = Boundaries::of(&map.study, Tracing::default(), watch)?;
+        let traced = lines::boundaries(&map.study, boundaries, watch)?;
+        let points = if let Some(boundaries) = traced {
             if n == 0 {
                 panel = lines::material(&boundaries.material)
                     .into_iter()

@@ -410,7 +410,7 @@ fn domains<const N: usize>(
         let domain = Domain::of(&study)?;
         figure = figure.with(
             stretch_panel(&study, &study.title)
-                .with(domain.layer())
+                .with(domain.smoothed()?.layer())
                 .with(Line::new(outer.clone()).named("PDE"))
                 .with(Line::new(inner.clone())),
         );

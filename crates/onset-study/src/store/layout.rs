@@ -174,11 +174,7 @@ impl Layout {
                     "comment": "-1 where not computed yet",
                 }),
             ),
-            Kind::Numbers(unit) => (
-                "float64",
-                json!("NaN"),
-                json!({"long_name": field.long_name, "units": unit}),
-            ),
+            Kind::Numbers(unit) => ("float64", json!("NaN"), measured(field.long_name, unit)),
         };
         array(&shape, &chunk, &names, data_type, fill, attributes)
     }
@@ -192,8 +188,22 @@ fn coordinates(dimension: &Dimension) -> Value {
         &[&dimension.name],
         "float64",
         json!("NaN"),
-        json!({"long_name": dimension.long_name, "units": dimension.unit}),
+        measured(&dimension.long_name, &dimension.unit),
     )
+}
+
+/// The attributes of numbers. The program computes in whatever consistent units its input is, so that of a stress, a time or a length only
+/// the dimension is known, which CF has no units for: `units` is what UDUNITS reads, `dimension` what is measured.
+fn measured(long_name: &str, unit: &str) -> Value {
+    match unit {
+        "1" | "rad" | "deg" => json!({"long_name": long_name, "units": unit}),
+        _ => json!({
+            "long_name": format!("{long_name} ({unit})"),
+            "units": "1",
+            "dimension": unit,
+            "comment": "in the consistent units of the study",
+        }),
+    }
 }
 
 /// The metadata of an array. The checksum comes last, and so covers the bytes as they lie on the disk.

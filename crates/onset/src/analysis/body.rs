@@ -13,7 +13,7 @@ use crate::measures::{
     DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow, dispersion_errors,
     fidelity, long_wave_error, onset, spurious_modes,
 };
-use crate::method::MethodError;
+use crate::method::{Method, MethodError};
 use crate::scheme::{Discretization, PeriodicPatch};
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -46,6 +46,7 @@ struct Waves<const D: usize> {
     waves: StateWaves<D>,
     stiffness: Stiffness<D>,
     density: f64,
+    is_periodic: bool,
     /// From the wave vectors of the waves to reference wave vectors.
     to_reference: SMatrix<f64, D, D>,
 }
@@ -183,6 +184,10 @@ impl<const D: usize> Analysis for Body<D> {
             waves,
             stiffness: Stiffness::<D>::of(&response),
             density: self.discretization.density(),
+            is_periodic: self
+                .discretization
+                .enclosed()
+                .is_none_or(Method::is_periodic),
             // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial, and
             // that of the reference F^T k.
             to_reference: match self.is_regular() {
@@ -221,6 +226,14 @@ impl<const D: usize> Analysis for Body<D> {
         let vectors = self.discretization.crystal().lattice().vectors();
         let fractional = vectors.transpose() * vector::<D>(k.as_slice()) / TAU;
         fractional.iter().copied().collect()
+    }
+
+    fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>> {
+        let maps = self.discretization.crystal().lattice().holohedry();
+        let in_space = |map: &SMatrix<f64, D, D>| {
+            SMatrix::from_fn(|i, j| map.get((i, j)).copied().unwrap_or(0.0))
+        };
+        maps.iter().map(in_space).collect()
     }
 
     fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)> {
@@ -294,6 +307,18 @@ impl<const D: usize> PlaneWaves for Waves<D> {
 
     fn frequencies(&self, k: &[f64]) -> Vec<Complex> {
         self.waves.frequencies(&vector(k))
+    }
+
+    fn folded(&self, k: &[f64]) -> Vec<f64> {
+        if self.is_periodic {
+            return k[..D.min(k.len())].to_vec();
+        }
+        let folded = self.waves.search().folded(&vector(k));
+        folded.iter().copied().collect()
+    }
+
+    fn reach(&self, k: &[f64]) -> f64 {
+        self.waves.search().reach(&vector(k))
     }
 
     fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64> {

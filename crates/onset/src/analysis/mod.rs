@@ -23,7 +23,7 @@ use crate::verdict::{
     Assessment, PathError, PathScan, Probe, SurveyedState, Verdict, probe_material, scan_material,
 };
 use body::{Body, acoustic_minimum};
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::Arc;
 
 /// A discretization and a material, ready to be asked.
@@ -129,6 +129,10 @@ pub trait Analysis: Send + Sync {
     /// A wave vector in units of the reciprocal vectors.
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64>;
 
+    /// The rotations and reflections that map the reference lattice onto itself, the identity first; see
+    /// [`BravaisLattice::holohedry`](crate::lattice::BravaisLattice::holohedry).
+    fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>>;
+
     /// The usual path through a zone: names and reference wave vectors of its corners. 1/length.
     fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)>;
 
@@ -198,6 +202,13 @@ pub trait PlaneWaves: Send + Sync {
 
     /// All `omega`, damping included; 1/time.
     fn frequencies(&self, k: &[f64]) -> Vec<Complex>;
+
+    /// The wave vector of the searched zone that has the same waves: `k` itself where `D(k)` is periodic, otherwise the equivalent one of
+    /// the first zone; 1/length.
+    fn folded(&self, k: &[f64]) -> Vec<f64>;
+
+    /// How many times a wave vector fits into the searched zone; infinite for zero.
+    fn reach(&self, k: &[f64]) -> f64;
 
     /// Those of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
     fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64>;

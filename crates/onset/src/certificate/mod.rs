@@ -151,7 +151,11 @@ impl<const D: usize> Certificate<D> {
         };
         let searched = found.stability;
         let (stability, has_zero_mode) = match &self.discretization {
-            Certainty::Stable { .. } => (Stability::Stable, false),
+            // That no wave grows does not say what holds it: a zero-energy mode can be held by stress alone.
+            Certainty::Stable { .. } => {
+                let has_zero_mode = found.verdict == Verdict::RankDeficient;
+                (Stability::Stable, has_zero_mode)
+            }
             Certainty::RankDeficient { .. } => (Stability::Stable, true),
             Certainty::Unstable { witness } if searched == Stability::Stable => {
                 (witness.stability(), false)

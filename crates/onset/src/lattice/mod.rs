@@ -8,6 +8,7 @@ mod crystal;
 mod delaunay;
 mod mirror;
 mod reduction;
+mod symmetry;
 mod voronoi;
 mod wave_vectors;
 mod zone;

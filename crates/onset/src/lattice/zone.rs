@@ -80,6 +80,23 @@ impl<const D: usize> BrillouinZone<D> {
             .all(|g| k.dot(g) <= (0.5 + tolerance) * g.norm_squared())
     }
 
+    /// How many times a wave vector fits into the zone: `t k` lies on its boundary. Infinite for zero.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use onset::lattice::{Arrangement, BrillouinZone};
+    /// let zone = BrillouinZone::new(Arrangement::Square.lattice::<2>(1.0)?);
+    /// let reach = zone.reach(&Vector2::new(0.5, 0.25));
+    /// assert!((reach - std::f64::consts::TAU).abs() < 1e-14);
+    /// # Ok::<(), onset::lattice::LatticeError>(())
+    /// ```
+    pub fn reach(&self, k: &SVector<f64, D>) -> f64 {
+        let ahead = self.reciprocal.iter().filter(|g| k.dot(g) > 0.0);
+        ahead
+            .map(|g| 0.5 * g.norm_squared() / k.dot(g))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The wave vector with the given coordinates in units of the reciprocal vectors.
     pub fn wave_vector(&self, fractional: &Fractional<D>) -> SVector<f64, D> {
         self.lattice.reciprocal() * fractional

@@ -8,6 +8,7 @@
 //! | [`onset`] | at which stretch is stability lost first, and at which does the material lose it? |
 //! | [`fidelity`] | on which share of a window of states is the method falsely unstable, or stable where the material is not? |
 
+mod degenerate;
 mod dispersion;
 mod fidelity;
 mod onset;

@@ -1,5 +1,6 @@
 //! Waves that a discretization does not resist: zero-energy modes and weak ones.
 
+use super::degenerate::{DEGENERATE, Displacements, most_symmetric};
 use super::dispersion::continuum;
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
 use crate::algebra::{Complex, is_well, settled, settled_along};
@@ -37,7 +38,8 @@ pub struct SpuriousMode<const D: usize> {
     pub nullity: usize,
     /// How far zero-energy modes extend from it; a single point for weak ones.
     pub extent: Extent,
-    /// Displacement of each particle of the cell at the origin, of the mode with the lowest frequency.
+    /// Displacement of each particle of the cell at the origin, of the mode with the lowest frequency. Where several have it, of one that is
+    /// as symmetric as the wave vector: along it, if they hold such a wave.
     pub displacements: Vec<SVector<Complex, D>>,
 }
 
@@ -108,7 +110,7 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
         relative_frequency: if is_at_rest { f64::NAN } else { 0.0 },
         nullity: mode.nullity,
         extent: mode.extent,
-        displacements: mode.displacements.clone(),
+        displacements: most_symmetric(&mode.span, &zone.folded(&mode.wave_vector)),
     }
 }
 
@@ -239,15 +241,22 @@ impl<const D: usize> Weak<'_, D> {
 
     fn mode(&self, k: &SVector<f64, D>, ratio: f64) -> SpuriousMode<D> {
         let modes = self.system.modes(k);
+        let size = modes
+            .iter()
+            .map(|(value, _)| value.norm())
+            .fold(0.0, f64::max);
+        let first = modes.first().map_or(0.0, |(value, _)| value.re);
+        let lowest: Vec<Displacements<D>> = modes
+            .iter()
+            .filter(|(value, _)| (value.re - first).abs() <= DEGENERATE * size)
+            .map(|(_, displacements)| per_particle(displacements))
+            .collect();
         SpuriousMode {
             wave_vector: *k,
             relative_frequency: ratio.max(0.0).sqrt(),
             nullity: 0,
             extent: Extent::Point,
-            displacements: modes
-                .first()
-                .map(|(_, displacements)| per_particle(displacements))
-                .unwrap_or_default(),
+            displacements: most_symmetric(&lowest, k),
         }
     }
 

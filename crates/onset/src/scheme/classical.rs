@@ -3,7 +3,8 @@
 use super::{DirectWaves, Discretization, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
 use crate::bloch::{
-    BlochBlocks, GradientMoments, Mass, WaveSystem, ZoneSearch, dynamical_matrix, gradient_norm,
+    BlochBlocks, GradientMoments, Mass, WaveSystem, ZERO_ENERGY, ZoneSearch, dynamical_matrix,
+    gradient_norm,
 };
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
@@ -119,6 +120,20 @@ impl<const D: usize> Discretization<D> for Method<D> {
         };
         let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
         Ok(Some(discrete / search.kernel_wave_vector(k).norm_squared()))
+    }
+
+    fn has_alternating_zero_mode(&self, f: &DeformationGradient) -> Result<bool, MethodError> {
+        // In a Lagrangian frame stress acts through the discrete gradient too, and the softest wave tells.
+        if self.choices().frame == Frame::Lagrangian {
+            return Ok(false);
+        }
+        let norm = gradient_norm(self, f)?;
+        let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
+        let share = |k: SVector<f64, D>| {
+            norm.at(&k)[(0, 0)].re / search.kernel_wave_vector(&k).norm_squared()
+        };
+        let mut waves = self.lattice().alternating();
+        Ok(waves.any(|k| share(k) <= ZERO_ENERGY))
     }
 
     fn is_undamped(&self) -> bool {

@@ -155,6 +155,15 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
+    /// Whether a wave of alternating neighbors, one with half of a reciprocal vector, strains no point of a state although stress can make
+    /// another wave the softest one; where the discretization has a discrete gradient.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization cannot be evaluated there.
+    fn has_alternating_zero_mode(&self, _f: &DeformationGradient) -> Result<bool, MethodError> {
+        Ok(false)
+    }
+
     /// Whether forces never depend on velocities.
     fn is_undamped(&self) -> bool {
         false

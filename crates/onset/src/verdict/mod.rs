@@ -33,7 +33,8 @@ pub enum Verdict {
     Stable,
     /// Ellipticity is lost, and the discretization says so for long waves too: a faithful answer.
     Material,
-    /// The material's waves do not grow, but a mode of finite wavelength has no energy at any state.
+    /// No wave grows, but the method has zero-energy modes: the strains that it sees of its softest wave, or of one of alternating neighbors,
+    /// vanish, so that nothing but the stress of the state, if anything, resists it.
     RankDeficient,
     /// The method's own instability: modes grow although the material's waves do not, or although its
     /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign

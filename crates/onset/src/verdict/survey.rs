@@ -17,6 +17,8 @@ use std::sync::{Arc, OnceLock};
 
 /// Modes whose scaled measure at rest is below this have no energy.
 const ZERO: f64 = 1e-9;
+/// Scaled measures of stable states up to which stress alone may hold the softest mode.
+const SOFT: f64 = 0.05;
 
 /// What a map shows of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,6 +171,14 @@ impl<const D: usize> StateWaves<D> {
                 waves.1.bounded_summary_of(&waves.0)
             }
         })
+    }
+
+    /// The search over the zone that holds their wave vectors.
+    pub fn search(&self) -> &ZoneSearch<D> {
+        match self {
+            Self::Direct(waves) => &waves.search,
+            Self::System(waves) => &waves.1,
+        }
     }
 
     /// Whether a mode grows, and how, with a measure whose sign it is; of an unstable state that of a witness.
@@ -382,14 +392,16 @@ impl<'a, const D: usize> Survey<'a, D> {
         let (search, matrix) = (&waves.search, &waves.matrix);
         let (stability, measure) = search.stability(matrix);
         let is_stable = stability == Stability::Stable;
-        if is_stable && !ellipticity.is_lost() && measure <= search.tolerance(matrix) {
-            // Zero to rounding: whether a mode has no energy takes the mode itself.
+        let is_sound = is_stable && !ellipticity.is_lost();
+        if is_sound && measure <= SOFT.max(search.tolerance(matrix)) {
+            // Whether a mode has no energy takes the mode itself.
             return Ok((self.assess(f)?.verdict, stability));
         }
         // Only where both are unstable do the long waves tell to whom it belongs.
         let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(matrix);
+        let has_zero_mode = is_sound && self.discretization.has_alternating_zero_mode(f)?;
         Ok((
-            decided(ellipticity, is_stable, false, long_waves_grow),
+            decided(ellipticity, is_stable, has_zero_mode, long_waves_grow),
             stability,
         ))
     }
@@ -484,29 +496,35 @@ impl<'a, const D: usize> Survey<'a, D> {
         ))
     }
 
-    /// Whether the softest mode has no energy: by its discrete gradient, where the discretization tells that; otherwise neither at the
-    /// state nor at rest, where the modes of the material have.
+    /// Whether the softest mode of a stable state, or a wave of alternating neighbors, is a zero-energy mode: it strains no point, where the
+    /// discretization has a gradient that tells that; otherwise it has no energy at rest, where all waves of the material have. What
+    /// resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
         spectrum: &SpectrumSummary<D>,
     ) -> Result<bool, MethodError> {
+        if !spectrum.is_stable() {
+            return Ok(false);
+        }
         let softest = &spectrum.softest;
-        let size = softest.scaled.abs();
-        if size > spectrum.tolerance.max(ZERO) {
-            return Ok(false);
-        }
         if let Some(norm) = self.gradient_norm(f, softest)? {
-            return Ok(size <= spectrum.tolerance && norm <= ZERO_ENERGY);
+            return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }
-        let is_material = !self.stiffness_at_rest()?.is_strongly_elliptic();
-        if is_material || softest.is_long_wave {
+        if !self.stiffness_at_rest()?.is_strongly_elliptic() {
             return Ok(false);
         }
-        let k = &softest.wave_vector;
-        let lowest = self.reference()?.omega_squared(k)[0].re;
-        let laplacian = self.discretization.crystal().lattice().laplacian(k);
-        Ok((lowest / (self.speed_squared() * laplacian)).abs() <= ZERO)
+        let lattice = self.discretization.crystal().lattice();
+        let softest = (!softest.is_long_wave).then_some(softest.wave_vector);
+        let reference = self.reference()?;
+        let is_zero = |k: SVector<f64, D>| {
+            let lowest = reference.omega_squared(&k)[0].re;
+            (lowest / (self.speed_squared() * lattice.laplacian(&k))).abs() <= ZERO
+        };
+        Ok(softest
+            .into_iter()
+            .chain(lattice.alternating())
+            .any(is_zero))
     }
 
     fn gradient_norm(

@@ -484,6 +484,11 @@ impl<const D: usize> ZoneSearch<D> {
         self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 
+    /// How many times a reference wave vector fits into the searched zone; infinite for zero.
+    pub fn reach(&self, k: &SVector<f64, D>) -> f64 {
+        self.zone().reach(&(self.from_reference * k))
+    }
+
     /// Whether a reference wave vector lies in the searched zone.
     pub(in crate::bloch) fn is_in_zone(&self, k: &SVector<f64, D>) -> bool {
         self.zone().contains(&(self.from_reference * k), 1e-12)

@@ -7,6 +7,7 @@
 mod root;
 mod rows;
 
+use super::degenerate::Displacements;
 use crate::algebra::Complex;
 use crate::lattice::Crystal;
 use crate::scheme::StrainOperator;
@@ -75,7 +76,8 @@ pub(super) struct ZeroMode<const D: usize> {
     pub(super) wave_vector: SVector<f64, D>,
     pub(super) extent: Extent,
     pub(super) nullity: usize,
-    pub(super) displacements: Vec<SVector<Complex, D>>,
+    /// Displacements of the particles of a cell in modes that span all of this wave vector.
+    pub(super) span: Vec<Displacements<D>>,
 }
 
 /// All of them, of `k` and `-k` one, and whether that is sure.
@@ -193,7 +195,7 @@ impl<'a, const D: usize> Search<'a, D> {
             wave_vector: k,
             extent: Extent::Zone,
             nullity: nullity * self.rows.modes_per_column(),
-            displacements: self.displacements(&shown),
+            span: self.span(&shown),
         })
     }
 
@@ -369,7 +371,7 @@ impl<'a, const D: usize> Search<'a, D> {
             wave_vector: zero,
             extent: Extent::Point,
             nullity,
-            displacements: internal.max_by(|a, b| size(a).total_cmp(&size(b)))?,
+            span: vec![internal.max_by(|a, b| size(a).total_cmp(&size(b)))?],
         })
     }
 
@@ -381,7 +383,7 @@ impl<'a, const D: usize> Search<'a, D> {
             wave_vector: root.wave_vector,
             extent,
             nullity: root.kernel.ncols() * self.rows.modes_per_column(),
-            displacements: self.displacements(root),
+            span: self.span(root),
         };
         let isolated = self.isolated.iter().filter(is_elsewhere);
         let mut modes: Vec<ZeroMode<D>> = isolated.map(|root| mode(root, Extent::Point)).collect();
@@ -429,14 +431,18 @@ impl<'a, const D: usize> Search<'a, D> {
         components
     }
 
-    /// The displacements of the particles of a cell in a mode of a root.
-    fn displacements(&self, root: &Root<D>) -> Vec<SVector<Complex, D>> {
+    /// Displacements of the particles of a cell in modes that span all of a root.
+    fn span(&self, root: &Root<D>) -> Vec<Displacements<D>> {
         if self.rows.columns() == 1 {
             // Any displacement of the single particle.
-            let entry = |i: usize| Complex::new(f64::from(u8::from(i == 0)), 0.0);
-            return vec![SVector::from_fn(|i, _| entry(i))];
+            let entry = |is_axis: bool| Complex::new(f64::from(u8::from(is_axis)), 0.0);
+            let along = |axis: usize| vec![SVector::from_fn(|i, _| entry(i == axis))];
+            return (0..D).map(along).collect();
         }
-        self.of_particles(&root.kernel, root.kernel.ncols() - 1)
+        let columns = 0..root.kernel.ncols();
+        columns
+            .map(|column| self.of_particles(&root.kernel, column))
+            .collect()
     }
 
     fn of_particles(&self, kernel: &DMatrix<Complex>, column: usize) -> Vec<SVector<Complex, D>> {

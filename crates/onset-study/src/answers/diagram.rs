@@ -1,0 +1,514 @@
+//! The dispersion diagram: frequencies and growth rates along a path through the zone, with the critical wave and the density of states.
+
+use super::dispersion::{DispersionAnswer, answer};
+use super::mode::{critical_mode, finite_wave_vector};
+use super::notes::notes;
+use super::problem::{Problem, ProblemError, Strain};
+use super::state::{ComplexNumber, list};
+use super::zone_path::{CRITICAL, SymmetryPoints, ZonePath};
+use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
+use crate::number::{told, told_of, vector};
+use crate::settings::Effective;
+use nalgebra::Vector3;
+use onset::algebra::Complex;
+use onset::analysis::Analysis;
+use onset::bloch::growth_rate;
+use onset::kinematics::DeformationGradient;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Samples on each leg of a path.
+const SAMPLES: usize = 120;
+/// Wave vectors of the density of states along each reciprocal vector, by dimension. They lie between those of high symmetry, where
+/// branches are flat.
+const GRID: [usize; 3] = [4096, 160, 28];
+/// Intervals of frequency of the density of states.
+const BINS: usize = 80;
+/// Growth rates below this share of the largest frequency are rounding.
+const ROUNDING: f64 = 1e-7;
+
+/// Frequencies along a path through the zone.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Diagram {
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
+    /// The corners of the path: name, reference wave vector, and place along the path.
+    pub corners: Vec<Corner>,
+    /// The samples. Where the dynamical matrix is not periodic, at the wave vectors of the first zone that are equivalent to those of
+    /// the path.
+    pub samples: Vec<DispersionAnswer>,
+    /// Length along the path of each sample; two samples of one length are a jump.
+    pub lengths: Vec<f64>,
+    /// The critical wave.
+    pub critical: CriticalWave,
+    /// The density of states.
+    pub density_of_states: DensityOfStates,
+}
+
+/// A corner of a path through the zone.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Corner {
+    /// Its name; images of one point that the state tells apart have primes.
+    pub name: String,
+    /// Its reference wave vector.
+    pub wave_vector: Vec<f64>,
+    /// Its place along the path.
+    pub length: f64,
+}
+
+/// The wave that grows fastest over the whole zone; of a stable state the softest one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CriticalWave {
+    /// Whether no wave grows.
+    pub stable: bool,
+    /// Its `omega^2`.
+    pub omega_squared: ComplexNumber,
+    /// Its growth rate; zero when stable.
+    pub growth_rate: f64,
+    /// Its reference wave vector; zero in the limit of long waves.
+    pub wave_vector: Vec<f64>,
+    /// The same in the deformed lattice, `F^-T k`.
+    pub spatial_wave_vector: Vec<f64>,
+    /// The point of high symmetry that it is, if it is one.
+    pub point: Option<String>,
+    /// Its place along the path; none in the limit of long waves.
+    pub length: Option<f64>,
+}
+
+/// The density of states: the share of all waves of the zone in an interval of frequency over its width, so that its integral is one.
+/// Waves that grow without oscillating stand at minus their growth rate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DensityOfStates {
+    /// The ends of the intervals; 1/time.
+    pub edges: Vec<f64>,
+    /// The density in each interval; time.
+    pub density: Vec<f64>,
+    /// How many waves were counted.
+    pub waves: usize,
+}
+
+impl Diagram {
+    /// The diagram along the points of high symmetry that the state tells apart, or along a path that is typed; and along the line
+    /// through the critical wave vector.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the state cannot be evaluated, or the path not be read.
+    pub fn new(
+        problem: &Problem,
+        strain: &Strain,
+        path: Option<&str>,
+    ) -> Result<Self, ProblemError> {
+        diagram(problem, &strain.0, path)
+    }
+
+    /// The critical wave, and what the diagram is of, with what a reader must know.
+    pub fn told(&self) -> String {
+        let notes = self.notes.iter().map(|note| format!("note: {note}\n\n"));
+        format!(
+            "{}\n{}{}",
+            self.critical_lines(),
+            notes.collect::<String>(),
+            self.settings
+        )
+    }
+
+    fn critical_lines(&self) -> String {
+        let wave = &self.critical;
+        let mut text = String::new();
+        let mut line = |name: &str, value: String| text.push_str(&format!("{name:<24}{value}\n"));
+        let corners: Vec<&str> = self
+            .corners
+            .iter()
+            .map(|corner| corner.name.as_str())
+            .collect();
+        line("path", corners.join(" "));
+        let size = self.largest().powi(2);
+        let imaginary = match told_of(wave.omega_squared.im, size).as_str() {
+            "0" => String::new(),
+            im => format!(
+                " {} {} i",
+                if im.starts_with('-') { '-' } else { '+' },
+                im.trim_start_matches('-')
+            ),
+        };
+        let omega_squared = format!("{}{imaginary}", told_of(wave.omega_squared.re, size));
+        let is_long = wave.length.is_none();
+        let place = match &wave.point {
+            Some(point) => format!(", {point}"),
+            None => String::new(),
+        };
+        let at = format!(
+            "{} (reference), {} (deformed){place}",
+            vector(&wave.wave_vector),
+            vector(&wave.spatial_wave_vector)
+        );
+        match (wave.stable, is_long) {
+            (false, _) => {
+                line("critical wave vector k*", at);
+                line("  its omega^2", omega_squared);
+                line("  growth rate", told(wave.growth_rate));
+            }
+            (true, false) => {
+                line("softest wave vector k*", at);
+                line("  its omega^2", omega_squared);
+            }
+            (true, true) => line(
+                "softest waves",
+                "long ones: no wave vector is marked".to_owned(),
+            ),
+        }
+        text
+    }
+
+    /// The largest frequency of the samples.
+    fn largest(&self) -> f64 {
+        let values = self.samples.iter().flat_map(|sample| &sample.omega_squared);
+        values
+            .map(|value| value.re.hypot(value.im))
+            .fold(0.0, f64::max)
+            .sqrt()
+    }
+
+    /// The lowest point of all that is drawn: minus the largest growth rate, or the lowest frequency.
+    pub fn lowest(&self) -> f64 {
+        let noise = ROUNDING * self.largest();
+        let values = self.samples.iter().flat_map(|sample| &sample.omega_squared);
+        let drawn = values.flat_map(|value| [frequency(*value), flutter(*value, noise)]);
+        drawn
+            .filter(|height| height.is_finite())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The samples as a table: length along the path, wave vector, `omega^2` of particles and continuum.
+    pub fn csv(&self) -> String {
+        let columns = |name: &str, count: usize| {
+            (1..=count)
+                .map(|n| format!("{name}_{n}"))
+                .collect::<Vec<_>>()
+        };
+        let dimension = self
+            .samples
+            .first()
+            .map_or(0, |sample| sample.wave_vector.len());
+        let mut header = vec!["length".to_owned()];
+        header.extend(columns("wave_vector", dimension));
+        header.extend(columns("omega_squared_re", self.branches()));
+        header.extend(columns("omega_squared_im", self.branches()));
+        header.extend(columns("continuum_omega_squared", dimension));
+        let row = |(length, sample): (&f64, &DispersionAnswer)| {
+            let particles = &sample.omega_squared;
+            let numbers = std::iter::once(*length)
+                .chain(sample.wave_vector.iter().copied())
+                .chain(particles.iter().map(|value| value.re))
+                .chain(particles.iter().map(|value| value.im))
+                .chain(sample.continuum_omega_squared.iter().copied());
+            numbers
+                .map(|number| format!("{number:.16e}"))
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        let rows: Vec<String> = self.lengths.iter().zip(&self.samples).map(row).collect();
+        format!("{}\n{}\n", header.join(","), rows.join("\n"))
+    }
+
+    /// The density of states as a table: the ends of each interval, and the density in it.
+    pub fn density_csv(&self) -> String {
+        let DensityOfStates { edges, density, .. } = &self.density_of_states;
+        let rows = edges.windows(2).zip(density);
+        let row = |(ends, density): (&[f64], &f64)| {
+            format!("{:.16e},{:.16e},{density:.16e}\n", ends[0], ends[1])
+        };
+        format!("from,to,density\n{}", rows.map(row).collect::<String>())
+    }
+
+    fn branches(&self) -> usize {
+        let first = self.samples.first();
+        first.map_or(0, |sample| sample.omega_squared.len())
+    }
+
+    /// A curve along the path, broken where the path jumps.
+    fn curve(&self, value: impl Fn(&DispersionAnswer) -> f64) -> Vec<(f64, f64)> {
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for (x, sample) in self.lengths.iter().zip(&self.samples) {
+            if points.last().is_some_and(|last| last.0 == *x) {
+                points.push((f64::NAN, f64::NAN));
+            }
+            points.push((*x, value(sample)));
+        }
+        points
+    }
+
+    /// The diagram as a figure: frequencies upward, growth rates downward, and the density of states beside it.
+    pub fn figure(&self, title: &str) -> Figure {
+        let noise = ROUNDING * self.largest();
+        let (mut of_continuum, mut of_particles) = (Vec::new(), Vec::new());
+        for n in 0..self.branches() {
+            // Cells with several particles have more branches than the continuum.
+            of_continuum.push(self.curve(|sample| {
+                let own = sample.continuum_omega_squared.get(n);
+                own.map_or(f64::NAN, |own| {
+                    frequency(ComplexNumber { re: *own, im: 0.0 })
+                })
+            }));
+            of_particles.push(self.curve(|sample| frequency(sample.omega_squared[n])));
+        }
+        let flutters = self.curve(|sample| {
+            let rates = sample
+                .omega_squared
+                .iter()
+                .map(|value| flutter(*value, noise));
+            rates.fold(f64::NAN, f64::min)
+        });
+        // The continuum's branches leave the picture: the particles' range decides.
+        let heights = of_particles
+            .iter()
+            .flatten()
+            .chain(&flutters)
+            .map(|point| point.1);
+        let (low, high) = heights
+            .filter(|y| y.is_finite())
+            .fold((0.0_f64, 0.0_f64), |(low, high), y| {
+                (low.min(y), high.max(y))
+            });
+        let margin = if high > low { 0.1 * (high - low) } else { 1.0 };
+        let range = (if low < 0.0 { low - margin } else { 0.0 }, high + margin);
+        let y = Axis::linear("frequency ω; below 0: growth rate (1/time)", range);
+        let end = self.lengths.last().copied().unwrap_or(1.0);
+        let x = Axis::linear("reference wave vector k", (0.0, end)).ticks(self.ticks());
+        let mut panel = Panel::new("", x, y.clone()).wider(1.0 + 0.12 * self.corners.len() as f64);
+        for (length, _) in self.ticks() {
+            panel = panel.with(Rule::vertical(length).color(palette::GREY).dotted());
+        }
+        panel = panel.with(Rule::horizontal(0.0).color(palette::BLACK));
+        let named = |lines: Vec<Vec<(f64, f64)>>, style: &dyn Fn(Line) -> Line, name: &str| {
+            let line = |(n, points)| match n {
+                0 => style(Line::new(points)).named(name),
+                _ => style(Line::new(points)),
+            };
+            lines.into_iter().enumerate().map(line).collect::<Vec<_>>()
+        };
+        let grey = |line: Line| line.color(palette::GREY).dashed();
+        let blue = |line: Line| line.color(palette::BLUE);
+        let lines = named(of_continuum, &grey, "continuum, √(eig Q(k)/ρ₀)");
+        for line in lines
+            .into_iter()
+            .chain(named(of_particles, &blue, "particles"))
+        {
+            panel = panel.with(line);
+        }
+        if flutters.iter().any(|point| point.1.is_finite()) {
+            let line = Line::new(flutters).color(palette::VERMILION).dashed();
+            panel = panel.with(line.named("particles, growth rate of flutter"));
+        }
+        if let Some(marked) = self.marked() {
+            panel = panel.with(marked);
+        }
+        Figure::new(title)
+            .columns(2)
+            .with(panel)
+            .with(self.density_panel(y))
+            .caption(self.settings.caption())
+    }
+
+    /// The names of corners; where the path jumps both in one.
+    fn ticks(&self) -> Vec<(f64, String)> {
+        let mut ticks: Vec<(f64, String)> = Vec::new();
+        for corner in &self.corners {
+            match ticks.last_mut().filter(|last| last.0 == corner.length) {
+                Some(last) => last.1 = format!("{}|{}", last.1, corner.name),
+                None => ticks.push((corner.length, corner.name.clone())),
+            }
+        }
+        ticks
+    }
+
+    /// The critical wave, marked.
+    fn marked(&self) -> Option<Points> {
+        let wave = &self.critical;
+        let at = wave.length?;
+        let (height, name) = if wave.stable {
+            let height = frequency(wave.omega_squared);
+            (
+                height,
+                format!("softest wave, k* = {}", vector(&wave.wave_vector)),
+            )
+        } else {
+            let rate = told(wave.growth_rate);
+            let k = vector(&wave.wave_vector);
+            (
+                -wave.growth_rate,
+                format!("fastest growing wave, k* = {k}: growth rate {rate}"),
+            )
+        };
+        let marker = Points::new(vec![(at, height)]).color(palette::VERMILION);
+        Some(marker.size(9.0).named(name))
+    }
+
+    fn density_panel(&self, y: Axis) -> Panel {
+        let DensityOfStates { edges, density, .. } = &self.density_of_states;
+        let mut outline = Vec::with_capacity(2 * density.len() + 2);
+        for (ends, value) in edges.windows(2).zip(density) {
+            outline.push((*value, ends[0]));
+            outline.push((*value, ends[1]));
+        }
+        let most = density.iter().copied().fold(0.0, f64::max);
+        let x = Axis::linear("density of states (time)", (0.0, 1.08 * most));
+        let mut plain = y;
+        plain.label = String::new();
+        Panel::new("", x, plain)
+            .wider(0.35)
+            .with(Rule::horizontal(0.0).color(palette::BLACK))
+            .with(Line::new(outline).color(palette::BLUE))
+    }
+}
+
+/// The frequency of a wave; minus the growth rate of one that does not oscillate.
+fn frequency(omega_squared: ComplexNumber) -> f64 {
+    let value = Complex::new(omega_squared.re, omega_squared.im);
+    let (oscillation, growth) = (value.sqrt().re.abs(), growth_rate(value));
+    if growth > oscillation {
+        -growth
+    } else {
+        oscillation
+    }
+}
+
+/// Minus the growth rate of a wave that oscillates too; not a number for others.
+fn flutter(omega_squared: ComplexNumber, noise: f64) -> f64 {
+    let value = Complex::new(omega_squared.re, omega_squared.im);
+    let growth = growth_rate(value);
+    if growth > noise && growth <= value.sqrt().re.abs() {
+        -growth
+    } else {
+        f64::NAN
+    }
+}
+
+fn diagram(
+    problem: &Problem,
+    f: &DeformationGradient,
+    typed: Option<&str>,
+) -> Result<Diagram, ProblemError> {
+    let analysis = &*problem.analysis;
+    let dimension = analysis.dimension();
+    let waves = analysis.waves(f)?;
+    let omega_squared = |k: &Vector3<f64>| waves.omega_squared(&waves.folded(k.as_slice()));
+    let symmetry = SymmetryPoints::new(analysis, problem.settings.zone(), omega_squared);
+    let mut path = match typed {
+        Some(text) => symmetry.typed(text)?,
+        None => symmetry.path(),
+    };
+    let assessment = analysis.assess(f)?;
+    let mode = critical_mode(&assessment);
+    let critical = finite_wave_vector(mode);
+    if critical.norm() > 0.0 {
+        path.through(&critical, waves.reach(critical.as_slice()));
+    }
+    let at = |k: &Vector3<f64>| answer(&*waves, &waves.folded(k.as_slice()));
+    let (corners, samples, lengths) = sampled(dimension, &path, at);
+    let growth = assessment.spectrum.growth_rate();
+    let place = corners.iter().rev().find(|corner| corner.name == CRITICAL);
+    // A translation that strains the body grows at k = 0, which every path has.
+    let at_zero = corners
+        .iter()
+        .find(|corner| growth > 0.0 && corner.wave_vector.iter().all(|x| *x == 0.0));
+    Ok(Diagram {
+        notes: notes(&problem.settings, &*problem.material),
+        settings: problem.settings.effective(),
+        critical: CriticalWave {
+            stable: assessment.spectrum.is_stable(),
+            omega_squared: mode.omega_squared.into(),
+            growth_rate: growth,
+            wave_vector: list(dimension, &critical),
+            spatial_wave_vector: list(dimension, &analysis.spatial(f, &critical)),
+            point: symmetry
+                .name(&critical)
+                .filter(|_| critical.norm() > 0.0)
+                .map(str::to_owned),
+            length: place.or(at_zero).map(|corner| corner.length),
+        },
+        density_of_states: density_of_states(analysis, omega_squared),
+        corners,
+        samples,
+        lengths,
+    })
+}
+
+/// The corners of a path, samples on its legs, and their places.
+fn sampled(
+    dimension: usize,
+    path: &ZonePath,
+    waves: impl Fn(&Vector3<f64>) -> DispersionAnswer,
+) -> (Vec<Corner>, Vec<DispersionAnswer>, Vec<f64>) {
+    let (mut corners, mut samples, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+    let mut length = 0.0;
+    for chain in &path.0 {
+        for (n, stop) in chain.iter().enumerate() {
+            let k = stop.wave_vector;
+            corners.push(Corner {
+                name: stop.name.clone(),
+                wave_vector: list(dimension, &k),
+                length,
+            });
+            let step = chain
+                .get(n + 1)
+                .map_or_else(Vector3::zeros, |next| next.wave_vector - k);
+            // The end of a chain is a sample of its own.
+            let count = if n + 1 < chain.len() { SAMPLES } else { 1 };
+            for sample in 0..count {
+                let t = sample as f64 / count as f64;
+                samples.push(waves(&(k + step * t)));
+                lengths.push(length + t * step.norm());
+            }
+            length += step.norm();
+        }
+    }
+    (corners, samples, lengths)
+}
+
+fn density_of_states(
+    analysis: &dyn Analysis,
+    omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex> + Sync,
+) -> DensityOfStates {
+    let reciprocal = analysis.reciprocal();
+    let n = GRID[reciprocal.len() - 1];
+    // Of k and -k, which have the same waves, one.
+    let count = n.pow(reciprocal.len() as u32) / 2;
+    let heights: Vec<f64> = (0..count)
+        .into_par_iter()
+        .flat_map_iter(|index| {
+            let mut rest = index;
+            let mut k = Vector3::zeros();
+            for b in reciprocal.iter().rev() {
+                k += b * (((rest % n) as f64 + 0.5) / n as f64);
+                rest /= n;
+            }
+            let values = omega_squared(&k);
+            values
+                .into_iter()
+                .map(|value| frequency(value.into()))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let (low, high) = heights
+        .iter()
+        .fold((0.0_f64, f64::MIN_POSITIVE), |(low, high), y| {
+            (low.min(*y), high.max(*y))
+        });
+    let width = (high - low) / BINS as f64;
+    let mut counts = vec![0_usize; BINS];
+    for height in &heights {
+        counts[(((height - low) / width) as usize).min(BINS - 1)] += 1;
+    }
+    let unit = heights.len() as f64 * width;
+    DensityOfStates {
+        edges: (0..=BINS).map(|n| low + width * n as f64).collect(),
+        density: counts
+            .into_iter()
+            .map(|count| count as f64 / unit)
+            .collect(),
+        waves: heights.len(),
+    }
+}

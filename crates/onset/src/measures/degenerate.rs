@@ -1,0 +1,118 @@
+//! The most symmetric one of degenerate modes.
+
+use crate::algebra::Complex;
+use nalgebra::SVector;
+
+/// The displacements of the particles of a cell in a mode.
+pub(super) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
+
+/// Squared frequencies that differ by less, relative to the largest, belong to degenerate modes.
+pub(super) const DEGENERATE: f64 = 1e-9;
+
+/// One mode of the space that degenerate modes span, which an eigenvalue problem leaves to chance: the part in it of the simplest wave that
+/// it holds at least half of. Simple are, in this order, particles that all move along the wave vector, particles of a cell that part
+/// along it, and the same along each axis. The part of a symmetric wave in a space that the symmetries keep is as symmetric as the wave.
+/// Of the largest displacement one.
+pub(super) fn most_symmetric<const D: usize>(
+    span: &[Displacements<D>],
+    k: &SVector<f64, D>,
+) -> Displacements<D> {
+    let basis = orthonormal(span);
+    let Some(sites) = basis.first().map(Vec::len) else {
+        return Vec::new();
+    };
+    let along = (k.norm() > 0.0).then(|| k.normalize());
+    let axes = (0..D).map(|axis| SVector::from_fn(|i, _| f64::from(u8::from(i == axis))));
+    let waves = along
+        .into_iter()
+        .chain(axes)
+        .flat_map(|direction: SVector<f64, D>| {
+            [1.0, -1.0].map(|sign: f64| -> Displacements<D> {
+                let part = |site: usize| sign.powi(site as i32);
+                (0..sites)
+                    .map(|site| direction.map(|x| Complex::new(part(site) * x, 0.0)))
+                    .collect()
+            })
+        });
+    let parts: Vec<Displacements<D>> = waves.map(|wave| part_in(&basis, &wave)).collect();
+    let share = |part: &Displacements<D>| dot(part, part).re / sites as f64;
+    let half = parts.iter().find(|part| share(part) >= 0.5 - 1e-9);
+    let most = || parts.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    let chosen = half.or_else(most).cloned().unwrap_or_default();
+    let largest = chosen
+        .iter()
+        .map(|own| own.norm())
+        .fold(f64::MIN_POSITIVE, f64::max);
+    chosen
+        .into_iter()
+        .map(|own| own.map(|x| x / largest))
+        .collect()
+}
+
+fn dot<const D: usize>(a: &[SVector<Complex, D>], b: &[SVector<Complex, D>]) -> Complex {
+    a.iter().zip(b).map(|(a, b)| a.dotc(b)).sum()
+}
+
+/// The part of a wave in a space.
+fn part_in<const D: usize>(
+    basis: &[Displacements<D>],
+    wave: &Displacements<D>,
+) -> Displacements<D> {
+    let mut part = vec![SVector::zeros(); wave.len()];
+    for own in basis {
+        let share = dot(own, wave);
+        for (sum, own) in part.iter_mut().zip(own) {
+            *sum += own.map(|x| x * share);
+        }
+    }
+    part
+}
+
+/// An orthonormal basis of the span.
+fn orthonormal<const D: usize>(span: &[Displacements<D>]) -> Vec<Displacements<D>> {
+    let mut basis: Vec<Displacements<D>> = Vec::new();
+    for mode in span {
+        let known = part_in(&basis, mode);
+        let rest: Displacements<D> = mode.iter().zip(&known).map(|(a, b)| a - b).collect();
+        let size = dot(&rest, &rest).re.sqrt();
+        if size > 1e-6 * dot(mode, mode).re.sqrt() {
+            basis.push(rest.into_iter().map(|own| own.map(|x| x / size)).collect());
+        }
+    }
+    basis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+
+    fn real(x: f64, y: f64) -> SVector<Complex, 2> {
+        Vector2::new(Complex::new(x, 0.0), Complex::new(y, 0.0))
+    }
+
+    #[test]
+    fn any_polarization_becomes_one_along_the_wave_vector() {
+        // Two oblique directions span the plane.
+        let span = [vec![real(0.3, 0.9)], vec![real(-0.8, 0.1)]];
+        let chosen = most_symmetric(&span, &Vector2::new(2.0, 2.0));
+        let half = 0.5_f64.sqrt();
+        assert!((chosen[0] - real(half, half)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn particles_of_a_cell_that_part_are_found_in_a_mixture() {
+        let parting = |x: f64, y: f64| vec![real(x, y), real(-x, -y)];
+        let span = [parting(0.6, 0.8), parting(0.8, -0.6)];
+        let chosen = most_symmetric(&span, &Vector2::new(1.0, 0.0));
+        assert!((chosen[0] - real(1.0, 0.0)).norm() < 1e-12);
+        assert!((chosen[1] + real(1.0, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_mode_that_is_not_degenerate_stays_itself() {
+        let transverse = vec![real(0.0, 2.0)];
+        let chosen = most_symmetric(&[transverse], &Vector2::new(1.0, 0.0));
+        assert!((chosen[0] - real(0.0, 1.0)).norm() < 1e-12);
+    }
+}
