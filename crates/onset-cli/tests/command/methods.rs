@@ -86,8 +86,13 @@ impl Method {
     fn study(&self) -> String {
         let keys = self.keys.iter().filter(|(key, _)| self.reads(key));
         let lines = keys.map(|(key, value)| format!("{key} = {value}\n"));
-        let axis = |n: usize| {
-            format!("[[axes]]\nquantity = \"stretch-{n}\"\nrange = [0.97, 1.03]\nstates = 2\n")
+        let axis = |quantity: &str| {
+            format!("[[axes]]\nquantity = \"{quantity}\"\nrange = [0.97, 1.03]\nstates = 2\n")
+        };
+        // A chain has one stretch.
+        let second = match self.dimension {
+            1 => "discretization.density",
+            _ => "stretch-2",
         };
         format!(
             "[discretization]\n{}{}{}[map]\ncertify = true\n",
@@ -97,11 +102,12 @@ impl Method {
         )
     }
 
-    /// Whether a question is asked here. To trace a boundary in space takes a minute of most methods: it is asked of elements, which
-    /// are asked in the way of all.
+    /// Whether a question is asked here. In space those of very many states or waves take a minute of most methods: they are asked of
+    /// elements, which are asked in the way of all.
     fn is_asked(&self, line: &str) -> bool {
-        let is_traced = line.contains("traced") || line.starts_with("boundary");
-        self.dimension < 3 || !is_traced || self.value("method") == "finite-elements"
+        let long = ["path", "boundary", "modes"];
+        let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));
+        self.dimension < 3 || !is_long || self.value("method") == "finite-elements"
     }
 
     /// Asks everything; what was not answered.
