@@ -31,7 +31,7 @@ FRAMES = {
 }
 # Seeds of the states: those that are timed, and those whose minima are compared.
 TIMED, COMPARED = 1, 2
-# Rounding of the minimum, which is of order one for the stiff waves of the undeformed body.
+# Rounding of the minimum, which is of order one for the stiff waves of the reference configuration.
 ROUNDING = 1e-12
 
 
@@ -163,7 +163,7 @@ Written by `cargo xtask bench`; do not edit.
 
 **The work.** A map of states: at each state, two stretches drawn at random from [0.5, 2.5]^2 in plane strain, the softest mode
 of the particles (min Re omega^2 / (c^2 |k|_h^2) over the zone, and its wave vector), the largest omega^2 (for the critical time
-step) and the largest growth rate. Hexagonal arrangement with stress points, Shepard functions with the quartic spline,
+step) and the largest growth rate. Hexagonal lattice with stress points, Shepard functions with the quartic spline,
 D_mx = 2, the law of equation (5). The Lagrangian kernel, and the Eulerian one on the convected lattice with fixed support in
 its exact linearization. States at which a point has lost its neighbors count as states.
 
@@ -190,7 +190,7 @@ compares the peers with the command at random states and wave vectors (differenc
 ## Minima
 
 {minima_states:,} random states; the minimum of onset against that of the peer on its own {resolution} x {resolution} grid. A
-difference counts beyond {rounding:g}, relative to the larger of one and the minimum (the stiff waves of the undeformed body
+difference counts beyond {rounding:g}, relative to the larger of one and the minimum (the stiff waves of the reference configuration
 have the measure one).
 
 | | compared | onset above the grid | largest excess | onset below | largest improvement | median |

@@ -34,6 +34,6 @@ def tangent(xp, f):
 
 
 def speed_squared():
-    """c^2: the largest acoustic eigenvalue of the undeformed material, which is isotropic, over the density 1."""
+    """c^2: the largest acoustic eigenvalue of the material in the reference state, which is isotropic, over the density 1."""
     _, _, a = tangent(np, np.eye(2)[:, :, None])
     return max(a[0][0][0][0][0], a[0][1][0][1][0])

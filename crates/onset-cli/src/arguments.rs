@@ -5,9 +5,9 @@ use crate::printing::PrintingArguments;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
+use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
-use onset_study::notions::{Lateral, Mode, Range as Stretches};
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -78,9 +78,9 @@ const PATH_EXAMPLES: &str = "Examples:
   onset path --from 1,1 --to 3,1
   onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
 const NOTIONS_EXAMPLES: &str = "Examples:
-  onset notions --set material.model=ogden
-  onset notions --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
-  onset notions --mode uniaxial --range 0.2,5 --out figures";
+  onset criteria --set material.model=ogden
+  onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
+  onset criteria --mode uniaxial --range 0.2,5 --out figures";
 const CARD_EXAMPLES: &str = "Examples:
   onset card --set material.model=blatz-ko
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
@@ -250,17 +250,17 @@ pub enum Command {
     Localize(LocalizeArguments),
     /// The verdict on every state of a study, into a Zarr store; resumable
     Map(MapArguments),
-    /// Where along standard loadings does each notion of stability end?
+    /// Where along standard loadings does each stability criterion end?
     ///
     /// Ellipticity, Hill, Drucker, Baker-Ericksen, largest load and others, with traction-free faces solved for.
     #[command(after_help = NOTIONS_EXAMPLES, after_long_help = with_keys(NOTIONS_EXAMPLES, &law_keys()))]
-    Notions(NotionsArguments),
+    Criteria(CriteriaArguments),
     /// The safe range of a law: stretches within which it is strongly elliptic
     #[command(after_help = CARD_EXAMPLES, after_long_help = with_keys(CARD_EXAMPLES, &law_keys()))]
     Card(CardArguments),
-    /// What there is to choose from, with formulas, parameters and sources
+    /// The available options, with formulas, parameters and sources
     List {
-        /// materials, methods, arrangements, kernels, approximations, quadratures, frames, backgrounds, lattices, support-sizes,
+        /// materials, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
         /// linearizations; formula for the language of typed laws; aliases for words that people type; keys, or method with a NAME;
         /// everything when left out.
         topic: Option<String>,
@@ -273,7 +273,7 @@ pub enum Command {
         /// Study files, - for standard input.
         #[arg(value_name = "FILE", required = true)]
         files: Vec<PathBuf>,
-        /// Set a key of the study otherwise, for example map.tile=128 (may be given several times).
+        /// Set a key of the study, overriding the file, for example map.tile=128 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
         /// What the file may load.
@@ -286,7 +286,7 @@ pub enum Command {
     Boundary {
         /// A study file with two axes, - for standard input.
         file: PathBuf,
-        /// Set a key of the study otherwise, for example discretization.support=1.6 (may be given several times).
+        /// Set a key of the study, overriding the file, for example discretization.support=1.6 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
         /// Tell flutter from divergence: trace the boundary between them too.
@@ -381,8 +381,8 @@ pub struct CourseArguments {
 /// Verdicts with which a command fails.
 #[derive(Debug, Args)]
 pub struct FailingArguments {
-    /// End with exit code 3 when a state has one of these verdicts, for continuous integration: stable, material, rank-deficient, kernel,
-    /// missed, undefined; or physical, numerical, zero-energy, suppressed, unstable, unfaithful, any.
+    /// End with exit code 3 when a state has one of these verdicts, for continuous integration: stable, physical, zero-energy, numerical,
+    /// suppressed, undefined; or unstable, unfaithful, any.
     #[arg(long, value_name = "VERDICTS", value_parser = FailOn::parse)]
     pub fail_on: Option<FailOn>,
 }
@@ -492,7 +492,7 @@ pub struct LawArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
+    /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
     /// --set material.mu=1. Short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
     pub energy: Option<String>,
@@ -504,16 +504,16 @@ pub struct LawArguments {
     pub trust: TrustArguments,
 }
 
-/// Notions of stability.
+/// Stability criteria.
 #[derive(Debug, Args)]
-pub struct NotionsArguments {
+pub struct CriteriaArguments {
     /// The law.
     #[command(flatten)]
     pub law: LawArguments,
     /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
     #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
     pub modes: Vec<Mode>,
-    /// Folder for notions.svg and notions.png; no figure when left out.
+    /// Folder for criteria.svg and criteria.png; no figure when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -580,7 +580,7 @@ pub struct TuneArguments {
     /// Smallest and largest stretch of the states on which verdicts are compared.
     #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = window, allow_hyphen_values = true)]
     pub stretches: (f64, f64),
-    /// Limits of what counts as cured.
+    /// Limits of what counts as sufficient.
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
     /// The instability is hidden where the method's onset comes later than the material's by more than this share of its strain.
@@ -647,7 +647,7 @@ pub struct RecommendArguments {
     /// Wavelength at which frequencies are compared, in spacings of the particles: 4, 8 or 16.
     #[arg(long, value_name = "N", default_value_t = 8.0, value_parser = wavelength, help_heading = "Limits")]
     pub wavelength: f64,
-    /// The energy of a law of one's own; short for material.model=formula and material.energy.
+    /// The energy of a user-defined material; short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
     pub energy: Option<String>,
     /// Folder for the whole comparison as compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
@@ -831,7 +831,7 @@ pub struct ProblemArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
-    /// The energy of a law of one's own, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
+    /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
     /// --set material.mu=1. Short for material.model=formula and material.energy.
     #[arg(
         long,

@@ -4,9 +4,9 @@ mod audit;
 mod boundary;
 mod check;
 mod compare;
+mod criteria;
 mod localize;
 mod modes;
-mod notions;
 mod plot;
 mod tune;
 
@@ -26,7 +26,7 @@ use onset_study::answers::{
 use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
-use onset_study::notions::Lateral;
+use onset_study::criteria::Lateral;
 use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
 use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust};
@@ -127,8 +127,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         }
         Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
-        Command::Notions(arguments) => notions::notions(&arguments),
-        Command::Card(arguments) => notions::card(&arguments),
+        Command::Criteria(arguments) => criteria::criteria(&arguments),
+        Command::Card(arguments) => criteria::card(&arguments),
         Command::List { topic, name } => list(topic.as_deref(), name.as_deref()),
         Command::Check {
             files,
@@ -174,7 +174,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Dispersion { .. } => Some("computing waves"),
         Command::Path { .. } => Some("following the path"),
         Command::Localize(_) => Some("following the loading"),
-        Command::Notions(_) => Some("following loadings"),
+        Command::Criteria(_) => Some("following loadings"),
         Command::Card(_) => Some("searching boxes of stretches"),
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),

@@ -11,25 +11,21 @@ pub const CODE: u8 = 3;
 const UNDEFINED: &str = "undefined";
 
 /// Words that stand for verdicts, beside their names.
-const GROUPS: [(&str, &[Verdict]); 7] = [
-    ("unstable", &[Verdict::Material, Verdict::Kernel]),
+const GROUPS: [(&str, &[Verdict]); 3] = [
+    ("unstable", &[Verdict::Physical, Verdict::Numerical]),
     (
         "unfaithful",
-        &[Verdict::RankDeficient, Verdict::Kernel, Verdict::Missed],
+        &[Verdict::ZeroEnergy, Verdict::Numerical, Verdict::Suppressed],
     ),
     (
         "any",
         &[
-            Verdict::Material,
-            Verdict::RankDeficient,
-            Verdict::Kernel,
-            Verdict::Missed,
+            Verdict::Physical,
+            Verdict::ZeroEnergy,
+            Verdict::Numerical,
+            Verdict::Suppressed,
         ],
     ),
-    ("physical", &[Verdict::Material]),
-    ("numerical", &[Verdict::Kernel]),
-    ("zero-energy", &[Verdict::RankDeficient]),
-    ("suppressed", &[Verdict::Missed]),
 ];
 
 /// Verdicts on which a command fails.
@@ -98,18 +94,18 @@ mod tests {
     #[test]
     fn groups_are_verdicts_and_what_is_neither_is_refused() {
         assert_eq!(
-            FailOn::parse("kernel, missed"),
-            Ok(FailOn(vec!["kernel", "missed"]))
+            FailOn::parse("numerical, suppressed"),
+            Ok(FailOn(vec!["numerical", "suppressed"]))
         );
         assert_eq!(
             FailOn::parse("unstable"),
-            Ok(FailOn(vec!["material", "kernel"]))
+            Ok(FailOn(vec!["physical", "numerical"]))
         );
         assert_eq!(
             FailOn::parse("zero-energy,undefined"),
-            Ok(FailOn(vec!["rank-deficient", "undefined"]))
+            Ok(FailOn(vec!["zero-energy", "undefined"]))
         );
-        assert!(FailOn::parse("broken").is_err_and(|told| told.contains("rank-deficient")));
+        assert!(FailOn::parse("broken").is_err_and(|told| told.contains("zero-energy")));
         assert!(FailOn::parse("").is_err());
     }
 }

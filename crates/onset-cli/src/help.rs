@@ -20,7 +20,7 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
     ("A method", &["recommend", "compare", "tune"], &[]),
     (
         "A law",
-        &["notions", "card"],
+        &["criteria", "card"],
         &["audit", "localize", "umat-utilities"],
     ),
     (

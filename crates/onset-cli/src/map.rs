@@ -74,7 +74,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     print(&answer, &text, None)?;
     if is_interrupted {
         let again = resuming(arguments, &path);
-        tell(format_args!("interrupted; go on with\n  {again}"));
+        tell(format_args!("interrupted; resume with\n  {again}"));
         return Ok(ExitCode::from(interrupt::CODE));
     }
     Ok(match &arguments.failing.fail_on {

@@ -246,8 +246,8 @@ fn color_of(verdict: &str) -> Option<&'static str> {
         .find(|known| known.name() == verdict)?;
     Some(match verdict {
         Verdict::Stable => GREEN,
-        Verdict::Material => YELLOW,
-        Verdict::RankDeficient | Verdict::Kernel | Verdict::Missed => RED,
+        Verdict::Physical => YELLOW,
+        Verdict::ZeroEnergy | Verdict::Numerical | Verdict::Suppressed => RED,
     })
 }
 

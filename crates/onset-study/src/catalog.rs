@@ -1,4 +1,4 @@
-//! What there is to choose from: every word of every choice, with its formula, its parameters and its source.
+//! The available options: every word of every choice, with its formula, its parameters and its source.
 
 use crate::settings::{
     KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
@@ -305,14 +305,14 @@ const ROWS: &[Row] = &[
             ),
             (
                 "material-points",
-                "f_i = -sum_p v_p sigma_p grad N_i(x_p) on a square or cubic grid, whatever the arrangement",
+                "f_i = -sum_p v_p sigma_p grad N_i(x_p) on a square or cubic grid, whatever the lattice",
                 "Sulsky, Chen, Schreyer 1994",
             ),
         ],
     ),
     (
-        "arrangements",
-        "discretization.arrangement",
+        "lattices",
+        "discretization.lattice",
         &[
             (
                 "chain",
@@ -487,8 +487,8 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
-        "lattices",
-        "discretization.lattice",
+        "current-lattices",
+        "discretization.current-lattice",
         &[
             ("convected", "particles at F X", "a simulation"),
             (

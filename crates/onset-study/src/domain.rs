@@ -13,7 +13,7 @@ use rayon::prelude::*;
 pub enum Class {
     /// A verdict.
     Verdict(Verdict),
-    /// The verdict `kernel` by flutter alone: `Re omega^2` is nowhere negative.
+    /// The verdict `numerical` by flutter alone: `Re omega^2` is nowhere negative.
     Flutter,
     /// The method cannot be evaluated: its support holds too few particles.
     Undefined,
@@ -23,11 +23,11 @@ impl Class {
     /// All classes, in the order of the legend.
     pub const ALL: [Self; 7] = [
         Self::Verdict(Verdict::Stable),
-        Self::Verdict(Verdict::Material),
-        Self::Verdict(Verdict::Kernel),
+        Self::Verdict(Verdict::Physical),
+        Self::Verdict(Verdict::Numerical),
         Self::Flutter,
-        Self::Verdict(Verdict::RankDeficient),
-        Self::Verdict(Verdict::Missed),
+        Self::Verdict(Verdict::ZeroEnergy),
+        Self::Verdict(Verdict::Suppressed),
         Self::Undefined,
     ];
 
@@ -35,7 +35,7 @@ impl Class {
     pub fn name(self) -> &'static str {
         match self {
             Self::Verdict(verdict) => verdict.name(),
-            Self::Flutter => "kernel (flutter only)",
+            Self::Flutter => "numerical (flutter only)",
             Self::Undefined => "undefined",
         }
     }
@@ -52,7 +52,7 @@ impl Class {
     pub fn is_stable_for_particles(self) -> bool {
         matches!(
             self,
-            Self::Verdict(Verdict::Stable | Verdict::Missed | Verdict::RankDeficient)
+            Self::Verdict(Verdict::Stable | Verdict::Suppressed | Verdict::ZeroEnergy)
         )
     }
 }
@@ -202,7 +202,7 @@ fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
 /// The class of one state.
 fn class(problem: &Problem, f: &DeformationGradient) -> Result<Class, ProblemError> {
     match problem.analysis.judge(f) {
-        Ok((Verdict::Kernel, Stability::Flutter)) => Ok(Class::Flutter),
+        Ok((Verdict::Numerical, Stability::Flutter)) => Ok(Class::Flutter),
         Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
         Err(error) if error.leaves_undefined() => Ok(Class::Undefined),
         Err(error) => Err(error.into()),

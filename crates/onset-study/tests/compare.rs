@@ -77,7 +77,7 @@ fn each_rule_excludes_what_it_says() {
     assert_eq!(with(|m| m.weakest = 0.09), Some(2));
     assert_eq!(with(|m| m.weakest = 0.11), None);
     assert_eq!(with(|m| m.fidelity.false_instability = 0.006), Some(3));
-    assert_eq!(with(|m| m.fidelity.missed_instability = 0.006), Some(4));
+    assert_eq!(with(|m| m.fidelity.suppressed_instability = 0.006), Some(4));
     assert_eq!(with(|m| m.long_wave_error = 0.06), Some(5));
     // What is outside of the law's domain is not the method's fault.
     assert_eq!(with(|m| m.fidelity.outside_law = 0.5), None);
@@ -246,7 +246,7 @@ fn the_material_has_the_same_onset_in_every_row() {
 #[test]
 fn a_mode_is_exported_as_large_as_asked() {
     let settings = Settings::from_assignments(&[
-        "discretization.arrangement=square",
+        "discretization.lattice=square",
         "discretization.quadrature=nodal",
         "discretization.spacing=0.5",
     ])
@@ -279,7 +279,7 @@ fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
     let of = |perturbation: &str| {
         let settings = Settings::from_assignments(&[
             "discretization.method=total-lagrangian-sph",
-            "discretization.arrangement=chain",
+            "discretization.lattice=chain",
             "discretization.cells=4",
             "discretization.support=1.6",
             "discretization.spacing=0.5",

@@ -34,7 +34,7 @@ fn drawn(random: &mut Random) -> Vec<String> {
         &["method=kernel", "frame=lagrangian"],
         &["method=kernel", "frame=eulerian"],
         &["method=kernel", "frame=eulerian", "linearization=paper"],
-        &["method=kernel", "frame=eulerian", "lattice=regular"],
+        &["method=kernel", "frame=eulerian", "current-lattice=regular"],
         &["method=kernel", "frame=eulerian", "quadrature=nodal"],
         &["method=updated-sph"],
         &["method=updated-sph", "momentum=difference"],
@@ -48,15 +48,15 @@ fn drawn(random: &mut Random) -> Vec<String> {
         .map(|choice| format!("discretization.{choice}"))
         .collect();
     let dimension = random.share();
-    let arrangement = if dimension < 0.1 {
+    let kind = if dimension < 0.1 {
         "chain"
     } else if dimension < 0.85 {
         random.one_of(&["hexagonal", "square", "rectangular", "honeycomb"])
     } else {
         random.one_of(&["simple-cubic", "body-centered-cubic"])
     };
-    assignments.push(format!("discretization.arrangement={arrangement}"));
-    if arrangement == "rectangular" {
+    assignments.push(format!("discretization.lattice={kind}"));
+    if kind == "rectangular" {
         assignments.push(format!(
             "discretization.aspect={}",
             random.between(1.0, 1.4)

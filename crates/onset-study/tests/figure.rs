@@ -165,7 +165,7 @@ fn numbers_that_are_not_finite_are_never_drawn() {
                     .with(Label::new((value, value), "here"))
                     .with(map.clone())
                     .with(map.diverging().range(value, value))
-                    .with(Regions::of_words((value, 1.0), UNIT, (1, 1), ["kernel"]));
+                    .with(Regions::of_words((value, 1.0), UNIT, (1, 1), ["numerical"]));
             }
             let figure = Figure::new("").with(panel);
             let svg = figure.to_svg();
@@ -254,7 +254,7 @@ fn the_png_has_twice_the_pixels_of_the_svg() {
 
 #[test]
 fn a_map_fills_its_share_of_the_panel_without_seams() {
-    let words = (0..10_000).map(|i| if i % 100 < 25 { "kernel" } else { "stable" });
+    let words = (0..10_000).map(|i| if i % 100 < 25 { "numerical" } else { "stable" });
     let panel =
         unit_panel("")
             .equal_aspect()
@@ -266,9 +266,9 @@ fn a_map_fills_its_share_of_the_panel_without_seams() {
     let count = |word| image.count(palette::verdict(word).unwrap()) as f64;
     // A panel of 300 pixels at twice the resolution, less its frame, plus two patches in the legend.
     assert!(
-        (count("kernel") / (150.0 * 600.0) - 1.0).abs() < 0.02,
+        (count("numerical") / (150.0 * 600.0) - 1.0).abs() < 0.02,
         "{}",
-        count("kernel")
+        count("numerical")
     );
     assert!(
         (count("stable") / (450.0 * 600.0) - 1.0).abs() < 0.02,
@@ -281,7 +281,7 @@ fn a_map_fills_its_share_of_the_panel_without_seams() {
 fn equal_neighbours_are_merged_so_that_the_svg_stays_small() {
     let disc = (0..10_000i32).map(|i| {
         let inside = (i % 100 - 50).pow(2) + (i / 100 - 50).pow(2) < 1600;
-        if inside { "stable" } else { "material" }
+        if inside { "stable" } else { "physical" }
     });
     let map = Regions::of_words(UNIT, UNIT, (100, 100), disc);
     let empty = Figure::new("").with(unit_panel(""));
@@ -365,7 +365,7 @@ fn a_pdf_holds_the_outlines_of_the_svg() {
         (0.0, 1.0),
         (0.0, 1.0),
         (2, 2),
-        ["stable", "kernel", "stable", "material"],
+        ["stable", "numerical", "stable", "physical"],
     ))
     .with(
         Line::new(vec![(0.0, 0.0), (1.0, 1.0)])

@@ -51,7 +51,7 @@ impl Drop for Place {
 
 fn study(title: &str, more: &str) -> String {
     format!(
-        "title = '{title}'\n[discretization]\nframe = 'eulerian'\nlattice = 'regular'\nsupport = 1.9\n\
+        "title = '{title}'\n[discretization]\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.9\n\
          [[axes]]\nquantity = 'stretch-1'\nrange = [0.6, 1.9]\nstates = 12\n\
          [[axes]]\nquantity = 'stretch-2'\nrange = [0.6, 2.0]\nstates = 10\n{more}[map]\ntile = 8\n"
     )
@@ -95,7 +95,7 @@ fn a_map_shows_its_verdicts_in_words_and_both_boundaries() {
         let names = names(&figure);
         for name in [
             "stable",
-            "kernel",
+            "numerical",
             "boundary of the material",
             "boundary of the particles",
         ] {
@@ -317,7 +317,7 @@ fn a_figure_looks_as_it_is_asked_to() {
         (field.range, field.map),
         (Some((-1.0, 0.25)), ColorMap::Cividis)
     );
-    // Equal stretches are as high as they are wide, and no higher than asked.
+    // Equibiaxial stretches are as high as they are wide, and no higher than asked.
     let svg = figure.to_svg();
     let usual = onset_study::figure::Figure {
         panel_size: None,

@@ -1,8 +1,8 @@
-//! What one state costs: the response of the material, the dynamical matrix, the search over the zone, directions in space.
+//! What one state costs: the response of the material, the dynamical matrix, the search over the zone, directions in three dimensions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use onset::bloch::{ZoneSearch, dynamical_matrix};
-use onset::certificate::certify_in_space;
+use onset::certificate::certify_3d;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
@@ -38,7 +38,7 @@ fn states(criterion: &mut Criterion) {
     ] {
         let discretization = KernelMethodChoices {
             frame,
-            lattice,
+            current_lattice: lattice,
             linearization,
             ..KernelMethodChoices::default()
         };
@@ -63,7 +63,7 @@ fn states(criterion: &mut Criterion) {
     }
 }
 
-/// The smallest acoustic eigenvalue over all directions in space.
+/// The smallest acoustic eigenvalue over all directions in three dimensions.
 fn directions(criterion: &mut Criterion) {
     let laws: [(&str, Box<dyn Hyperelastic>); 2] = [
         ("law (5)", Box::new(ModifiedMooneyRivlin::default())),
@@ -71,7 +71,7 @@ fn directions(criterion: &mut Criterion) {
     ];
     let principal = [[1.3, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]];
     let sheared = [[1.3, 0.2, -0.1], [0.1, 0.8, 0.3], [-0.2, 0.1, 1.0]];
-    let mut group = criterion.benchmark_group("directions in space");
+    let mut group = criterion.benchmark_group("directions in three dimensions");
     for (name, law) in &laws {
         for (axes, components) in [("principal axes", principal), ("any axes", sheared)] {
             let f = DeformationGradient::new(components).expect("a state");
@@ -83,7 +83,7 @@ fn directions(criterion: &mut Criterion) {
                 bencher.iter(|| black_box(&stiffness).is_strongly_elliptic());
             });
             group.bench_function(format!("proof, {name}, {axes}"), |bencher| {
-                bencher.iter(|| certify_in_space(&**law, black_box(&f), 1e-6));
+                bencher.iter(|| certify_3d(&**law, black_box(&f), 1e-6));
             });
         }
     }

@@ -7,7 +7,7 @@
 //! 2. [`kinematics`]: the deformation gradient `F`, its invariants, straight paths.
 //! 3. [`material`]: a law is its strain energy `W(F)`; stress `P` and tangent `A` follow.
 //! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity; in one and two dimensions no direction is sampled.
-//! 5. [`notions`]: other notions of stability side by side, along loadings.
+//! 5. [`criteria`]: other stability criteria side by side, along loadings.
 //! 6. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
 //! 7. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
 //! 8. [`scheme`]: discretizations of any other kind, by their forces.
@@ -38,6 +38,7 @@ pub mod approximation;
 pub mod bloch;
 pub mod certificate;
 pub mod continuum;
+pub mod criteria;
 pub mod formula;
 pub mod kernel;
 pub mod kinematics;
@@ -46,7 +47,6 @@ pub mod lattice;
 pub mod material;
 pub mod measures;
 pub mod method;
-pub mod notions;
 pub mod plasticity;
 pub mod quadrature;
 pub mod real;

@@ -33,10 +33,10 @@ fn words_that_people_type_ask_the_same_as_the_names() {
         ("cubic", "simple-cubic"),
     ] {
         let line = format!(
-            "dispersion --stretch 1,1,1 --wave-vector 0.1,0.2,0.3 set method=tlsph set arrangement={typed}"
+            "dispersion --stretch 1,1,1 --wave-vector 0.1,0.2,0.3 set method=tlsph set lattice={typed}"
         );
         let settings = &document(&line)["settings"];
-        assert_eq!(settings["discretization.arrangement"]["value"], own);
+        assert_eq!(settings["discretization.lattice"]["value"], own);
         assert_eq!(
             settings["discretization.method"]["value"],
             "total-lagrangian-sph"
@@ -76,10 +76,7 @@ fn ambiguous_words_name_what_they_can_be_and_typos_the_nearest() {
             "set method=tlpsh",
             vec!["did you mean `total-lagrangian-sph`?"],
         ),
-        (
-            "set arrangement=hexgonal",
-            vec!["did you mean `hexagonal`?"],
-        ),
+        ("set lattice=hexgonal", vec!["did you mean `hexagonal`?"]),
         (
             "set metod=fem",
             vec!["did you mean `discretization.method`?"],
@@ -105,7 +102,7 @@ fn ambiguous_words_name_what_they_can_be_and_typos_the_nearest() {
 #[test]
 fn files_and_comparisons_take_the_same_words() {
     let place = fresh_place("methods.toml");
-    let text = "[material]\nmodel = \"neo-hookean\"\nyoung = 2.5\npoisson = 0.25\n[discretization]\narrangement = \"square\"\n\
+    let text = "[material]\nmodel = \"neo-hookean\"\nyoung = 2.5\npoisson = 0.25\n[discretization]\nlattice = \"square\"\n\
                 smoothing-length = 1.2\n[compare]\nstates = 2\n[[methods]]\nname = \"a\"\nmethod = \"tlsph\"\n\
                 [[methods]]\nname = \"b\"\nmethod = \"fem\"\n";
     std::fs::write(&place, text).expect("a file");
@@ -198,7 +195,7 @@ fn moduli_set_a_law_and_its_state_says_so() {
         assert_eq!(refused.code, Some(2));
         assert!(refused.stderr.contains(fact), "{}", refused.stderr);
     }
-    let alone = onset_line("notions --set material.model=neo-hooke --set material.young=3");
+    let alone = onset_line("criteria --set material.model=neo-hooke --set material.young=3");
     assert_eq!(alone.code, Some(2));
     assert!(
         alone.stderr.contains("material.young alone"),

@@ -4,7 +4,7 @@ use crate::map::{Place, flags, numbers, opened};
 use crate::{document, number, onset_line};
 
 /// Eulerian kernels of figure 6 on a regular lattice.
-const EULERIAN: &str = "set frame=eulerian set lattice=regular";
+const EULERIAN: &str = "set frame=eulerian set current-lattice=regular";
 
 #[test]
 fn a_stable_state_comes_with_a_bound_below_what_the_search_finds() {
@@ -31,7 +31,7 @@ fn a_stable_state_comes_with_a_bound_below_what_the_search_finds() {
 fn an_unstable_state_comes_with_a_wave_that_grows() {
     let line = "state --stretch 1.2,1.0 --certify set frame=eulerian";
     let state = document(line);
-    assert_eq!(state["verdict"], "kernel");
+    assert_eq!(state["verdict"], "numerical");
     let proof = &state["certificate"]["discretization"];
     assert_eq!(proof["certainty"], "proved-unstable");
     assert!(number(proof, "/witness/measure/1") < 0.0);
@@ -49,7 +49,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
     let line = "state --stretch 0.25,0.25 --set material.model=blatz-ko --certify";
     let state = document(line);
     assert_eq!(state["material"]["elliptic"], true);
-    let space = &state["material_in_space"];
+    let space = &state["material_3d"];
     assert_eq!(space["elliptic"], false);
     let value = number(space, "/minimum_acoustic_eigenvalue");
     let bound = number(space, "/bound");
@@ -61,7 +61,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
     }
     let certificate = &state["certificate"];
     assert_eq!(certificate["material"]["certainty"], "proved-stable");
-    let proof = &certificate["material_in_space"];
+    let proof = &certificate["material_3d"];
     assert_eq!(proof["certainty"], "proved-unstable");
     assert!(number(proof, "/witness/measure/1") < 0.0);
     let polarization = proof["witness"]["polarization"].as_array();
@@ -72,7 +72,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
         "{text}"
     );
     assert!(
-        text.contains("material in space     proved-unstable"),
+        text.contains("material in 3D     proved-unstable"),
         "{text}"
     );
 }
@@ -96,7 +96,7 @@ fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict
         format!("state --stretch 1.7075,0.5825 {EULERIAN} set support=1.6 set linearization=paper");
     assert_eq!(document(&line)["verdict"], "stable");
     let state = document(&format!("{line} --certify"));
-    assert_eq!(state["verdict"], "kernel");
+    assert_eq!(state["verdict"], "numerical");
     let certificate = &state["certificate"];
     assert_eq!(certificate["corrects_the_search"], true);
     let proof = &certificate["discretization"];
@@ -106,7 +106,7 @@ fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict
 
     // The same in a map of which it is one state.
     let place = Place::new(
-        "[discretization]\nframe = 'eulerian'\nlattice = 'regular'\nsupport = 1.6\nlinearization = 'paper'\n\
+        "[discretization]\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.6\nlinearization = 'paper'\n\
          [[axes]]\nquantity = 'stretch-1'\nrange = [1.7025, 1.7325]\nstates = 3\n\
          [[axes]]\nquantity = 'stretch-2'\nrange = [0.5775, 0.5975]\nstates = 2\n\
          [map]\ncertify = true\n",
@@ -131,7 +131,7 @@ fn a_certified_map_contradicts_neither_its_verdicts_nor_its_numbers() {
     for refined in ["adaptive = false", "adaptive = true\nrefine-from = 8"] {
         let adaptive = refined.starts_with("adaptive = true");
         let place = Place::new(&format!(
-            "[discretization]\nframe = 'eulerian'\nlattice = 'regular'\nsupport = 1.9\n\
+            "[discretization]\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.9\n\
              [[axes]]\nquantity = 'stretch-1'\nrange = [0.2, 2.0]\nstates = 24\n\
              [[axes]]\nquantity = 'stretch-2'\nrange = [0.2, 2.0]\nstates = 20\n\
              [map]\ncertify = true\n{refined}\n"
@@ -166,9 +166,9 @@ fn a_certified_map_contradicts_neither_its_verdicts_nor_its_numbers() {
                 _ => {}
             }
             match materials[state] {
-                // Not the material's, and not missed.
+                // Neither `physical` nor `suppressed`.
                 1 => assert!(![1, 4].contains(&verdicts[state])),
-                // Neither stable nor rank-deficient.
+                // Neither `stable` nor `zero-energy`.
                 2 => assert!(![0, 2].contains(&verdicts[state])),
                 _ => {}
             }
@@ -183,7 +183,7 @@ fn a_certified_map_contradicts_neither_its_verdicts_nor_its_numbers() {
 }
 
 #[test]
-fn lagrangian_nodal_quadrature_is_proved_rank_deficient() {
+fn lagrangian_nodal_quadrature_is_proved_to_have_zero_energy_modes() {
     let place = Place::new(
         "[discretization]\nquadrature = 'nodal'\n\
          [[axes]]\nquantity = 'stretch-1'\nrange = [0.9, 1.2]\nstates = 3\n\
@@ -192,7 +192,7 @@ fn lagrangian_nodal_quadrature_is_proved_rank_deficient() {
     );
     let answer = place.computed("a.zarr", "");
     assert!(
-        answer.stdout.contains("proved-rank-deficient"),
+        answer.stdout.contains("proved-zero-energy"),
         "{}",
         answer.stdout
     );

@@ -44,7 +44,7 @@ fn a_valid_study_is_summarized() {
         "modified-mooney-rivlin (default)",
         "c1 0.1256",
         "kernel (default)",
-        "arrangement hexagonal",
+        "lattice hexagonal",
         "frame lagrangian",
         "stretch-1 from 0.8 to 1.2, 20 states",
         "discretization.support from 1.4 to 1.8, 10 states",
@@ -94,9 +94,12 @@ fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
         "{told}"
     );
     assert!(told.contains("within the support radius"), "{told}");
-    let file = File::new(format!("discretization.lattice = \"regular\"\n{STUDY}"));
+    let file = File::new(format!(
+        "discretization.current-lattice = \"regular\"\n{STUDY}"
+    ));
     let answer = onset(&["check", file.path()]);
-    let fact = ":1:26: `discretization.lattice` has no effect: discretization.frame is lagrangian";
+    let fact =
+        ":1:34: `discretization.current-lattice` has no effect: discretization.frame is lagrangian";
     assert_eq!(answer.code, Some(2));
     assert!(answer.stderr.contains(fact), "{}", answer.stderr);
 }

@@ -106,7 +106,7 @@ fn comparisons_that_are_wrong_are_refused_with_the_place() {
             vec!["two methods are called \"a\""],
         ),
         (
-            one("[[methods]]\nname = 'b'\narrangement = 'chain'"),
+            one("[[methods]]\nname = 'b'\nlattice = 'chain'"),
             vec!["3:1", "\"b\" has 1 dimension(s)"],
         ),
         (

@@ -21,8 +21,8 @@ fn unwritable() -> std::path::PathBuf {
 #[test]
 fn a_diagram_is_written_as_svg_and_png() {
     let folder = fresh_place("diagram").join("inner");
-    for arrangement in ["hexagonal", "square", "chain", "simple-cubic"] {
-        let stretches = match arrangement {
+    for kind in ["hexagonal", "square", "chain", "simple-cubic"] {
+        let stretches = match kind {
             "chain" => "1.2",
             "simple-cubic" => "1.2,0.9,1",
             _ => "1.2,0.9",
@@ -35,7 +35,7 @@ fn a_diagram_is_written_as_svg_and_png() {
             "--out",
             text(&folder),
             "--set",
-            &format!("discretization.arrangement={arrangement}"),
+            &format!("discretization.lattice={kind}"),
         ]);
         assert_eq!(answer.code, Some(0), "{}", answer.stderr);
         for name in ["dispersion.svg", "dispersion.png"] {
@@ -115,8 +115,8 @@ const WRITERS: [(&str, &[&str]); 4] = [
         &["modes.svg", "modes.png", "modes.html"],
     ),
     (
-        "notions --mode hydrostatic --range 0.5,2 --out",
-        &["notions.svg", "notions.png"],
+        "criteria --mode hydrostatic --range 0.5,2 --out",
+        &["criteria.svg", "criteria.png"],
     ),
     (
         "localize --model j2 --path uniaxial-stress --out",

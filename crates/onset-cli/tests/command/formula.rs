@@ -202,7 +202,7 @@ const OF_A_LAW: [&[&str]; 6] = [
     &["dispersion", "--stretch", "1.1,0.9", "--wave-vector=1,1"],
     &["path", "--from", "1,1", "--to", "1.1,1.1"],
     &["audit", "--stretch", "1.1,0.9"],
-    &["notions", "--mode", "uniaxial"],
+    &["criteria", "--mode", "uniaxial"],
     &["card", "--out", "/nowhere"],
 ];
 
@@ -221,7 +221,7 @@ fn every_command_of_a_law_takes_its_energy() {
         "--set",
         "material.mu=2",
     ];
-    for command in ["audit --stretch 1.1,0.9", "notions --mode uniaxial"] {
+    for command in ["audit --stretch 1.1,0.9", "criteria --mode uniaxial"] {
         let command: Vec<&str> = command.split(' ').collect();
         let told = answer(&[&command[..], &energy].concat()).to_string();
         assert!(told.contains("formula"), "{command:?}: {told}");
@@ -369,14 +369,14 @@ fn a_fluid_is_not_strongly_elliptic_and_not_unstable() {
         let document = answer(&["state", "--stretch", state, "--energy", energy]);
         let material = &document["material"];
         assert_eq!(material["elliptic"], false, "{energy}");
-        assert_eq!(material["elliptic_in_space"], false, "{energy}");
+        assert_eq!(material["elliptic_3d"], false, "{energy}");
         assert_eq!(material["ellipticity"], "undecided", "{energy}");
         assert_eq!(
             number(&document, "/material/minimum_acoustic_eigenvalue"),
             0.0
         );
         assert_eq!(
-            number(&document, "/material_in_space/minimum_acoustic_eigenvalue"),
+            number(&document, "/material_3d/minimum_acoustic_eigenvalue"),
             0.0
         );
         assert_eq!(document["verdict"], "stable", "{energy}");
@@ -409,11 +409,8 @@ fn what_rounding_cannot_decide_is_said_to_be_undecided() {
     ] {
         let kappa = format!("material.kappa={kappa}");
         let document = answer(&[&state[..], &["--set", &kappa]].concat());
-        assert_eq!(
-            document["material_in_space"]["ellipticity"], word,
-            "{kappa}"
-        );
-        let number = number(&document, "/material_in_space/minimum_acoustic_eigenvalue");
+        assert_eq!(document["material_3d"]["ellipticity"], word, "{kappa}");
+        let number = number(&document, "/material_3d/minimum_acoustic_eigenvalue");
         assert_eq!(number > 0.0, word == "elliptic", "{kappa}: {number}");
     }
     let gent = [
@@ -425,12 +422,6 @@ fn what_rounding_cannot_decide_is_said_to_be_undecided() {
         "--set",
         "material.kappa=1e150",
     ];
-    let message = onset(
-        &[
-            &gent[..],
-            &["--set", "discretization.arrangement=honeycomb"],
-        ]
-        .concat(),
-    );
+    let message = onset(&[&gent[..], &["--set", "discretization.lattice=honeycomb"]].concat());
     assert!(!message.stdout.contains("NaN"), "{}", message.stdout);
 }

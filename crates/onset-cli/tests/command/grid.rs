@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// The words of each choice.
 const CHOICES: [(&str, &[&str]); 8] = [
     ("frame", &["lagrangian", "eulerian"]),
-    ("arrangement", &["square", "hexagonal", "chain"]),
+    ("lattice", &["square", "hexagonal", "chain"]),
     (
         "quadrature",
         &["nodal", "stress-points", "stress-points-only"],

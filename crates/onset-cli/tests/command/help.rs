@@ -14,7 +14,7 @@ fn every_command_explains_itself() {
         "check",
         "boundary",
         "plot",
-        "notions",
+        "criteria",
         "card",
         "audit",
         "umat-utilities",
@@ -40,7 +40,7 @@ fn the_keys_are_known_from_the_help() {
         "onset list materials",
         "material.energy",
         "material.library",
-        "discretization.arrangement",
+        "discretization.lattice",
         "discretization.spacing",
         "discretization.density",
         "discretization.kernel",
@@ -49,7 +49,7 @@ fn the_keys_are_known_from_the_help() {
         "discretization.quadrature",
         "discretization.frame",
         "discretization.background",
-        "discretization.lattice",
+        "discretization.current-lattice",
         "discretization.support-size",
         "discretization.linearization",
     ];
@@ -66,7 +66,7 @@ fn the_keys_are_known_from_the_help() {
 
 #[test]
 fn questions_about_the_law_alone_name_no_key_of_a_discretization() {
-    for command in ["notions", "card", "audit"] {
+    for command in ["criteria", "card", "audit"] {
         let help = onset(&[command, "--help"]).stdout;
         assert!(
             help.contains("material.model") && !help.contains("discretization."),
@@ -83,7 +83,7 @@ fn short_help_is_short_and_has_examples_that_run() {
         "state",
         "dispersion",
         "path",
-        "notions",
+        "criteria",
         "card",
         "modes",
         "audit",

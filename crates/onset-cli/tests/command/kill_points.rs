@@ -37,7 +37,7 @@ tension = 1.1
 compression = 0.9
 [[methods]]
 name = 'nodes'
-arrangement = 'square'
+lattice = 'square'
 quadrature = 'nodal'
 ";
 
@@ -56,8 +56,8 @@ const COMMANDS: [(&str, &str); 10] = [
         "compare compare.toml --quiet --out out --set material.c1=2e5",
     ),
     (
-        "notions --mode hydrostatic --range 0.5,2 --out out",
-        "notions --mode hydrostatic --range 0.4,2 --out out",
+        "criteria --mode hydrostatic --range 0.5,2 --out out",
+        "criteria --mode hydrostatic --range 0.4,2 --out out",
     ),
     (
         "localize --model j2 --path uniaxial-stress --out out",
@@ -72,8 +72,8 @@ const COMMANDS: [(&str, &str); 10] = [
         "recommend compare.toml --quiet --out out --set material.c1=2e5",
     ),
     (
-        "tune discretization.support --range 1.6,1.7 --set discretization.arrangement=chain --quiet --out out",
-        "tune discretization.support --range 1.6,1.8 --set discretization.arrangement=chain --quiet --out out",
+        "tune discretization.support --range 1.6,1.7 --set discretization.lattice=chain --quiet --out out",
+        "tune discretization.support --range 1.6,1.8 --set discretization.lattice=chain --quiet --out out",
     ),
     (
         "boundary study.toml --out out",

@@ -23,19 +23,19 @@ fn free_faces_carry_no_traction() {
 
 #[test]
 fn the_onset_of_a_loading_is_where_the_criteria_have_it() {
-    // Planar perturbations along a loading in plane strain: `notions` asks the law, `path` the same law and particles.
+    // Planar perturbations along a loading in plane strain: `criteria` asks the law, `path` the same law and particles.
     let law = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
-    let notions = document(&format!("notions --mode uniaxial {law}"));
-    let loadings = notions["loadings"].as_array().expect("loadings");
+    let criteria = document(&format!("criteria --mode uniaxial {law}"));
+    let loadings = criteria["loadings"].as_array().expect("loadings");
     let loading = loadings
         .iter()
         .find(|one| one["lateral"] == "plane-strain")
         .expect("a loading");
-    let of_plane = loading["notions"].as_array().expect("notions");
+    let of_plane = loading["criteria"].as_array().expect("criteria");
     let of_plane = of_plane
         .iter()
-        .find(|one| one["notion"] == "plane-ellipticity")
-        .expect("a notion");
+        .find(|one| one["criterion"] == "plane-ellipticity")
+        .expect("a criterion");
     for (side, to) in [("compression", 0.12), ("tension", 8.0)] {
         let limit = of_plane[side]["limit"].as_f64();
         let path = document(&format!(

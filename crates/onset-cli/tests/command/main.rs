@@ -6,6 +6,7 @@ mod boundary;
 mod certify;
 mod check;
 mod compare;
+mod criteria;
 #[cfg(target_os = "linux")]
 mod damaged_stores;
 mod documents;
@@ -26,7 +27,6 @@ mod map_refusals;
 mod map_survival;
 mod methods;
 mod modes;
-mod notions;
 mod numbers;
 mod plot;
 mod printing;

@@ -12,7 +12,7 @@ pub const STUDY: &str = "\
 title = \"a study\"
 [discretization]
 frame = \"eulerian\"
-lattice = \"regular\"
+current-lattice = \"regular\"
 linearization = \"exact\"
 support = 1.9
 [[axes]]
@@ -137,7 +137,7 @@ fn a_map_says_in_words_and_in_json_how_many_states_are_what() {
     assert_eq!(document["evaluated"], 36 * 34);
     assert_eq!(document["tiles_computed"], TILES);
     let stored = flags(&opened(&place, "a.zarr"), "verdict");
-    for (flag, name) in ["stable", "material", "rank-deficient", "kernel"]
+    for (flag, name) in ["stable", "physical", "zero-energy", "numerical"]
         .into_iter()
         .enumerate()
     {
@@ -171,11 +171,17 @@ fn a_map_says_of_a_state_what_the_state_command_says() {
     let center = |n: f64| 0.2 + 1.8 * 7.5 / n;
     let stretch = format!("{:?},{:?}", center(36.0), center(34.0));
     let state = crate::document(&format!(
-        "state --stretch {stretch} set frame=eulerian set lattice=regular set linearization=exact set support=1.9"
+        "state --stretch {stretch} set frame=eulerian set current-lattice=regular set linearization=exact set support=1.9"
     ));
     let number = |field: &str| numbers(&store, field)[63];
     let answer = |pointer: &str| crate::number(&state, pointer);
-    let words = ["stable", "material", "rank-deficient", "kernel", "missed"];
+    let words = [
+        "stable",
+        "physical",
+        "zero-energy",
+        "numerical",
+        "suppressed",
+    ];
     let verdict = words[flags(&store, "verdict")[63] as usize];
     assert_eq!(state["verdict"], verdict);
     for (field, pointer) in [
@@ -270,7 +276,7 @@ fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
 
 #[test]
 fn a_finer_adaptive_map_has_the_verdicts_of_a_regular_one_at_the_states_they_share() {
-    let settings = "[discretization]\nsupport = 1.9\nframe = 'eulerian'\nlattice = 'regular'\nlinearization = 'exact'";
+    let settings = "[discretization]\nsupport = 1.9\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nlinearization = 'exact'";
     // Every 8th of 256 states, the first included: the windows are shifted by 3.5 of their cells.
     let shift = 3.5 * 1.8 / 256.0;
     let finer = square_of(settings, 0.2, 2.0, 256);
@@ -280,7 +286,7 @@ fn a_finer_adaptive_map_has_the_verdicts_of_a_regular_one_at_the_states_they_sha
 
 #[test]
 fn an_adaptive_map_of_a_ragged_domain_misses_less_than_a_thousandth_of_its_states() {
-    let settings = "[discretization]\nsupport = 1.6\nframe = 'eulerian'\nlattice = 'convected'\n\
+    let settings = "[discretization]\nsupport = 1.6\nframe = 'eulerian'\ncurrent-lattice = 'convected'\n\
                     support-size = 'fixed'\nlinearization = 'exact'";
     let study = square_of(settings, 0.2, 2.0, 96);
     let (different, states) = different_states(&study, &study);
@@ -294,7 +300,7 @@ fn an_adaptive_map_of_a_ragged_domain_misses_less_than_a_thousandth_of_its_state
 fn a_section_through_a_map_of_three_axes_is_the_map_of_two() {
     let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.3, 1.9]\nstates = 9\n\
                 [[axes]]\nquantity = \"stretch-2\"\nrange = [0.3, 1.9]\nstates = 6\n";
-    let settings = "[discretization]\nframe = \"eulerian\"\nlattice = \"regular\"\n";
+    let settings = "[discretization]\nframe = \"eulerian\"\ncurrent-lattice = \"regular\"\n";
     let third = "[[axes]]\nquantity = \"discretization.support\"\nrange = [1.0, 2.0]\nstates = 4\n";
     let map = "[map]\ntile = 64\n";
     let space = Place::new(&format!("{settings}{axes}{third}{map}"));
@@ -456,7 +462,7 @@ fn most_memory(mut child: std::process::Child) -> u64 {
 #[test]
 #[cfg(target_os = "linux")]
 fn the_memory_of_a_map_of_large_tiles_does_not_grow_with_its_threads() {
-    let study = "[discretization]\narrangement = 'square'\nsupport = 1.6\nquadrature = 'nodal'\n\
+    let study = "[discretization]\nlattice = 'square'\nsupport = 1.6\nquadrature = 'nodal'\n\
                  [[axes]]\nquantity = 'stretch-1'\nrange = [0.2, 2.0]\nstates = 2048\n\
                  [[axes]]\nquantity = 'stretch-2'\nrange = [0.2, 2.0]\nstates = 1024\n\
                  [map]\nadaptive = true\ntile = 1024\n";

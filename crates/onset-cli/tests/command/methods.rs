@@ -76,7 +76,7 @@ impl Method {
     /// Whether the method reads a key that those of its comparison have in common.
     fn reads(&self, key: &str) -> bool {
         match self.value("method") {
-            "finite-elements" => !matches!(key, "arrangement" | "support"),
+            "finite-elements" => !matches!(key, "lattice" | "support"),
             "peridynamics" | "material-points" => key != "support",
             _ => true,
         }

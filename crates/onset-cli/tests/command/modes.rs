@@ -4,7 +4,7 @@ use super::{document, fresh_place, number, numbers, onset, onset_line};
 
 #[test]
 fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones() {
-    let nodal = document("modes set arrangement=square set quadrature=nodal");
+    let nodal = document("modes set lattice=square set quadrature=nodal");
     let modes = nodal["modes"].as_array().expect("modes");
     assert_eq!(modes.len(), 3);
     for mode in modes {
@@ -16,7 +16,7 @@ fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones
     assert_eq!(number(&nodal, "/weakest"), 0.0);
     assert_eq!(nodal["zero_extent"], "point");
     assert_eq!(nodal["complete"], true);
-    let stress_points = document("modes set arrangement=hexagonal");
+    let stress_points = document("modes set lattice=hexagonal");
     assert!(number(&stress_points, "/weakest") > 0.0);
     let first = &stress_points["modes"][0];
     assert_eq!(
@@ -27,7 +27,7 @@ fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones
 
 #[test]
 fn a_single_mode_of_a_chain_is_no_line_of_them() {
-    let answer = onset_line("modes set arrangement=chain set quadrature=nodal");
+    let answer = onset_line("modes set lattice=chain set quadrature=nodal");
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(answer.stdout.contains("(1/2)") || answer.stdout.contains("(-1/2)"));
     assert!(!answer.stdout.contains("along a line"), "{}", answer.stdout);
@@ -42,7 +42,7 @@ fn modes_are_exported_to_seed_a_simulation() {
         "--set",
         "discretization.quadrature=nodal",
         "--set",
-        "discretization.arrangement=simple-cubic",
+        "discretization.lattice=simple-cubic",
         "--cells",
         "4",
         "--out",
@@ -72,7 +72,7 @@ fn questions_that_are_wrong_are_refused() {
         ("modes --amplitude 2", "above 0 and at most 1"),
         ("modes --cells 0", "1..=512"),
         (
-            "modes --cells 512 set arrangement=simple-cubic",
+            "modes --cells 512 set lattice=simple-cubic",
             "choose fewer --cells",
         ),
         (

@@ -140,15 +140,15 @@ fn stretches_must_be_positive_finite_numbers_of_the_right_count() {
 #[test]
 fn a_chain_takes_one_to_three_stretches_and_no_more() {
     for stretches in ["1.2", "1.2,0.9", "1.2,0.9,1.1"] {
-        let line = format!("state --stretch {stretches} set arrangement=chain");
+        let line = format!("state --stretch {stretches} set lattice=chain");
         assert_eq!(onset_line(&line).code, Some(0), "{line}");
     }
     assert_line_refused(
-        "state --stretch 1.2,1,1,1 set arrangement=chain",
+        "state --stretch 1.2,1,1,1 set lattice=chain",
         &["has 4 number(s); expected 1"],
     );
     assert_line_refused(
-        "state --deformation-gradient 1,0,0,1 set arrangement=chain",
+        "state --deformation-gradient 1,0,0,1 set lattice=chain",
         &["has 4 number(s); expected 1 or 9"],
     );
 }
@@ -211,7 +211,7 @@ fn shape_functions_without_enough_neighbors_are_refused() {
         &["at least 3", "support-size=scaled"],
     );
     assert_line_refused(
-        "state --stretch 2.1,0.9 set approximation=mls set frame=eulerian set arrangement=square set quadrature=nodal",
+        "state --stretch 2.1,0.9 set approximation=mls set frame=eulerian set lattice=square set quadrature=nodal",
         &["do not determine its shape functions", "hint: enlarge"],
     );
 }
@@ -255,7 +255,7 @@ fn parameters_of_the_material_must_be_admissible() {
 }
 
 #[test]
-fn wave_vectors_must_have_the_dimension_of_the_arrangement() {
+fn wave_vectors_must_have_the_dimension_of_the_lattice() {
     for (text, fact) in [
         ("1", "has 1 number(s); expected 2"),
         ("1,1,1", "has 3 number(s); expected 2"),
@@ -272,7 +272,7 @@ fn wave_vectors_must_have_the_dimension_of_the_arrangement() {
         );
     }
     assert_line_refused(
-        "dispersion --stretch 1.2 --wave-vector 1,1 set arrangement=chain",
+        "dispersion --stretch 1.2 --wave-vector 1,1 set lattice=chain",
         &["has 2 number(s); expected 1"],
     );
     assert_line_refused("dispersion --stretch 1,1", &["--wave-vector"]);

@@ -8,7 +8,7 @@ use std::process::Stdio;
 const AXES: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 4\n\
                     [[axes]]\nquantity = \"discretization.density\"\nrange = [1.0, 2.0]\nstates = 4\n";
 const CHAIN: &str = "title = \"a chain\"\n[material]\nmodel = \"blatz-ko\"\nmu = 2\n\
-                     [discretization]\narrangement = \"chain\"\nmethod = \"total-lagrangian-sph\"\nsupport = 2.2\n\
+                     [discretization]\nlattice = \"chain\"\nmethod = \"total-lagrangian-sph\"\nsupport = 2.2\n\
                      [compare]\nstates = 2\n";
 
 /// A file with a text.
@@ -45,7 +45,7 @@ fn a_key_that_the_method_does_not_read_is_refused_by_every_command() {
         assert_eq!(answer.stdout, "", "{line}");
     }
     // Questions about the law alone read no key of a method.
-    for line in ["notions", "card", "audit"] {
+    for line in ["criteria", "card", "audit"] {
         let answer = onset_line(&format!("{line} set support=2"));
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
         assert!(
@@ -67,19 +67,21 @@ fn a_key_without_effect_in_a_file_is_told_with_its_place() {
             ],
         ),
         (
-            "[discretization]\nmethod = \"finite-elements\"\narrangement = \"face-centered-cubic\"\n",
+            "[discretization]\nmethod = \"finite-elements\"\nlattice = \"face-centered-cubic\"\n",
             vec![
-                ":3:15: `discretization.arrangement` has no effect",
+                ":3:11: `discretization.lattice` has no effect",
                 "finite-elements",
             ],
         ),
         (
-            "[discretization]\nmethod = \"material-points\"\narrangement = \"hexagonal\"\n",
-            vec![":3:15: material points have a square grid"],
+            "[discretization]\nmethod = \"material-points\"\nlattice = \"hexagonal\"\n",
+            vec![":3:11: material points have a square grid"],
         ),
         (
-            "[discretization]\ncells = 2\nframe = \"eulerian\"\nlattice = \"regular\"\n",
-            vec![":4:11: `discretization.lattice` has no effect: discretization.cells is 2"],
+            "[discretization]\ncells = 2\nframe = \"eulerian\"\ncurrent-lattice = \"regular\"\n",
+            vec![
+                ":4:19: `discretization.current-lattice` has no effect: discretization.cells is 2",
+            ],
         ),
     ] {
         let study = file(&format!("{text}{AXES}"));
@@ -125,18 +127,13 @@ fn every_choice_in_effect_is_told_and_no_other() {
         ),
         (
             "set method=material-points set unknowns=updated",
-            vec![
-                "grid-functions",
-                "points-per-side",
-                "grid-mass",
-                "arrangement",
-            ],
+            vec!["grid-functions", "points-per-side", "grid-mass", "lattice"],
             vec!["quadrature", "kernel", "support"],
         ),
         (
             "set method=finite-elements",
             vec!["mesh", "integration", "mass"],
-            vec!["arrangement", "kernel", "hourglass-stiffness"],
+            vec!["lattice", "kernel", "hourglass-stiffness"],
         ),
     ] {
         let line = format!("state --stretch 1.02,0.99 {settings}");
@@ -170,7 +167,7 @@ fn every_choice_in_effect_is_told_and_no_other() {
         }
     }
     let points = onset_line("state --stretch 1.02,0.99 set method=material-points").stdout;
-    assert!(points.contains("arrangement square"), "{points}");
+    assert!(points.contains("lattice square"), "{points}");
     let waves = document("dispersion --stretch 1.1,1 --wave-vector 1,1 set support=1.8");
     assert_eq!(
         waves["settings"]["discretization.support"]["default"],
@@ -191,7 +188,7 @@ fn one_study_file_serves_every_question() {
         format!("modes {study} set density=1"),
         format!("tune discretization.penalty {study} --quiet set density=1"),
         format!("audit {study}"),
-        format!("notions {study} --mode uniaxial"),
+        format!("criteria {study} --mode uniaxial"),
         format!("card {study} --out {out}"),
         format!("compare {study} --quiet --out {out} set density=1"),
         format!("check {study}"),
@@ -328,12 +325,12 @@ fn a_stressed_reference_is_told_in_every_answer() {
             "tune",
             "discretization.stress-point-weight",
             "--set",
-            "discretization.arrangement=chain",
+            "discretization.lattice=chain",
             "--range",
             "0.4,0.6",
             "--quiet",
         ],
-        vec!["notions", "--mode", "simple-shear"],
+        vec!["criteria", "--mode", "simple-shear"],
         vec!["card", "--out", &out],
     ] {
         let text = told(&arguments);
@@ -354,16 +351,14 @@ fn bonds_say_that_they_take_of_the_law_its_modulus_only() {
         "path --from 1 --to 1.05",
         "modes",
     ] {
-        let bonds = onset_line(&format!(
-            "{line} set arrangement=chain set method=peridynamics"
-        ));
+        let bonds = onset_line(&format!("{line} set lattice=chain set method=peridynamics"));
         assert!(
             bonds.stdout.contains("bulk modulus at F = 1"),
             "{line}: {}",
             bonds.stdout
         );
         let families = onset_line(&format!(
-            "{line} set arrangement=chain set method=peridynamics set bonds=correspondence"
+            "{line} set lattice=chain set method=peridynamics set bonds=correspondence"
         ));
         assert!(
             !families.stdout.contains("note:"),

@@ -1,9 +1,9 @@
-//! Particles in space, and on lattices from vectors.
+//! Particles in three dimensions, and on lattices from vectors.
 
 use crate::map::{Place, numbers as stored, opened};
 use crate::{assert_close, document, number, numbers, onset_line};
 
-const CLOSEST: &str = "arrangement=face-centered-cubic set support=1.65 set quadrature=nodal";
+const CLOSEST: &str = "lattice=face-centered-cubic set support=1.65 set quadrature=nodal";
 
 #[test]
 fn a_state_in_space_is_answered_with_three_components() {
@@ -34,7 +34,7 @@ fn stretches_along_the_edges_of_a_cube_can_change_places() {
 #[test]
 fn a_map_in_space_says_of_a_state_what_the_state_command_says() {
     let place = Place::new(
-        "[discretization]\narrangement = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\nframe = \"eulerian\"\n\
+        "[discretization]\nlattice = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\nframe = \"eulerian\"\n\
          [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 3\n\
          [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 2\n",
     );
@@ -56,10 +56,10 @@ fn a_map_in_space_says_of_a_state_what_the_state_command_says() {
 
 #[test]
 fn vectors_make_the_lattice_that_has_a_name() {
-    let named = document("state --stretch 1.1,0.9 set arrangement=hexagonal");
+    let named = document("state --stretch 1.1,0.9 set lattice=hexagonal");
     let vectors = format!("vectors=1,0,0.5,{}", 0.75_f64.sqrt());
     let given = document(&format!(
-        "state --stretch 1.1,0.9 set arrangement=oblique set {vectors}"
+        "state --stretch 1.1,0.9 set lattice=oblique set {vectors}"
     ));
     let omega = "/discretization/maximum_omega";
     assert_close(number(&given, omega), number(&named, omega), 1e-10);
@@ -69,19 +69,19 @@ fn vectors_make_the_lattice_that_has_a_name() {
 fn lattices_that_are_none_are_refused_with_a_hint() {
     for (line, told) in [
         (
-            "state --stretch 1.1,1,1 set arrangement=triclinic",
+            "state --stretch 1.1,1,1 set lattice=triclinic",
             "needs 9 numbers",
         ),
         (
-            "state --stretch 1.1,1 set arrangement=oblique set vectors=1,2,2,4",
+            "state --stretch 1.1,1 set lattice=oblique set vectors=1,2,2,4",
             "linearly independent",
         ),
         (
-            "state --stretch 1.1,1 set arrangement=rectangular set aspect=-1",
+            "state --stretch 1.1,1 set lattice=rectangular set aspect=-1",
             "a positive finite number",
         ),
         (
-            "state --stretch 1.1,1 set arrangement=simple-cubic",
+            "state --stretch 1.1,1 set lattice=simple-cubic",
             "one for each dimension",
         ),
     ] {

@@ -50,7 +50,7 @@ fn limits_are_options_and_are_told_with_what_they_change() {
 
 #[test]
 fn a_stricter_limit_tunes_to_a_larger_coefficient() {
-    let line = "tune discretization.penalty set method=tlsph set arrangement=square";
+    let line = "tune discretization.penalty set method=tlsph set lattice=square";
     let value = |more: &str| number(&document(&format!("{line} {more}")), "/recommended");
     assert!(value("--weak 0.2") > value("--weak 0.05"));
     let text = onset_line(line).stdout;

@@ -2,7 +2,7 @@
 
 use super::{document, fresh_place, number, onset, onset_line};
 
-const PENALTY: &str = "set method=total-lagrangian-sph set arrangement=square";
+const PENALTY: &str = "set method=total-lagrangian-sph set lattice=square";
 
 #[test]
 fn the_penalty_is_tuned_between_too_little_and_too_much() {
@@ -25,7 +25,7 @@ fn the_penalty_is_tuned_between_too_little_and_too_much() {
 
 #[test]
 fn values_that_a_method_refuses_say_why() {
-    let line = "tune discretization.stress-point-weight set arrangement=square --range 0.5,1";
+    let line = "tune discretization.stress-point-weight set lattice=square --range 0.5,1";
     let answer = onset_line(line);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(

@@ -163,7 +163,7 @@ fn libraries_that_are_none_are_told_with_exit_code_2() {
     );
 }
 
-/// A folder with a library of one's own and files that name it.
+/// A folder with a user-defined library and files that name it.
 struct Strange {
     folder: std::path::PathBuf,
     library: String,
@@ -238,7 +238,7 @@ fn a_file_loads_a_library_only_if_the_user_allows_it() {
         "map study.toml --out a.zarr",
         "boundary study.toml",
         "card study.toml",
-        "notions study.toml",
+        "criteria study.toml",
         "compare compare.toml",
         "recommend compare.toml",
         // The model alone does not make the library the user's word.

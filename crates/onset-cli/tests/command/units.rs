@@ -57,7 +57,7 @@ fn units_in_some_values_alone_are_refused_with_those_that_have_none() {
             ],
         ),
         (
-            "notions --set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=3",
+            "criteria --set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=3",
             vec!["material.lambda = 3 has none"],
         ),
         (

@@ -147,24 +147,21 @@ const METHODS: &[&[(&str, &str)]] = &[
         ("support-size", "fixed"),
         ("linearization", "paper"),
     ],
-    &[("arrangement", "square")],
-    &[("arrangement", "square"), ("approximation", "raw")],
-    &[("arrangement", "chain")],
-    &[("arrangement", "chain"), ("frame", "eulerian")],
-    &[("arrangement", "honeycomb")],
+    &[("lattice", "square")],
+    &[("lattice", "square"), ("approximation", "raw")],
+    &[("lattice", "chain")],
+    &[("lattice", "chain"), ("frame", "eulerian")],
+    &[("lattice", "honeycomb")],
     &[
-        ("arrangement", "simple-cubic"),
+        ("lattice", "simple-cubic"),
         ("quadrature", "nodal"),
         ("support", "1.2"),
     ],
-    &[("arrangement", "rectangular"), ("aspect", "1.3")],
-    &[("arrangement", "oblique"), ("vectors", "1,0,0.3,1.1")],
+    &[("lattice", "rectangular"), ("aspect", "1.3")],
+    &[("lattice", "oblique"), ("vectors", "1,0,0.3,1.1")],
+    &[("lattice", "square"), ("method", "total-lagrangian-sph")],
     &[
-        ("arrangement", "square"),
-        ("method", "total-lagrangian-sph"),
-    ],
-    &[
-        ("arrangement", "square"),
+        ("lattice", "square"),
         ("method", "total-lagrangian-sph"),
         ("penalty", "0.1"),
     ],
@@ -183,14 +180,14 @@ const METHODS: &[&[(&str, &str)]] = &[
         ("hourglass-stiffness", "0.05"),
     ],
     &[("method", "finite-elements"), ("mesh", "triangles")],
-    &[("arrangement", "square"), ("method", "conforming")],
+    &[("lattice", "square"), ("method", "conforming")],
     &[
-        ("arrangement", "square"),
+        ("lattice", "square"),
         ("method", "peridynamics"),
         ("horizon", "2.2"),
     ],
     &[
-        ("arrangement", "square"),
+        ("lattice", "square"),
         ("method", "peridynamics"),
         ("bonds", "correspondence"),
         ("control", "penalty"),
@@ -734,7 +731,7 @@ impl Source {
                 );
                 self.flag(&mut line.words, "--json", 50);
             }
-            "notions" => {
+            "criteria" => {
                 self.law(line);
                 let mode = self.of(&[
                     "uniaxial",
@@ -976,7 +973,7 @@ const COMMANDS: &[(&str, usize)] = &[
     ("audit", 50),
     ("list", 10),
     ("check", 120),
-    ("notions", 30),
+    ("criteria", 30),
     ("card", 15),
     ("map", 100),
     ("boundary", 15),

@@ -116,7 +116,7 @@ fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits
 #[test]
 fn work_that_would_not_end_is_refused_or_given_up() {
     let place = Place::new("endless");
-    let oblique = "--set discretization.arrangement=oblique --set discretization.vectors=";
+    let oblique = "--set discretization.lattice=oblique --set discretization.vectors=";
     for line in [
         format!("state --stretch 1.1,1 {oblique}6986.29,1e5,3,1e100"),
         format!(
@@ -125,15 +125,14 @@ fn work_that_would_not_end_is_refused_or_given_up() {
         format!(
             "state --deformation-gradient=1,1e9,0,1 {oblique}1,0,0,1 --set discretization.frame=eulerian"
         ),
-        "modes --set discretization.arrangement=simple-cubic --set discretization.cells=16"
-            .to_owned(),
+        "modes --set discretization.lattice=simple-cubic --set discretization.cells=16".to_owned(),
     ] {
         let line = Line::of(&line);
         let ending = place.run(&line);
         assert_eq!(ending.status.code(), Some(2), "{line}");
         assert_eq!(ending.fault(&line), None);
     }
-    let steep = "notions --json --mode simple-shear --set material.model=ogden --set material.alpha2=3579.3 --set material.kappa=1e-3";
+    let steep = "criteria --json --mode simple-shear --set material.model=ogden --set material.alpha2=3579.3 --set material.kappa=1e-3";
     let answer = place.answered(steep);
     let reasons: Vec<String> = answer["loadings"]
         .as_array()
@@ -156,7 +155,7 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
         |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
     let oblique = |vectors: &str| {
         place.answered(&format!(
-            "state --json --stretch 1.05,0.98 --set discretization.arrangement=oblique --set discretization.support=1.7 \
+            "state --json --stretch 1.05,0.98 --set discretization.lattice=oblique --set discretization.support=1.7 \
              --set discretization.vectors={vectors}"
         ))
     };
@@ -173,10 +172,10 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
         }
     }
     let law = "--set material.model=blatz-ko --set material.mu=";
-    for (arrangement, stretch) in [("hexagonal", "1.15,1"), ("simple-cubic", "1.1,1,0.95")] {
+    for (kind, stretch) in [("hexagonal", "1.15,1"), ("simple-cubic", "1.1,1,0.95")] {
         let line = |mu: &str, density: &str| {
             place.answered(&format!(
-                "state --json --stretch {stretch} --set discretization.frame=eulerian --set discretization.arrangement={arrangement} \
+                "state --json --stretch {stretch} --set discretization.frame=eulerian --set discretization.lattice={kind} \
                  --set discretization.density={density} {law}{mu}"
             ))
         };
@@ -193,7 +192,7 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
             let [a, b] = [&other, &plain].map(|answer| number(answer, "minimum_scaled"));
             assert!(
                 (a - b).abs() < 1e-9 * b.abs(),
-                "{arrangement} {mu} {density}: {a} {b}"
+                "{kind} {mu} {density}: {a} {b}"
             );
             let unit = (mu.parse::<f64>().expect("a number")
                 / density.parse::<f64>().expect("a number"))
@@ -202,7 +201,7 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
                 let [a, b] = [number(&other, name), number(&plain, name) * unit];
                 assert!(
                     (a - b).abs() <= 1e-9 * b.abs(),
-                    "{arrangement} {mu} {density} {name}: {a} {b}"
+                    "{kind} {mu} {density} {name}: {a} {b}"
                 );
             }
         }
@@ -211,13 +210,13 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
 
 /// Methods beside the kernel methods.
 const OTHERS: [&str; 9] = [
-    "method=total-lagrangian-sph arrangement=square penalty=0.1",
+    "method=total-lagrangian-sph lattice=square penalty=0.1",
     "method=updated-sph artificial-stress=0.3 velocity-smoothing=0.5",
     "method=updated-sph corrected=false viscosity=0.1",
     "method=finite-elements integration=one-point hourglass-stiffness=0.05",
-    "method=conforming arrangement=square",
-    "method=peridynamics arrangement=square horizon=2.2",
-    "method=peridynamics arrangement=square bonds=correspondence control=penalty control-coefficient=0.5",
+    "method=conforming lattice=square",
+    "method=peridynamics lattice=square horizon=2.2",
+    "method=peridynamics lattice=square bonds=correspondence control=penalty control-coefficient=0.5",
     "method=material-points",
     "method=material-points unknowns=updated grid-functions=quadratic-spline",
 ];

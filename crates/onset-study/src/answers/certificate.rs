@@ -16,8 +16,8 @@ pub struct CertificateAnswer {
     /// Strong ellipticity; measures are acoustic eigenvalues over `rho0 c^2`.
     pub material: ProofAnswer,
     /// Strong ellipticity for waves in all directions of space; measures are acoustic eigenvalues over the largest one of the
-    /// undeformed material.
-    pub material_in_space: ProofAnswer,
+    /// material in the reference state.
+    pub material_3d: ProofAnswer,
     /// Waves of the particles; measures are `Re omega^2 / (c^2 |k|_h^2)`.
     pub discretization: ProofAnswer,
 }
@@ -25,7 +25,7 @@ pub struct CertificateAnswer {
 /// A three-valued answer with what carries it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProofAnswer {
-    /// `proved-stable`, `proved-rank-deficient`, `proved-unstable` or `undecided`.
+    /// `proved-stable`, `proved-zero-energy`, `proved-unstable` or `undecided`.
     pub certainty: &'static str,
     /// Of what is stable: the measure is at least this for all directions or wave vectors.
     pub bound: Option<f64>,
@@ -58,7 +58,7 @@ impl CertificateAnswer {
     pub(super) fn new(
         dimension: usize,
         certificate: &Certificate<3>,
-        in_space: &SpaceCertificate,
+        in_3d: &SpaceCertificate,
         tolerance: f64,
         corrects_the_search: bool,
     ) -> Self {
@@ -66,7 +66,7 @@ impl CertificateAnswer {
             tolerance,
             corrects_the_search,
             material: ProofAnswer::new(dimension, &certificate.material),
-            material_in_space: ProofAnswer::in_space(in_space),
+            material_3d: ProofAnswer::in_space(in_3d),
             discretization: ProofAnswer::new(dimension, &certificate.discretization),
         }
     }
@@ -87,7 +87,7 @@ impl ProofAnswer {
                 bound: Some(*bound),
                 ..nothing
             },
-            Certainty::RankDeficient { wave_vector } => Self {
+            Certainty::ZeroEnergy { wave_vector } => Self {
                 zero_energy_wave_vector: Some(list(dimension, wave_vector)),
                 ..nothing
             },
@@ -103,7 +103,7 @@ impl ProofAnswer {
         }
     }
 
-    fn in_space(certificate: &SpaceCertificate) -> Self {
+    fn in_3d(certificate: &SpaceCertificate) -> Self {
         let mut answer = Self::new(3, &certificate.certainty);
         if let Some(witness) = &mut answer.witness {
             witness.polarization = certificate.polarization.map(|g| list(3, &g));
@@ -168,8 +168,8 @@ impl fmt::Display for CertificateAnswer {
         )?;
         writeln!(
             formatter,
-            "  material in space     {}",
-            self.material_in_space.line("direction", "c |k|")
+            "  material in 3D     {}",
+            self.material_3d.line("direction", "c |k|")
         )?;
         write!(
             formatter,

@@ -3,13 +3,13 @@
 use super::notes::notes_on_law;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::StateAnswer;
+use crate::criteria::EndAnswer;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
-use crate::notions::EndAnswer;
 use crate::number::told;
 use crate::output::{Files, text};
 use crate::settings::Effective;
+use onset::criteria::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic};
 use onset::kinematics::{DeformationGradient, DeformationPath, StraightPath};
-use onset::notions::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -10,11 +10,11 @@ pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
     let modes = format!("onset modes{}", assignments(settings, None));
     let tune =
         coefficient.map(|key| format!("onset tune {key}{}", assignments(settings, Some(key))));
-    let notions = format!("onset notions{}", of_law(settings));
+    let criteria = format!("onset criteria{}", of_law(settings));
     match verdict {
-        Verdict::RankDeficient => [modes].into_iter().chain(tune).collect(),
-        Verdict::Kernel | Verdict::Missed => tune.into_iter().chain([modes]).collect(),
-        Verdict::Material => vec![notions],
+        Verdict::ZeroEnergy => [modes].into_iter().chain(tune).collect(),
+        Verdict::Numerical | Verdict::Suppressed => tune.into_iter().chain([modes]).collect(),
+        Verdict::Physical => vec![criteria],
         Verdict::Stable => Vec::new(),
     }
 }

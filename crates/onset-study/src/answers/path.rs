@@ -141,7 +141,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     match analysis.assess(from) {
         Err(error) if error.is_outside_domain() => {}
         other => {
-            if other?.verdict == Verdict::RankDeficient {
+            if other?.verdict == Verdict::ZeroEnergy {
                 notes.push(
                     "at the start the particles have zero-energy modes (verdict rank-deficient), which do not grow by themselves and count as \
                      stable along a path; `onset modes` shows them"
@@ -240,7 +240,7 @@ fn stretch(dimension: usize, f: &DeformationGradient) -> Vec<f64> {
     if diagonal {
         return (0..dimension).map(|i| components[i][i]).collect();
     }
-    // The stretches in the dimensions of the arrangement: those of the leading block, with nothing beside it the
+    // The stretches in the dimensions of the lattice: those of the leading block, with nothing beside it the
     // largest ones.
     let is_leading = |i: usize, j: usize| i < dimension && j < dimension;
     let leading = DeformationGradient::from_components(std::array::from_fn(|i| {
@@ -312,7 +312,7 @@ impl std::fmt::Display for PathAnswer {
                 "The material stays strongly elliptic along the whole path{}.",
                 match self.dimension {
                     1 => ", for waves along the chain of particles",
-                    2 => ", for waves in the plane of the particles",
+                    2 => ", for in-plane perturbations",
                     _ => "",
                 }
             )?,

@@ -150,11 +150,11 @@ fn hint(error: &MethodError) -> &'static str {
              also follow the particles, discretization.support-size=scaled or convected"
         }
         MethodError::NotPlanar { .. } => {
-            "\n  hint: give in-plane components only, or choose an arrangement in space, for example \
-             discretization.arrangement=face-centered-cubic"
+            "\n  hint: give in-plane components only, or choose a three-dimensional lattice, for example \
+             discretization.lattice=face-centered-cubic"
         }
         MethodError::Lattice(LatticeError::Vectors { .. }) => {
-            "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique arrangement"
+            "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique lattice"
         }
         MethodError::Lattice(LatticeError::Sheared { .. }) => {
             "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision tells the places of \
@@ -186,7 +186,7 @@ fn path_hint(error: &PathError) -> &'static str {
 pub struct Strain(pub DeformationGradient);
 
 impl Strain {
-    /// Principal stretches along the axes: as many as the arrangement has dimensions, and optionally those
+    /// Principal stretches along the axes: as many as the lattice has dimensions, and optionally those
     /// out of them (1 unless given).
     ///
     /// # Errors
@@ -202,8 +202,8 @@ impl Strain {
                 what,
                 given: numbers.len(),
                 expected: match dimension {
-                    3 => "3 (one for each dimension of the arrangement)".to_owned(),
-                    _ => format!("{dimension} (one for each dimension of the arrangement) to 3"),
+                    3 => "3 (one for each dimension of the lattice)".to_owned(),
+                    _ => format!("{dimension} (one for each dimension of the lattice) to 3"),
                 },
             });
         }

@@ -35,11 +35,11 @@ pub(super) fn of_correction(
     )
 }
 
-/// The sentence of an assessment; `in_space` tells of waves of the material in all directions.
+/// The sentence of an assessment; `in_3d` tells of waves of the material in all directions.
 pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,
-    in_space: Ellipticity,
+    in_3d: Ellipticity,
     f: &DeformationGradient,
     units: Units,
 ) -> String {
@@ -80,16 +80,16 @@ pub(super) fn of(
                 ),
                 _ => format!(
                     "Stable: the material is strongly elliptic{} and no plane wave of the particles grows.{weak}",
-                    in_plane(in_space)
+                    in_plane(in_3d)
                 ),
             }
         }
-        Verdict::Material => format!(
+        Verdict::Physical => format!(
             "Unstable, and rightly so: the material itself has lost ellipticity, for waves along N = {}, and the \
              particles follow it; their fastest mode, {wave}, {growth}.",
             along(&assessment.material.minimum.direction)
         ),
-        Verdict::RankDeficient => {
+        Verdict::ZeroEnergy => {
             let which = if mode.is_long_wave {
                 let direction = analysis.spatial(f, &mode.wave_vector).normalize();
                 format!("long waves along {}", along(&direction))
@@ -120,19 +120,21 @@ pub(super) fn of(
                 "Not usable as it is although the material is stable: it has zero-energy modes. {unseen}"
             )
         }
-        Verdict::Kernel if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => format!(
-            "Unstable although the material is stable: flutter of the {} ({tension} mean stress), {wave}, {growth}.",
-            culprit(family)
-        ),
-        Verdict::Kernel if assessment.material.ellipticity().is_lost() => format!(
+        Verdict::Numerical if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => {
+            format!(
+                "Unstable although the material is stable: flutter of the {} ({tension} mean stress), {wave}, {growth}.",
+                culprit(family)
+            )
+        }
+        Verdict::Numerical if assessment.material.ellipticity().is_lost() => format!(
             "Unstable, but not as the material is: the material has lost ellipticity, while the particles are stable \
              for long waves and unstable by the method's own {tension} instability, {wave}, {growth}."
         ),
-        Verdict::Kernel => format!(
+        Verdict::Numerical => format!(
             "Unstable although the material is stable: {tension} instability of the {}, {wave}, {growth}.",
             culprit(family)
         ),
-        Verdict::Missed => format!(
+        Verdict::Suppressed => format!(
             "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
              do not show it.",
             along(&assessment.material.minimum.direction)
@@ -152,8 +154,8 @@ fn culprit(family: Family) -> &'static str {
 }
 
 /// What to add where waves of the material that the discretization does not have say another thing.
-fn in_plane(in_space: Ellipticity) -> &'static str {
-    match in_space {
+fn in_plane(in_3d: Ellipticity) -> &'static str {
+    match in_3d {
         Ellipticity::Elliptic => "",
         Ellipticity::Undecided => " for waves in the plane (undecided for waves out of it)",
         Ellipticity::Lost => " for waves in the plane (not for waves out of it)",

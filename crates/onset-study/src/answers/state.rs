@@ -12,7 +12,7 @@ use crate::settings::{Effective, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::analysis::minimum_in_space;
-use onset::certificate::certify_in_space;
+use onset::certificate::certify_3d;
 use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
@@ -42,7 +42,7 @@ impl From<Complex> for ComplexNumber {
 /// Everything about one state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StateAnswer {
-    /// To whom the first instability belongs.
+    /// The origin of the first instability.
     pub verdict: Verdict,
     /// The verdict in plain English.
     pub sentence: String,
@@ -56,8 +56,8 @@ pub struct StateAnswer {
     pub deformation_gradient: [[f64; 3]; 3],
     /// The continuum, as computed in floating point.
     pub material: MaterialAnswer,
-    /// The continuum for waves in all directions of space, of which those of an arrangement in the plane are only some.
-    pub material_in_space: SpaceAnswer,
+    /// The continuum for waves in all directions of space, of which those of a lattice in the plane are only some.
+    pub material_3d: SpaceAnswer,
     /// The particles, as the search in floating point finds them.
     pub discretization: DiscretizationAnswer,
     /// What is proved, if that was asked for.
@@ -81,16 +81,16 @@ pub struct MaterialAnswer {
     /// The size of its largest component: what stresses and eigenvalues are made of.
     #[serde(skip)]
     stiffness: f64,
-    /// Whether the state is strongly elliptic for waves in the dimensions of the arrangement: whether their smallest eigenvalue is
+    /// Whether the state is strongly elliptic for waves in the dimensions of the lattice: whether their smallest eigenvalue is
     /// positive, beyond rounding.
     pub elliptic: bool,
     /// The same in three values: `undecided` where the smallest eigenvalue is zero to rounding, as that of a fluid.
     pub ellipticity: Ellipticity,
     /// Whether it is elliptic for waves in all directions of space, (60) instead of (62).
-    pub elliptic_in_space: bool,
+    pub elliptic_3d: bool,
     /// Smallest eigenvalue of the acoustic tensor over all directions of space.
-    pub minimum_acoustic_eigenvalue_in_space: f64,
-    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the arrangement; zero where it is to rounding.
+    pub minimum_acoustic_eigenvalue_3d: f64,
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
     /// How much of it can be rounding.
     pub rounding: f64,
@@ -217,18 +217,17 @@ fn answer(
     let assessment = analysis.assess(f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut certificate) = (searched.0, None);
-    let in_space = SpaceAnswer::new(&assessment.material.response);
+    let in_3d = SpaceAnswer::new(&assessment.material.response);
     let mut sentence = sentence::of(
         problem,
         &assessment,
-        in_space.ellipticity,
+        in_3d.ellipticity,
         f,
         problem.settings.units(),
     );
     if let Some(tolerance) = tolerance {
         let proved = analysis.certify(f, tolerance)?;
-        let proved_in_space =
-            certify_in_space(&*problem.material, f, tolerance).map_err(MethodError::from)?;
+        let proved_3d = certify_3d(&*problem.material, f, tolerance).map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
         verdict = corrected.0;
         if corrected != searched {
@@ -237,7 +236,7 @@ fn answer(
         certificate = Some(CertificateAnswer::new(
             analysis.dimension(),
             &proved,
-            &proved_in_space,
+            &proved_3d,
             tolerance,
             corrected != searched,
         ));
@@ -250,8 +249,8 @@ fn answer(
         settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *f.components(),
-        material: material_answer(problem, &assessment, &in_space),
-        material_in_space: in_space,
+        material: material_answer(problem, &assessment, &in_3d),
+        material_3d: in_3d,
         discretization: discretization_answer(problem, &assessment, f)?,
     })
 }
@@ -259,7 +258,7 @@ fn answer(
 fn material_answer(
     problem: &Problem,
     assessment: &Assessment<3>,
-    in_space: &SpaceAnswer,
+    in_3d: &SpaceAnswer,
 ) -> MaterialAnswer {
     let (settings, dimension) = (&problem.settings, problem.dimension());
     let continuum = &assessment.material;
@@ -280,8 +279,8 @@ fn material_answer(
         stiffness: response.tangent.largest(),
         elliptic: continuum.ellipticity().is_elliptic(),
         ellipticity: continuum.ellipticity(),
-        elliptic_in_space: in_space.elliptic,
-        minimum_acoustic_eigenvalue_in_space: in_space.minimum_acoustic_eigenvalue,
+        elliptic_3d: in_3d.elliptic,
+        minimum_acoustic_eigenvalue_3d: in_3d.minimum_acoustic_eigenvalue,
         minimum_acoustic_eigenvalue: continuum.minimum.significant(),
         rounding: continuum.minimum.rounding,
         direction: list(dimension, &continuum.minimum.direction),
@@ -356,7 +355,7 @@ impl std::fmt::Display for StateAnswer {
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
-        let in_space = &self.material_in_space;
+        let in_3d = &self.material_3d;
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
         let of = |name: &str| format!("  {name}");
         line("verdict", self.verdict.name().to_owned())?;
@@ -369,14 +368,14 @@ impl std::fmt::Display for StateAnswer {
         line(&of("Cauchy stress"), units.of(material.stresses(), "(Pa)"))?;
         line(
             &of("strongly elliptic"),
-            match (material.ellipticity, in_space.ellipticity) {
+            match (material.ellipticity, in_3d.ellipticity) {
                 (Ellipticity::Elliptic, Ellipticity::Elliptic) => "yes".to_owned(),
                 (Ellipticity::Elliptic, Ellipticity::Lost) => {
                     "for waves in the plane, not for waves out of it".to_owned()
                 }
                 (Ellipticity::Elliptic, Ellipticity::Undecided) => format!(
                     "for waves in the plane; undecided for waves out of it, zero to rounding ({:.1e})",
-                    in_space.rounding
+                    in_3d.rounding
                 ),
                 (Ellipticity::Undecided, _) => format!(
                     "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
@@ -399,10 +398,10 @@ impl std::fmt::Display for StateAnswer {
             &of("in space"),
             format!(
                 "{} along N = {}, polarized along {}; nowhere below {}",
-                eigenvalue(in_space.minimum_acoustic_eigenvalue),
-                vector(&in_space.direction),
-                vector(&in_space.polarization),
-                eigenvalue(in_space.bound)
+                eigenvalue(in_3d.minimum_acoustic_eigenvalue),
+                vector(&in_3d.direction),
+                vector(&in_3d.polarization),
+                eigenvalue(in_3d.bound)
             ),
         )?;
         let (chosen, defaults) = self.settings.discretization();

@@ -4,7 +4,7 @@ use super::problem::{ProblemError, numbers};
 use nalgebra::{Matrix3, Vector3};
 use onset::algebra::Complex;
 use onset::analysis::Analysis;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 
 /// The name of `k = 0`.
 const GAMMA: &str = "Γ";
@@ -70,7 +70,7 @@ impl Stop {
 
 /// The points of high symmetry of a lattice that a state tells apart.
 ///
-/// A rotation or reflection of the undeformed lattice is a symmetry of the state if waves of no symmetry keep their frequencies under
+/// A rotation or reflection of the reference lattice is a symmetry of the state if waves of no symmetry keep their frequencies under
 /// it: whatever breaks it (the deformation, fibers of the material, one family of stress points, a grid beside the particles) shows in
 /// them. Points that such a map takes to each other, or to opposite ones, have the same waves, and one of them is enough.
 pub(super) struct SymmetryPoints<'a> {
@@ -85,11 +85,11 @@ pub(super) struct SymmetryPoints<'a> {
 }
 
 impl<'a> SymmetryPoints<'a> {
-    /// For the lattice of a discretization with the usual path through a zone in its undeformed state, and the squared frequencies of the
+    /// For the lattice of a discretization with the usual path through a zone in its reference state, and the squared frequencies of the
     /// waves of a state.
     pub(super) fn new(
         analysis: &'a dyn Analysis,
-        zone: Arrangement,
+        zone: LatticeKind,
         omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex>,
     ) -> Self {
         let holohedry = analysis.holohedry();
@@ -101,12 +101,12 @@ impl<'a> SymmetryPoints<'a> {
         };
         let of_state = holohedry.iter().filter(keeps).copied().collect();
         let route = analysis.zone_path(zone).into_iter();
-        let in_space = |k: Vec<f64>| Vector3::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
+        let in_3d = |k: Vec<f64>| Vector3::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
         let mut symmetry = Self {
             analysis,
             holohedry,
             of_state,
-            route: route.map(|(name, k)| (name, in_space(k))).collect(),
+            route: route.map(|(name, k)| (name, in_3d(k))).collect(),
             points: vec![Stop::new(GAMMA, Vector3::zeros())],
         };
         symmetry.name_points();
@@ -286,8 +286,8 @@ mod tests {
     use crate::settings::Settings;
     use nalgebra::DMatrix;
 
-    fn problem(arrangement: Arrangement) -> Problem {
-        let assignments = [format!("discretization.arrangement={}", arrangement.name())];
+    fn problem(kind: LatticeKind) -> Problem {
+        let assignments = [format!("discretization.lattice={}", kind.name())];
         let settings = Settings::from_assignments(&assignments).expect("settings");
         Problem::new(settings).expect("a problem")
     }
@@ -312,11 +312,11 @@ mod tests {
         }
     }
 
-    fn names(arrangement: Arrangement, stretches: [f64; 3]) -> Vec<String> {
-        let problem = problem(arrangement);
+    fn names(kind: LatticeKind, stretches: [f64; 3]) -> Vec<String> {
+        let problem = problem(kind);
         let analysis = &*problem.analysis;
         let waves = springs(analysis, stretches);
-        let symmetry = SymmetryPoints::new(analysis, arrangement, waves);
+        let symmetry = SymmetryPoints::new(analysis, kind, waves);
         let path = symmetry.path();
         let visited = |name: &str| path.0.iter().flatten().any(|stop| stop.name == name);
         assert!(symmetry.points.iter().all(|point| visited(&point.name)));
@@ -329,30 +329,30 @@ mod tests {
 
     #[test]
     fn points_are_told_apart_as_far_as_the_state_does() {
-        assert_eq!(names(Arrangement::Square, [1.0; 3]), ["Γ", "X", "M"]);
+        assert_eq!(names(LatticeKind::Square, [1.0; 3]), ["Γ", "X", "M"]);
         assert_eq!(
-            names(Arrangement::Square, [1.2, 1.0, 1.0]),
+            names(LatticeKind::Square, [1.2, 1.0, 1.0]),
             ["Γ", "X", "X′", "M"]
         );
-        assert_eq!(names(Arrangement::Hexagonal, [1.0; 3]), ["Γ", "M", "K"]);
-        let hexagonal = names(Arrangement::Hexagonal, [1.2, 1.0, 1.0]);
+        assert_eq!(names(LatticeKind::Hexagonal, [1.0; 3]), ["Γ", "M", "K"]);
+        let hexagonal = names(LatticeKind::Hexagonal, [1.2, 1.0, 1.0]);
         // Of the three midpoints of edges two are mirror images; all corners are opposite ones, or the same, up to reciprocal vectors.
         assert_eq!(hexagonal, ["Γ", "M", "M′", "K"]);
         assert_eq!(
-            names(Arrangement::SimpleCubic, [1.0; 3]),
+            names(LatticeKind::SimpleCubic, [1.0; 3]),
             ["Γ", "X", "M", "R"]
         );
-        let orthorhombic = names(Arrangement::SimpleCubic, [1.1, 1.0, 0.9]);
+        let orthorhombic = names(LatticeKind::SimpleCubic, [1.1, 1.0, 0.9]);
         assert_eq!(orthorhombic, ["Γ", "X", "X′", "X″", "M", "M′", "M″", "R"]);
-        assert_eq!(names(Arrangement::Chain, [1.3; 3]), ["Γ", "X"]);
+        assert_eq!(names(LatticeKind::Chain, [1.3; 3]), ["Γ", "X"]);
     }
 
     #[test]
     fn typed_paths_have_labels_points_and_jumps() {
-        let problem = problem(Arrangement::Hexagonal);
+        let problem = problem(LatticeKind::Hexagonal);
         let analysis = &*problem.analysis;
         let waves = springs(analysis, [1.0; 3]);
-        let symmetry = SymmetryPoints::new(analysis, Arrangement::Hexagonal, waves);
+        let symmetry = SymmetryPoints::new(analysis, LatticeKind::Hexagonal, waves);
         let told = |text: &str| -> Vec<Vec<String>> {
             let path = symmetry.typed(text).unwrap();
             let names = |chain: &Vec<Stop>| chain.iter().map(|s| s.name.clone()).collect();

@@ -234,12 +234,12 @@ fn reference_stress(reference: &Measured) -> Check {
     Check::new(
         "reference stress",
         if error.is_nan() { f64::INFINITY } else { error },
-        "the undeformed state is free of stress",
-        "the undeformed state is not free of stress",
+        "the reference state is free of stress",
+        "the reference state is not free of stress",
     )
 }
 
-/// Eigenvalues of the elasticity of the undeformed state, in an orthonormal basis of symmetric tensors, and what they mean.
+/// Eigenvalues of the elasticity of the reference state, in an orthonormal basis of symmetric tensors, and what they mean.
 fn moduli(reference: &Measured) -> Check {
     let c = Convention::JaumannKirchhoff.tangent(&reference.change, &reference.change.gradient);
     let weight = |a: usize| if a < 3 { 1.0 } else { SQRT_2 };
@@ -372,7 +372,7 @@ fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, Aud
         let states = (0..POINTS)
             .map(|n| {
                 let (sine, cosine) = angle(n).sin_cos();
-                // Away from the undeformed state, where a mistake of second order would not show.
+                // Away from the reference state, where a mistake of second order would not show.
                 let center = Matrix3::identity() + 0.5 * (unit(first) + unit(second));
                 deformation(&(center + cosine * unit(first) + sine * unit(second)))
             })

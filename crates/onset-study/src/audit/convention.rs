@@ -31,7 +31,7 @@ pub enum Convention {
     Nominal,
     /// `dN_Ji/dF_kL`.
     NominalGradient,
-    /// The elasticity of the undeformed state, at every state.
+    /// The elasticity of the reference state, at every state.
     Reference,
 }
 
@@ -100,7 +100,7 @@ impl Convention {
             Self::FirstPiola => "dP/dF, first Piola-Kirchhoff stress per deformation gradient",
             Self::Nominal => "dP/dF with the indices of P and of F exchanged (nominal stress)",
             Self::NominalGradient => "d(P^T)/dF, nominal stress per deformation gradient",
-            Self::Reference => "the elasticity of the undeformed state",
+            Self::Reference => "the elasticity of the reference state",
         }
     }
 
@@ -111,7 +111,7 @@ impl Convention {
             .find(|convention| convention.name() == name)
     }
 
-    /// The tensor in this convention; `reference` is that of the undeformed state.
+    /// The tensor in this convention; `reference` is that of the reference state.
     pub fn tangent(self, change: &StressChange, reference: &FourthOrder) -> FourthOrder {
         match self {
             Self::JaumannKirchhoff => change.jaumann(1.0),

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Rays from the undeformed state.
+/// Rays from the reference state.
 const RAYS: usize = 360;
 
 /// Asks for the phase of a state.
@@ -28,14 +28,14 @@ pub struct Fidelity {
     /// The same as a share of the elliptic area; `null` without one.
     pub false_instability_share: Option<f64>,
     /// Not elliptic, but the particles are stable.
-    pub missed_instability_area: f64,
+    pub suppressed_instability_area: f64,
     /// The same as a share of the elliptic area; `null` without one.
-    pub missed_instability_share: Option<f64>,
+    pub suppressed_instability_share: Option<f64>,
     /// Where the discretization is not defined.
     pub undefined_area: f64,
     /// How far the boundaries are apart; `null` when there are not both.
     pub hausdorff: Option<Apart>,
-    /// Onsets along rays from the undeformed state; `null` unless the axes are the two stretches and the window holds it.
+    /// Onsets along rays from the reference state; `null` unless the axes are the two stretches and the window holds it.
     pub rays: Option<Rays>,
 }
 
@@ -57,7 +57,7 @@ pub struct Apart {
     pub unit: &'static str,
 }
 
-/// Onsets along straight rays of stretches from the undeformed state.
+/// Onsets along straight rays of stretches from the reference state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rays {
     /// How many, at equal angles.
@@ -126,8 +126,8 @@ impl Fidelity {
             elliptic_area: areas.elliptic,
             false_instability_area: areas.false_instability,
             false_instability_share: share(areas.false_share()),
-            missed_instability_area: areas.missed_instability,
-            missed_instability_share: share(areas.missed_share()),
+            suppressed_instability_area: areas.suppressed_instability,
+            suppressed_instability_share: share(areas.suppressed_share()),
             undefined_area: areas.undefined,
             hausdorff: apart(traced),
             rays: rays(traced, probes, cauchy)?,
@@ -170,7 +170,7 @@ fn apart(traced: &Traced<'_>) -> Option<Apart> {
     })
 }
 
-/// Whether rays of stretches can be drawn: the axes are the two stretches, and the window holds the undeformed state.
+/// Whether rays of stretches can be drawn: the axes are the two stretches, and the window holds the reference state.
 fn has_rays(traced: &Traced<'_>) -> bool {
     let [first, second] = traced.study.plane();
     let names = [first.quantity, second.quantity];
@@ -282,8 +282,8 @@ impl std::fmt::Display for Fidelity {
             "False instability: area {:.6} ({}). Missed instability: area {:.6} ({}).",
             self.false_instability_area,
             percent(self.false_instability_share),
-            self.missed_instability_area,
-            percent(self.missed_instability_share),
+            self.suppressed_instability_area,
+            percent(self.suppressed_instability_share),
         )?;
         if self.undefined_area > 0.0 {
             writeln!(
@@ -312,7 +312,7 @@ impl std::fmt::Display for Fidelity {
         if let (Some(worst), Some(stress)) = (&rays.worst, &rays.worst_stress) {
             writeln!(
                 formatter,
-                "Along {} of {} rays from the undeformed state both are lost: stretches differ by at most {:.3e} % \
+                "Along {} of {} rays from the reference state both are lost: stretches differ by at most {:.3e} % \
                  (({:.6}, {:.6}) instead of ({:.6}, {:.6})), Cauchy stresses by at most {:.3e} %.",
                 rays.both,
                 rays.count,

@@ -61,7 +61,7 @@ impl Table {
             .with(self.cost())
             .caption(format!(
                 "Material {}, {} dimension(s). First instability: arrows where a loading up to the end of the window leaves the method \
-                 stable, crosses where the method is not defined any more. Verdicts on stretches from {} to {}. Errors of frequencies of the undeformed body over all \
+                 stable, crosses where the method is not defined any more. Verdicts on stretches from {} to {}. Errors of frequencies of the reference configuration over all \
                  directions; those below {} are drawn there.",
                 self.material,
                 self.dimension,
@@ -143,14 +143,14 @@ impl Table {
             of(|m| m.fidelity.false_instability)
                 .color(palette::ORANGE)
                 .named("unstable though the material is elliptic"),
-            of(|m| m.fidelity.missed_instability)
+            of(|m| m.fidelity.suppressed_instability)
                 .marker(Marker::Square)
                 .color(palette::BLACK)
                 .named("stable though the material is not elliptic"),
-            of(|m| m.fidelity.rank_deficient)
+            of(|m| m.fidelity.zero_energy)
                 .marker(Marker::Triangle)
                 .color(palette::PURPLE)
-                .named("stable, but with modes without energy"),
+                .named("stable, but with zero-energy modes"),
             of(|m| m.fidelity.undefined)
                 .marker(Marker::Cross)
                 .color(palette::BLACK)
@@ -174,7 +174,7 @@ impl Table {
                 Points::new(points.collect())
                     .marker(Marker::Square)
                     .color(color)
-                    .named(format!("{count:.0} particles a wavelength")),
+                    .named(format!("{count:.0} points per wavelength")),
             );
         }
         panel

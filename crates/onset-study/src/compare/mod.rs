@@ -45,7 +45,7 @@ pub const PANELS: [(&str, &str); 3] = [
 impl Table {
     /// Asks all methods of a comparison, on all cores; `told` is called with the name of each when it is done.
     ///
-    /// A method that cannot be evaluated in the undeformed state has a row that says why.
+    /// A method that cannot be evaluated in the reference state has a row that says why.
     ///
     /// # Errors
     /// [`ProblemError`] when the material is not admissible.

@@ -11,11 +11,11 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     let (wrong, weak) = (percent(limits.wrong), percent(limits.weak));
     [
         format!(
-            "1. A method that cannot be evaluated in the undeformed state, or is unstable there, is not recommended; nor one that is not \
+            "1. A method that cannot be evaluated in the reference state, or is unstable there, is not recommended; nor one that is not \
              defined on more than {wrong} of the window of states, for want of neighbors."
         ),
         format!(
-            "2. Nor is one with modes without energy, which the slightest disturbance excites, or with waves slower than {weak} of the \
+            "2. Nor is one with zero-energy modes, which the slightest disturbance excites, or with waves slower than {weak} of the \
              material's slowest wave, which are nearly such."
         ),
         format!(
@@ -31,7 +31,7 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
             percent(limits.long_waves)
         ),
         format!(
-            "6. Among the others the score is the error of the frequencies at {} particles a wavelength times the cost (neighbors over the \
+            "6. Among the others the score is the error of the frequencies at {} points per wavelength times the cost (neighbors over the \
              Courant number), the smallest first: halving the spacing of a method of second order quarters the error.",
             limits.wavelength
         ),
@@ -256,7 +256,7 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
         .iter()
         .any(|pair| pair.method == onset::measures::StretchOnset::AtRest);
     if at_rest && measured.zero_modes == 0 {
-        return Some((1, "unstable in the undeformed state".to_owned()));
+        return Some((1, "unstable in the reference state".to_owned()));
     }
     if fidelity.undefined > limits.wrong {
         return Some((
@@ -269,10 +269,7 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
     }
     if measured.zero_modes > 0 {
         let number = measured.zero_modes;
-        return Some((
-            2,
-            format!("{number} wave vector(s) with modes without energy"),
-        ));
+        return Some((2, format!("{number} wave vector(s) with zero-energy modes")));
     }
     if measured.weakest < limits.weak {
         let share = share_of(measured.weakest);
@@ -287,10 +284,13 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
             format!("{} of the window", share_of(fidelity.false_instability)),
         ));
     }
-    if fidelity.missed_instability > limits.wrong {
+    if fidelity.suppressed_instability > limits.wrong {
         return Some((
             4,
-            format!("{} of the window", share_of(fidelity.missed_instability)),
+            format!(
+                "{} of the window",
+                share_of(fidelity.suppressed_instability)
+            ),
         ));
     }
     (measured.long_wave_error > limits.long_waves).then(|| {

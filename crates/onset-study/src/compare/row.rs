@@ -39,7 +39,7 @@ pub(crate) fn outcome<S: Serializer>(
     fields.end()
 }
 
-/// What is measured of a method; of the undeformed body unless said otherwise.
+/// What is measured of a method; of the reference configuration unless said otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// Wave vectors with zero-energy modes, of `k` and `-k` one; of lines and surfaces of them that are connected one.
@@ -50,8 +50,8 @@ pub struct Measured {
     pub zero_modes_complete: bool,
     /// Minima of the relative frequency below the limit of weakness.
     pub weak_modes: usize,
-    /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with modes without
-    /// energy, 1 where no wave is slower than the material's.
+    /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with zero-energy
+    /// modes, 1 where no wave is slower than the material's.
     pub weakest: f64,
     /// Errors of frequencies.
     pub dispersion: Vec<DispersionError>,

@@ -83,7 +83,7 @@ impl Table {
             columns.push(column(
                 format!("disp. {count:.0}"),
                 format!("dispersion_{count:.0}"),
-                format!("largest error of a frequency at {count:.0} particles a wavelength"),
+                format!("largest error of a frequency at {count:.0} points per wavelength"),
                 move |m| m.dispersion_at(count),
                 percent,
             ));
@@ -127,9 +127,9 @@ impl Table {
             ),
             column(
                 "missed",
-                "missed_instability",
+                "suppressed_instability",
                 "share of the window that is stable though the material is not elliptic",
-                |m| m.fidelity.missed_instability,
+                |m| m.fidelity.suppressed_instability,
                 percent,
             ),
             column(

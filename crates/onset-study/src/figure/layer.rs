@@ -227,9 +227,9 @@ impl Regions {
     ///
     /// ```
     /// use onset_study::figure::{Regions, palette};
-    /// let map = Regions::of_words((0.0, 1.0), (0.0, 1.0), (2, 1), ["kernel", "stable"]);
+    /// let map = Regions::of_words((0.0, 1.0), (0.0, 1.0), (2, 1), ["numerical", "stable"]);
     /// let (name, color) = &map.key[usize::from(map.classes[0])];
-    /// assert_eq!((name.as_str(), Some(*color)), ("kernel", palette::verdict("kernel")));
+    /// assert_eq!((name.as_str(), Some(*color)), ("numerical", palette::verdict("numerical")));
     /// ```
     pub fn of_words<S: AsRef<str>>(
         x: (f64, f64),

@@ -7,7 +7,7 @@
 //! ```
 //! use onset_study::figure::{Axis, Figure, Line, Panel, Regions, palette};
 //!
-//! let words = ["stable", "stable", "kernel", "material"];
+//! let words = ["stable", "stable", "numerical", "physical"];
 //! let panel = Panel::new(
 //!     "Lagrangian kernel",
 //!     Axis::linear("stretch λ₁ (−)", (0.5, 1.5)),
@@ -21,7 +21,7 @@
 //! assert!(figure.to_svg().contains("stretch λ₁ (−)"));
 //! let legend = figure.legend_entries();
 //! assert_eq!(legend.iter().map(|entry| entry.name.as_str()).collect::<Vec<_>>(),
-//!            ["stable", "material", "kernel", "PDE"]);
+//!            ["stable", "physical", "numerical", "PDE"]);
 //! ```
 
 mod axis;

@@ -36,10 +36,10 @@ pub const LOADS: [Color; 4] = [BLUE, ORANGE, SKY, BLACK];
 /// The lightness differs from each to each, so a greyscale print or a color-blind reader can still tell them apart.
 pub const VERDICTS: [(&str, Color); 6] = [
     ("stable", Color::hex(0xe4f1f7)),
-    ("material", Color::hex(0x17548f)),
-    ("kernel", Color::hex(0xe69500)),
-    ("rank-deficient", Color::hex(0xb4648f)),
-    ("missed", Color::hex(0x2a0f26)),
+    ("physical", Color::hex(0x17548f)),
+    ("numerical", Color::hex(0xe69500)),
+    ("zero-energy", Color::hex(0xb4648f)),
+    ("suppressed", Color::hex(0x2a0f26)),
     ("undefined", Color::hex(0xc4c4c4)),
 ];
 
@@ -47,7 +47,7 @@ pub const VERDICTS: [(&str, Color); 6] = [
 ///
 /// ```
 /// use onset_study::figure::palette;
-/// assert!(palette::verdict("rank-deficient").is_some());
+/// assert!(palette::verdict("zero-energy").is_some());
 /// assert_eq!(palette::verdict("splendid"), None);
 /// ```
 pub fn verdict(word: &str) -> Option<Color> {
@@ -62,7 +62,7 @@ pub fn certainty(word: &str) -> Color {
     match word {
         "proved-stable" => Color::hex(0xe4f1f7),
         "proved-unstable" => BLUE,
-        "proved-rank-deficient" => PURPLE,
+        "proved-zero-energy" => PURPLE,
         "undecided" => YELLOW,
         _ => Color::hex(0xc4c4c4),
     }

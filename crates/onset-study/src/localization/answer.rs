@@ -4,7 +4,7 @@ use super::{LocalizationError, PlasticSettings};
 use crate::number::{told as number, told_of, vector};
 use crate::settings::Value;
 use nalgebra::Vector3;
-use onset::plasticity::{BandKind, Bands, End, Notion, PathPoint, follow};
+use onset::plasticity::{BandKind, Bands, Criterion, End, PathPoint, follow};
 use serde::Serialize;
 
 /// Onset of localization along a path, and what led to it.
@@ -297,10 +297,10 @@ fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, L
             angle,
             critical_modulus: point
                 .moduli
-                .critical_modulus_along(&n, Notion::Ellipticity)?,
+                .critical_modulus_along(&n, Criterion::Ellipticity)?,
             strong_critical_modulus: point
                 .moduli
-                .critical_modulus_along(&n, Notion::StrongEllipticity)?,
+                .critical_modulus_along(&n, Criterion::StrongEllipticity)?,
         });
     }
     Ok(told)

@@ -9,7 +9,7 @@ use super::record::{Finding, Outcome, Record};
 use crate::store::{ravel, unravel};
 use onset::bloch::Stability;
 
-/// Measures of smaller change are constant: a mode without energy has a measure of zero, to rounding.
+/// Measures of smaller change are constant: a zero-energy mode has a measure of zero, to rounding.
 const NOISE: f64 = 1e-9;
 
 /// States over which measures are smooth: shorter cells must be nearer to a boundary to be halved.
@@ -291,7 +291,7 @@ mod tests {
         let (verdict, stability) = if measure >= 0.0 {
             (Verdict::Stable, Stability::Stable)
         } else {
-            (Verdict::Material, Stability::Divergence)
+            (Verdict::Physical, Stability::Divergence)
         };
         Record {
             finding: Finding {
@@ -397,7 +397,7 @@ mod tests {
         // The kernel's own instability everywhere, in a material that is elliptic on one side.
         let record = |place: &[usize]| Record {
             finding: Finding {
-                verdict: Some(Verdict::Kernel),
+                verdict: Some(Verdict::Numerical),
                 stability: Some(Stability::Divergence),
             },
             measures: [ball(place, 31.3, 20.0), -1.0, 1.0],

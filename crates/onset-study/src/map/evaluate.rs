@@ -15,7 +15,7 @@ use onset::verdict::SurveyedState;
 /// Material and discretization, ready to be asked about states.
 pub struct Evaluator {
     settings: Settings,
-    /// Nothing where the support holds too few or too many particles in the undeformed state.
+    /// Nothing where the support holds too few or too many particles in the reference state.
     analysis: Option<Box<dyn Analysis>>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
@@ -27,7 +27,7 @@ pub struct Evaluator {
 
 impl Evaluator {
     /// Prepares settings, for `many` states if it pays to spend some milliseconds before the first. A method whose support
-    /// holds too few or too many particles in the undeformed state is admitted: all its states are undefined.
+    /// holds too few or too many particles in the reference state is admitted: all its states are undefined.
     ///
     /// # Errors
     /// [`ProblemError`] when the settings are not admissible.
@@ -132,7 +132,7 @@ impl Evaluator {
             stability: Some(stability),
         };
         let growth_rate = match &certificate.discretization {
-            Certainty::Stable { .. } | Certainty::RankDeficient { .. } => 0.0,
+            Certainty::Stable { .. } | Certainty::ZeroEnergy { .. } => 0.0,
             Certainty::Unstable { witness } => {
                 let discretization = &self.settings.discretization;
                 let speed = (self.stiffness / discretization.density).sqrt();

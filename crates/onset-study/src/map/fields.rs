@@ -108,7 +108,7 @@ fn words() -> Vec<(Field, Taken)> {
     vec![
         flags(
             VERDICT,
-            "to whom the first instability belongs",
+            "the origin of the first instability",
             verdicts(),
             |outcome| flag(&Verdict::ALL, outcome.finding.verdict),
         ),
@@ -227,7 +227,7 @@ fn proofs() -> Vec<(Field, Taken)> {
         ),
         number(
             "material_bound",
-            "proved bound of acoustic_minimum in units of that of the undeformed material: from below where elliptic, from above \
+            "proved bound of acoustic_minimum in units of that of the material in the reference state: from below where elliptic, from above \
              where not",
             "1",
             |record| record.proof.material_bound,
@@ -345,7 +345,7 @@ mod tests {
     fn states_that_are_filled_in_have_words_and_no_numbers() {
         let outcome = Outcome {
             finding: Finding {
-                verdict: Some(Verdict::Kernel),
+                verdict: Some(Verdict::Numerical),
                 stability: Some(Stability::Flutter),
             },
             record: None,

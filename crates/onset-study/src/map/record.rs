@@ -7,7 +7,7 @@ use onset::verdict::Verdict;
 /// What a state is, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// To whom the first instability belongs; `None` where the method cannot be evaluated, because its support holds too
+    /// The origin of the first instability; `None` where the method cannot be evaluated, because its support holds too
     /// few or too many particles.
     pub verdict: Option<Verdict>,
     /// How perturbations of the particles develop.
@@ -32,7 +32,7 @@ pub enum Certainty {
     /// A wave grows: a proof by that wave.
     ProvedUnstable,
     /// No wave grows, but one of finite length has no energy.
-    ProvedRankDeficient,
+    ProvedZeroEnergy,
     /// None of them.
     Undecided,
 }
@@ -43,7 +43,7 @@ impl Certainty {
         Self::NotAsked,
         Self::ProvedStable,
         Self::ProvedUnstable,
-        Self::ProvedRankDeficient,
+        Self::ProvedZeroEnergy,
         Self::Undecided,
     ];
 
@@ -53,7 +53,7 @@ impl Certainty {
             Self::NotAsked => "not-asked",
             Self::ProvedStable => "proved-stable",
             Self::ProvedUnstable => "proved-unstable",
-            Self::ProvedRankDeficient => "proved-rank-deficient",
+            Self::ProvedZeroEnergy => "proved-zero-energy",
             Self::Undecided => "undecided",
         }
     }
@@ -64,7 +64,7 @@ impl From<&certificate::Certainty<3>> for Certainty {
         match proved {
             certificate::Certainty::Stable { .. } => Self::ProvedStable,
             certificate::Certainty::Unstable { .. } => Self::ProvedUnstable,
-            certificate::Certainty::RankDeficient { .. } => Self::ProvedRankDeficient,
+            certificate::Certainty::ZeroEnergy { .. } => Self::ProvedZeroEnergy,
             certificate::Certainty::Undecided { .. } => Self::Undecided,
         }
     }
@@ -118,7 +118,7 @@ fn bound(proved: &certificate::Certainty<3>) -> f64 {
     match proved {
         certificate::Certainty::Stable { bound } => *bound,
         certificate::Certainty::Unstable { witness } => witness.measure.high,
-        certificate::Certainty::RankDeficient { .. } => 0.0,
+        certificate::Certainty::ZeroEnergy { .. } => 0.0,
         certificate::Certainty::Undecided { .. } => f64::NAN,
     }
 }

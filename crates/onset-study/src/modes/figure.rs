@@ -22,7 +22,7 @@ impl ModesAnswer {
     /// The first modes, each on a patch of particles: where they are, and how they move. Of three dimensions the middle of the patch
     /// is shown, in perspective.
     pub fn figure(&self) -> Figure {
-        let figure = Figure::new("Spurious modes of the undeformed body").columns(3);
+        let figure = Figure::new("Spurious modes of the reference configuration").columns(3);
         let shown = self.modes.iter().take(DRAWN);
         let figure = shown.fold(figure, |figure, mode| figure.with(self.panel(mode)));
         let mut caption = String::new();

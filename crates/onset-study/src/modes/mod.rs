@@ -86,7 +86,7 @@ pub struct ShownMode {
 }
 
 impl ModesAnswer {
-    /// The spurious modes of the discretization in the undeformed body.
+    /// The spurious modes of the discretization in the reference configuration.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method are not admissible, or the patch is too large.
@@ -229,7 +229,7 @@ impl ModesAnswer {
         if self.modes.is_empty() {
             writeln!(
                 formatter,
-                "no spurious modes: every wave of the undeformed body has at least {:.1} % of the frequency of the material's slowest wave",
+                "no spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave",
                 100.0 * self.weakest
             )?;
             return if self.complete {
@@ -240,7 +240,7 @@ impl ModesAnswer {
         }
         writeln!(
             formatter,
-            "spurious modes of the undeformed body, wave vectors in units of the reciprocal vectors (of k and -k one)\n"
+            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (of k and -k one)\n"
         )?;
         for (n, mode) in self.modes.iter().enumerate() {
             writeln!(

@@ -9,7 +9,7 @@ const DISTANCE: f64 = 5.0;
 /// A view of places around a center.
 pub(super) struct View {
     center: [f64; 3],
-    /// Directions in space that point rightward, upward, and to the eye.
+    /// Directions in three dimensions that point rightward, upward, and to the eye.
     right: [f64; 3],
     up: [f64; 3],
     toward: [f64; 3],

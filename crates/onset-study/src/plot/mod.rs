@@ -327,8 +327,8 @@ fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError>
 /// Whether no wave of the material grows, as far as the verdict says.
 fn is_elliptic(verdict: Verdict) -> Option<bool> {
     match verdict {
-        Verdict::Stable | Verdict::RankDeficient => Some(true),
-        Verdict::Material | Verdict::Missed => Some(false),
-        Verdict::Kernel => None,
+        Verdict::Stable | Verdict::ZeroEnergy => Some(true),
+        Verdict::Physical | Verdict::Suppressed => Some(false),
+        Verdict::Numerical => None,
     }
 }

@@ -132,7 +132,7 @@ fn domain(study: &Study) -> Result<Regions, PlotError> {
         classes,
         [
             ("strongly elliptic material", color(Verdict::Stable)),
-            ("material not elliptic", color(Verdict::Material)),
+            ("material not elliptic", color(Verdict::Physical)),
         ],
     ))
 }

@@ -145,7 +145,7 @@ impl StoredMap {
                 return None;
             }
             Some(match Verdict::ALL.get(*verdict as usize) {
-                Some(Verdict::Kernel) if *stability == 1.0 => Class::Flutter,
+                Some(Verdict::Numerical) if *stability == 1.0 => Class::Flutter,
                 Some(verdict) => Class::Verdict(*verdict),
                 None => Class::Undefined,
             })

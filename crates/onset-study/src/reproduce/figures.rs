@@ -11,7 +11,7 @@ use crate::settings::Study;
 use nalgebra::{Vector2, vector};
 use onset::analysis::{Analysis, acoustic_minimum_in, analysis};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{KernelMethodChoices, MethodError};
 use onset::quadrature::Quadrature;
@@ -126,7 +126,7 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
         Ok(if minimum.ellipticity().is_elliptic() {
             "stable"
         } else {
-            "material"
+            "physical"
         })
     };
     let words: Vec<&str> = (0..study.states())
@@ -199,7 +199,7 @@ fn figure_04() -> Result<Plate, ReproduceError> {
         quadrature: Quadrature::Nodal,
         ..KernelMethodChoices::default()
     };
-    let lattice = Arrangement::Hexagonal.lattice::<2>(1.0);
+    let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0);
     let lattice = lattice.map_err(|error| ProblemError::from(MethodError::from(error)))?;
     let lattice = lattice.vectors();
     let waves = of_kernels(nodal, Arc::new(ModifiedMooneyRivlin::default()))?
@@ -210,7 +210,7 @@ fn figure_04() -> Result<Plate, ReproduceError> {
         ("M", vector![TAU, 0.0]),
     ];
     let mut figure =
-        Figure::new("Figure 4. Spurious modes of nodal integration, hexagonal arrangement, θ = 0")
+        Figure::new("Figure 4. Spurious modes of nodal integration, hexagonal lattice, θ = 0")
             .columns(2);
     let mut table = Vec::new();
     for (name, k) in &modes {
@@ -311,7 +311,7 @@ fn figure_05() -> Result<Plate, ReproduceError> {
     let mut figure = Figure::new("Figure 5. Lagrangian kernel with stress points against the PDE, material of equation (5)")
         .columns(3)
         .caption(
-            "Hexagonal arrangement, Shepard functions. The stable domain of the particles is exactly that of the PDE for \
+            "Hexagonal lattice, Shepard functions. The stable domain of the particles is exactly that of the PDE for \
              every support; crosses are onsets found from the particles alone.",
         );
     let mut tables = Vec::new();
@@ -476,14 +476,14 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     // The two-dimensional boundary from the acoustic tensor of plane waves, along circles around the origin.
     let boundary = continuum_boundary(&study, 80)?;
     let (upper, lower): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);
-    // The three-dimensional one by bisection of the smallest eigenvalue over all directions in space.
+    // The three-dimensional one by bisection of the smallest eigenvalue over all directions in three dimensions.
     let spatial = |f: &DeformationGradient| -> Result<f64, ProblemError> {
         let minimum = acoustic_minimum_in(3, &material, f).map_err(MethodError::from)?;
         Ok(minimum.eigenvalue.re)
     };
     let along = |&angle: &f64| -> Result<Vec<f64>, ProblemError> {
         let (sine, cosine) = angle.sin_cos();
-        // In logarithmic stretches the domain is star-shaped about the undeformed state.
+        // In logarithmic stretches the domain is star-shaped about the reference state.
         let at = |radius: f64| state((radius * cosine).exp(), (radius * sine).exp());
         let (mut inside, mut outside) = (0.0, 4.0);
         while outside - inside > 1e-7 {
@@ -509,8 +509,8 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     ];
     let figure = Figure::new("Figure 8. Stable domain of the Blatz-Ko material")
         .caption(
-            "Perturbations in the plane (62): γ < λ₁/λ₂ < 1/γ, γ = 2 − √3. Perturbations in space (60) demand γ < λ_i < 1/γ \
-             as well. Curves: closed forms and traced boundary; circles: smallest eigenvalue over all directions in space.",
+            "Perturbations in the plane (62): γ < λ₁/λ₂ < 1/γ, γ = 2 − √3. Three-dimensional perturbations (60) demand γ < λ_i < 1/γ \
+             as well. Curves: closed forms and traced boundary; circles: smallest eigenvalue over all directions in three dimensions.",
         )
         .with(
             stretch_panel(&study, "")
@@ -544,7 +544,7 @@ fn figure_09() -> Result<Plate, ReproduceError> {
         ("M", vector![0.0, TAU / 3.0_f64.sqrt()]),
         ("K", vector![4.0 * PI / 3.0, 0.0]),
     ];
-    let mut figure = Figure::new("Figure 9. Frequencies at equal stretches, Blatz-Ko, Lagrangian kernel with stress points")
+    let mut figure = Figure::new("Figure 9. Frequencies at equibiaxial stretches, Blatz-Ko, Lagrangian kernel with stress points")
         .columns(2)
         .caption(
             "Smallest ω² at the corner K and at the middle M of the zone's edge (μ = 32, density and spacing 1). It decays as \
@@ -560,7 +560,7 @@ fn figure_09() -> Result<Plate, ReproduceError> {
         for (support, color) in [1.6, 2.0, 2.5].into_iter().zip(palette::SERIES) {
             let choices = KernelMethodChoices {
                 support,
-                arrangement: Arrangement::Hexagonal,
+                lattice: LatticeKind::Hexagonal,
                 ..KernelMethodChoices::default()
             };
             let method = of_kernels(choices, Arc::new(BlatzKo::default()))?;

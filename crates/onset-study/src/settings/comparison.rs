@@ -106,7 +106,7 @@ pub struct Comparison {
 
 /// Keys, without their section, that say of a body what every method of it has in common: the particles, and their weights.
 const SHARED: &[&str] = &[
-    "arrangement",
+    "lattice",
     "aspect",
     "vectors",
     "basis",

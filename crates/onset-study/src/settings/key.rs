@@ -117,7 +117,7 @@ const EULERIAN: Cases = &[&[is("discretization.frame", &["eulerian"])]];
 const EULERIAN_ALONE: Cases = &[&[
     is("discretization.frame", &["eulerian"]),
     is_not(
-        "discretization.arrangement",
+        "discretization.lattice",
         &["honeycomb", "hexagonal-close-packed", "diamond"],
     ),
     is("discretization.basis", &["[]"]),
@@ -155,7 +155,7 @@ fn parameter_keys() -> Vec<Key> {
                 Some((model, own.find(|own| own.name == parameter.name)?))
             })
         };
-        // What a number must be is told by the law: a model of one's own may use the name otherwise.
+        // What a number must be is told by the law: a user-defined model may use the name otherwise.
         let kind = Kind::Number(parameter.unit);
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
@@ -211,7 +211,7 @@ const KERNELS: &[&str] = &[
 /// The keys of the discretization.
 const DISCRETIZATION_KEYS: &[Key] = &[
     key(
-        "discretization.arrangement",
+        "discretization.lattice",
         Kind::Words(&[
             "chain",
             "square",
@@ -226,21 +226,21 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "diamond",
             "triclinic",
         ]),
-        "arrangement of the particles",
+        "lattice of the particles",
     )
     .only_with(LATTICE),
     key(
         "discretization.aspect",
         Kind::Positive("1"),
-        "rectangular arrangement: the second side over the first",
+        "rectangular lattice: the second side over the first",
     )
-    .only_with(&[&[is("discretization.arrangement", &["rectangular"])]]),
+    .only_with(&[&[is("discretization.lattice", &["rectangular"])]]),
     key(
         "discretization.vectors",
         Kind::Numbers,
-        "oblique and triclinic arrangement: components of the primitive vectors in spacings, one vector after the other",
+        "oblique and triclinic lattice: components of the primitive vectors in spacings, one vector after the other",
     )
-    .only_with(&[&[is("discretization.arrangement", &["oblique", "triclinic"])]]),
+    .only_with(&[&[is("discretization.lattice", &["oblique", "triclinic"])]]),
     key(
         "discretization.basis",
         Kind::Numbers,
@@ -268,7 +268,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Positive("length"),
-        "distance of neighbors in the arrangement or mesh, the unit of vectors and support",
+        "distance of neighbors in the lattice or mesh, the unit of vectors and support",
     ),
     key(
         "discretization.density",
@@ -346,7 +346,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     )
     .only_with(KERNEL_METHOD),
     key(
-        "discretization.lattice",
+        "discretization.current-lattice",
         Kind::Words(&["convected", "regular"]),
         "Eulerian kernels: positions of the particles",
     )
@@ -455,19 +455,19 @@ pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
     KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)
 }
 
-/// A key for a parameter that no law has, as a model of one's own may have it; the same for the same name.
+/// A key for a parameter that no law has, as a user-defined model may have it; the same for the same name.
 fn free_parameter(name: &str) -> &'static Key {
     static KNOWN: Mutex<BTreeMap<String, &'static Key>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     known.entry(name.to_owned()).or_insert_with(|| {
         let name: &'static str = name.to_owned().leak();
-        let meaning = "a parameter of one's own";
+        let meaning = "a user-defined parameter";
         Box::leak(Box::new(key(name, Kind::Number("1"), meaning)))
     })
 }
 
 impl Key {
-    /// The key with a name: one of [`study_keys`], or `material.` with a name that a model of one's own may give to a
+    /// The key with a name: one of [`study_keys`], or `material.` with a name that a user-defined model may give to a
     /// parameter: letters, digits and `_`, a letter first.
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = aliases::of_key(name);
@@ -491,7 +491,7 @@ impl Key {
         Self::named(name).filter(|key| is_number || !key.is_free())
     }
 
-    /// Whether no table has it: a parameter of one's own.
+    /// Whether no table has it: a user-defined parameter.
     pub(super) fn is_free(&self) -> bool {
         self.name != SMOOTHING_LENGTH.name && study_keys().all(|known| known.name != self.name)
     }

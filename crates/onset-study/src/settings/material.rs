@@ -24,7 +24,7 @@ pub struct MaterialSettings {
 }
 
 impl MaterialSettings {
-    /// A model with parameters of one's own; those that no key has a name for are left out.
+    /// A model with user-defined parameters; those that no key has a name for are left out.
     pub fn new(model: Model, parameters: &[(&str, f64)]) -> Self {
         let set = |(name, value): &(&str, f64)| {
             let key = Key::named(&format!("material.{name}"))?;
@@ -59,7 +59,7 @@ impl MaterialSettings {
         }
     }
 
-    /// Values of a law with dimensions, each with whether it has a unit, and where it was set. Numbers of a model of one's own have the
+    /// Values of a law with dimensions, each with whether it has a unit, and where it was set. Numbers of a user-defined model have the
     /// dimensions that the model gives them.
     pub(super) fn measures(
         &self,

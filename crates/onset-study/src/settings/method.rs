@@ -78,7 +78,7 @@ pub enum Unknowns {
     Particles,
 }
 
-/// The family, and the choices of those that are no kernel methods. Arrangement, spacing, density, kernel, support,
+/// The family, and the choices of those that are no kernel methods. Lattice, spacing, density, kernel, support,
 /// approximation and support size are those of the discretization.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -346,7 +346,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
             "tetrahedra-alternating",
             "tetrahedra-body-centered",
         ]),
-        "finite elements: the mesh, which takes the place of the arrangement",
+        "finite elements: the mesh, which takes the place of the lattice",
     )
     .only_with(ELEMENTS),
     key(

@@ -43,7 +43,7 @@ pub use units::Units;
 
 use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{
     Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
 };
@@ -59,7 +59,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Settings {
     /// The material.
     pub material: MaterialSettings,
-    /// The discretization: arrangement, kernel, and the choices of kernel methods.
+    /// The discretization: lattice, kernel, and the choices of kernel methods.
     pub discretization: KernelMethodChoices,
     /// The family of methods, with the choices of other families.
     pub method: MethodSettings,
@@ -198,7 +198,7 @@ impl Settings {
     /// That what was set is what the method can have; `open` are keys that are about to be varied.
     ///
     /// # Errors
-    /// [`SettingError`] for an arrangement that is not that of a grid, and a control of strength zero.
+    /// [`SettingError`] for a lattice that is not that of a grid, and a control of strength zero.
     pub(crate) fn check_values(&self, open: &[&str]) -> Result<(), SettingError> {
         self.check_grid()?;
         let (control, coefficient) = (
@@ -220,20 +220,20 @@ impl Settings {
         }
     }
 
-    /// Material points have a grid, whose arrangement follows from the number of dimensions.
+    /// Material points have a grid, whose lattice follows from the number of dimensions.
     fn check_grid(&self) -> Result<(), SettingError> {
-        let set = self.discretization.arrangement;
+        let set = self.discretization.lattice;
         let grid = self.zone();
-        match self.origins.get("discretization.arrangement") {
+        match self.origins.get("discretization.lattice") {
             Some(origin) if self.method.method == Family::MaterialPoints && set != grid => {
                 let message = format!(
-                    "material points have a {} grid in {} dimension(s), not a {} arrangement",
+                    "material points have a {} grid in {} dimension(s), not a {} lattice",
                     grid.name(),
                     self.dimension(),
                     set.name()
                 );
                 Err(SettingError::new(origin.clone(), message).hint(
-                    "set discretization.arrangement to chain, square or simple-cubic, or leave it out for a square grid",
+                    "set discretization.lattice to chain, square or simple-cubic, or leave it out for a square grid",
                 ))
             }
             _ => Ok(()),
@@ -244,25 +244,25 @@ impl Settings {
     pub fn dimension(&self) -> usize {
         match self.method.method {
             Family::FiniteElements => self.method.mesh.dimension(),
-            _ => self.discretization.arrangement.dimension(),
+            _ => self.discretization.lattice.dimension(),
         }
     }
 
-    /// The arrangement whose zone the waves have: that of the nodes with finite elements and material points.
-    pub fn zone(&self) -> Arrangement {
+    /// The lattice whose zone the waves have: that of the nodes with finite elements and material points.
+    pub fn zone(&self) -> LatticeKind {
         match (self.method.method, self.dimension()) {
-            (Family::MaterialPoints, 1) => Arrangement::Chain,
-            (Family::MaterialPoints, 2) => Arrangement::Square,
-            (Family::MaterialPoints, _) => Arrangement::SimpleCubic,
-            (Family::FiniteElements, 1) => Arrangement::Chain,
+            (Family::MaterialPoints, 1) => LatticeKind::Chain,
+            (Family::MaterialPoints, 2) => LatticeKind::Square,
+            (Family::MaterialPoints, _) => LatticeKind::SimpleCubic,
+            (Family::FiniteElements, 1) => LatticeKind::Chain,
             (Family::FiniteElements, 2)
                 if self.method.mesh == ElementMesh::TrianglesEquilateral =>
             {
-                Arrangement::Hexagonal
+                LatticeKind::Hexagonal
             }
-            (Family::FiniteElements, 2) => Arrangement::Square,
-            (Family::FiniteElements, _) => Arrangement::SimpleCubic,
-            _ => self.discretization.arrangement,
+            (Family::FiniteElements, 2) => LatticeKind::Square,
+            (Family::FiniteElements, _) => LatticeKind::SimpleCubic,
+            _ => self.discretization.lattice,
         }
     }
 
@@ -333,8 +333,8 @@ impl Settings {
                 let length = length.map(|length| Some((length, origin.clone())));
                 assign(&mut self.smoothing_length, length)
             }
-            "discretization.arrangement" => {
-                assign(&mut discretization.arrangement, value.word::<Arrangement>())
+            "discretization.lattice" => {
+                assign(&mut discretization.lattice, value.word::<LatticeKind>())
             }
             "discretization.kernel" => match kernel(value) {
                 // What is wrong with a formula, and where, is told by the formula.
@@ -381,9 +381,10 @@ impl Settings {
             "discretization.background" => {
                 assign(&mut discretization.background, value.word::<Background>())
             }
-            "discretization.lattice" => {
-                assign(&mut discretization.lattice, value.word::<CurrentLattice>())
-            }
+            "discretization.current-lattice" => assign(
+                &mut discretization.current_lattice,
+                value.word::<CurrentLattice>(),
+            ),
             "discretization.support-size" => assign(
                 &mut discretization.support_size,
                 value.word::<SupportSize>(),
@@ -450,8 +451,8 @@ impl Settings {
     /// What a key of the discretization is unless it is set.
     fn default_of(&self, key: &Key) -> Option<Value> {
         match key.name {
-            // A grid has no other arrangement.
-            "discretization.arrangement" if self.method.method == Family::MaterialPoints => {
+            // A grid has no other lattice.
+            "discretization.lattice" if self.method.method == Family::MaterialPoints => {
                 let plane = self.dimension() == 2;
                 plane.then(|| Value::Word(self.zone().name().to_owned()))
             }
@@ -471,7 +472,7 @@ impl Settings {
                     None => self.material.modulus(name).cloned(),
                 }
             }
-            ("discretization", "arrangement") if self.method.method == Family::MaterialPoints => {
+            ("discretization", "lattice") if self.method.method == Family::MaterialPoints => {
                 Some(Value::Word(self.zone().name().to_owned()))
             }
             ("discretization", name) => {

@@ -1,4 +1,4 @@
-//! What `material.model` can be: a law of the library, or a model of one's own that is more than numbers.
+//! What `material.model` can be: a law of the library, or a user-defined model that is more than numbers.
 
 mod formula;
 mod umat;
@@ -10,7 +10,7 @@ use super::{Key, MaterialSettings};
 use onset::material::{Hyperelastic, Law, MaterialError, Parameter, library};
 use serde::{Serialize, Serializer};
 
-/// A model of one's own: the keys that it needs, and how it is made from them.
+/// A user-defined model: the keys that it needs, and how it is made from them.
 #[derive(Debug)]
 pub struct OwnModel {
     /// The word that chooses it.
@@ -31,7 +31,7 @@ pub struct OwnModel {
     pub build: fn(&MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError>,
 }
 
-/// The models of one's own.
+/// The user-defined models.
 const OWN: &[OwnModel] = &[formula::MODEL, umat::MODEL];
 
 /// A model.
@@ -39,7 +39,7 @@ const OWN: &[OwnModel] = &[formula::MODEL, umat::MODEL];
 pub enum Model {
     /// A law of the library.
     Law(&'static Law),
-    /// One of one's own.
+    /// A user-defined one.
     Own(&'static OwnModel),
 }
 

@@ -11,14 +11,14 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         &[
             &[],
             &["frame=eulerian"],
-            &["frame=eulerian", "lattice=regular"],
+            &["frame=eulerian", "current-lattice=regular"],
             &["quadrature=gauss"],
             &["quadrature=points", "points=0.3,0,1"],
             &["cells=2", "perturbation=0.05", "quadrature=nodal"],
             &["frame=eulerian", "cells=2", "perturbation=0.05"],
-            &["arrangement=rectangular", "aspect=1.1"],
-            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
-            &["arrangement=honeycomb", "support=3"],
+            &["lattice=rectangular", "aspect=1.1"],
+            &["lattice=oblique", "vectors=1,0,0.2,1.1"],
+            &["lattice=honeycomb", "support=3"],
         ],
     ),
     (
@@ -27,8 +27,8 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &[],
             &["viscosity=0.5"],
             &["cells=2", "perturbation=0.05"],
-            &["arrangement=rectangular", "aspect=1.1"],
-            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+            &["lattice=rectangular", "aspect=1.1"],
+            &["lattice=oblique", "vectors=1,0,0.2,1.1"],
         ],
     ),
     (
@@ -39,8 +39,8 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &["artificial-stress=0.3"],
             &["velocity-smoothing=0.3"],
             &["cells=2", "perturbation=0.05"],
-            &["arrangement=rectangular", "aspect=1.1"],
-            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+            &["lattice=rectangular", "aspect=1.1"],
+            &["lattice=oblique", "vectors=1,0,0.2,1.1"],
         ],
     ),
     (
@@ -62,8 +62,8 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         &[
             &["approximation=mls"],
             &["cells=2", "perturbation=0.05"],
-            &["arrangement=rectangular", "aspect=1.1"],
-            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+            &["lattice=rectangular", "aspect=1.1"],
+            &["lattice=oblique", "vectors=1,0,0.2,1.1"],
         ],
     ),
     (
@@ -77,8 +77,8 @@ const METHODS: &[(&str, &[&[&str]])] = &[
                 "control-coefficient=0.5",
             ],
             &["bonds=correspondence", "cells=2", "perturbation=0.05"],
-            &["arrangement=rectangular", "aspect=1.1"],
-            &["arrangement=oblique", "vectors=1,0,0.2,1.1"],
+            &["lattice=rectangular", "aspect=1.1"],
+            &["lattice=oblique", "vectors=1,0,0.2,1.1"],
         ],
     ),
     (
@@ -243,9 +243,9 @@ fn what_is_in_effect_is_what_the_method_reads() {
     let points = Settings::from_assignments(&["discretization.method=material-points"]);
     let effective = points.expect("material points").effective();
     assert_eq!(effective.get("discretization.quadrature"), None);
-    let arrangement = effective.get("discretization.arrangement").expect("a grid");
-    assert_eq!(arrangement.value, Value::Word("square".to_owned()));
-    assert!(arrangement.default);
+    let kind = effective.get("discretization.lattice").expect("a grid");
+    assert_eq!(kind.value, Value::Word("square".to_owned()));
+    assert!(kind.default);
 }
 
 #[test]
@@ -259,13 +259,13 @@ fn a_lattice_that_the_method_does_not_have_is_refused() {
             .expect_err("another lattice")
             .to_string()
     };
-    let elements = told(&["method=finite-elements", "arrangement=face-centered-cubic"]);
+    let elements = told(&["method=finite-elements", "lattice=face-centered-cubic"]);
     assert!(
-        elements.contains("`discretization.arrangement` has no effect"),
+        elements.contains("`discretization.lattice` has no effect"),
         "{elements}"
     );
-    let points = told(&["method=material-points", "arrangement=hexagonal"]);
+    let points = told(&["method=material-points", "lattice=hexagonal"]);
     assert!(points.contains("square grid"), "{points}");
-    let several = told(&["frame=eulerian", "cells=2", "lattice=regular"]);
+    let several = told(&["frame=eulerian", "cells=2", "current-lattice=regular"]);
     assert!(several.contains("discretization.cells is 2"), "{several}");
 }

@@ -54,7 +54,7 @@ fn table(section: &str) -> Value {
         table["allOf"] = conditions.into();
     }
     if section == "material" {
-        // A model of one's own names its parameters itself.
+        // A user-defined model names its parameters itself.
         table["additionalProperties"] = json!({ "anyOf": [{ "type": "number" }, measure()] });
         table["allOf"] = Model::all().map(keys_of).collect();
     }

@@ -30,7 +30,7 @@ pub struct Tried {
 
 impl Tried {
     /// Whether there are no spurious modes, and no false instability.
-    pub fn cures(&self, limits: &Thresholds) -> bool {
+    pub fn is_sufficient(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             measured.zero_modes == 0
                 && measured.weakest >= limits.weak
@@ -39,14 +39,14 @@ impl Tried {
     }
 
     /// Whether the instability of the material is hidden: stable where it is not, or unstable clearly later.
-    pub fn hides(&self, limits: &Thresholds) -> bool {
+    pub fn masks(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             let later = measured.onsets.iter().any(|pair| {
-                let is_missed = pair.material.stretch().is_some()
+                let is_suppressed = pair.material.stretch().is_some()
                     && matches!(pair.method, StretchOnset::NotBefore(_));
-                pair.ratio() > 1.0 + limits.later || is_missed
+                pair.ratio() > 1.0 + limits.later || is_suppressed
             });
-            later || measured.fidelity.missed_instability > limits.wrong
+            later || measured.fidelity.suppressed_instability > limits.wrong
         })
     }
 }
@@ -58,12 +58,12 @@ pub struct TuneAnswer {
     pub key: &'static str,
     /// The smallest value that cures and does not hide; `None` when there is none.
     pub recommended: Option<f64>,
-    /// The limits of what counts as cured, and as hidden.
+    /// The limits of what counts as sufficient, and as hidden.
     pub thresholds: Thresholds,
     /// What other limits would give, from the values that were tried.
     pub dependence: Vec<Dependence>,
     /// Whether some value cures at all.
-    pub is_curable: bool,
+    pub is_ever_sufficient: bool,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
     /// What a reader must know of law and method.
@@ -169,7 +169,7 @@ impl TuneAnswer {
                         .map(|one| one.value),
                 })
                 .collect(),
-            is_curable: all.iter().any(|one| one.cures(&limits)),
+            is_ever_sufficient: all.iter().any(|one| one.cures(&limits)),
             tried: all,
             notes: notes(settings, &*material),
             settings: settings.effective().without(question.key()),
@@ -210,13 +210,17 @@ impl TuneAnswer {
         Figure::new(format!("What {} does", self.key))
             .columns(3)
             .with(marked(
-                Panel::new("Weakest wave of the undeformed body", axis(), unit())
-                    .with(line(&|m| m.weakest).color(palette::BLUE))
-                    .with(
-                        Rule::horizontal(self.thresholds.weak)
-                            .dotted()
-                            .named("strong enough"),
-                    ),
+                Panel::new(
+                    "Weakest wave of the reference configuration",
+                    axis(),
+                    unit(),
+                )
+                .with(line(&|m| m.weakest).color(palette::BLUE))
+                .with(
+                    Rule::horizontal(self.thresholds.weak)
+                        .dotted()
+                        .named("strong enough"),
+                ),
             ))
             .with(marked(
                 Panel::new("Wrong verdicts", axis(), shares)
@@ -226,7 +230,7 @@ impl TuneAnswer {
                             .named("falsely unstable"),
                     )
                     .with(
-                        line(&|m| 100.0 * m.fidelity.missed_instability)
+                        line(&|m| 100.0 * m.fidelity.suppressed_instability)
                             .color(palette::BLACK)
                             .dotted()
                             .named("instability missed"),
@@ -242,17 +246,17 @@ impl TuneAnswer {
     /// All values as CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from(
-            "value,zero_modes,weakest,false_instability,missed_instability,courant,dispersion_8,cures,hides,note\n",
+            "value,zero_modes,weakest,false_instability,suppressed_instability,courant,dispersion_8,sufficient,masks,note\n",
         );
         for one in &self.tried {
-            let (cures, hides) = (one.cures(&self.thresholds), one.hides(&self.thresholds));
+            let (sufficient, masks) = (one.cures(&self.thresholds), one.hides(&self.thresholds));
             let cells = match &one.measured {
                 Ok(m) => format!(
-                    "{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{cures},{hides},",
+                    "{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{sufficient},{masks},",
                     m.zero_modes,
                     m.weakest,
                     m.fidelity.false_instability,
-                    m.fidelity.missed_instability,
+                    m.fidelity.suppressed_instability,
                     m.courant,
                     m.dispersion_at(8.0)
                 ),
@@ -283,7 +287,7 @@ impl fmt::Display for TuneAnswer {
                 self.key,
                 crate::number::told(value)
             )?,
-            None if self.is_curable => writeln!(
+            None if self.is_ever_sufficient => writeln!(
                 formatter,
                 "no value of {} removes the spurious modes without hiding the material's instability\n",
                 self.key
@@ -308,7 +312,7 @@ impl fmt::Display for TuneAnswer {
                     m.zero_modes,
                     m.weakest,
                     100.0 * m.fidelity.false_instability,
-                    100.0 * m.fidelity.missed_instability,
+                    100.0 * m.fidelity.suppressed_instability,
                     m.courant,
                     match (one.cures(&self.thresholds), one.hides(&self.thresholds)) {
                         (true, false) => "cures",
@@ -328,7 +332,7 @@ impl fmt::Display for TuneAnswer {
         let limits = &self.thresholds;
         writeln!(
             formatter,
-            "\ncured: no modes without energy, no wave slower than {} of the material's slowest (--weak), at most {} of the states falsely \
+            "\nsufficient: no zero-energy modes, no wave slower than {} of the material's slowest (--weak), at most {} of the states falsely \
              unstable (--wrong)\n\
              hidden: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
              more than {} of its strain (--later)\n\nwith other limits, of the values above",

@@ -1,6 +1,6 @@
 //! The smallest coefficient that removes the spurious modes of a method without hiding the instability of the material.
 //!
-//! A stabilization has a coefficient. Too small, and modes without energy stay; too large, and the method stays stable where the
+//! A stabilization has a coefficient. Too small, and zero-energy modes stay; too large, and the method stays stable where the
 //! material does not, or needs tiny time steps. The coefficient is looked at on a grid of values, and the end of the cure is
 //! refined by bisection.
 
@@ -73,7 +73,7 @@ impl TuneQuestion {
         })
     }
 
-    /// With other limits of what counts as cured, and as hidden.
+    /// With other limits of what counts as sufficient, and as hidden.
     pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
         self.thresholds = thresholds;
         self

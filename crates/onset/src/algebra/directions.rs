@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 /// Directions in the plane.
 const PLANE: usize = 180;
-/// Directions in space.
+/// Directions in three dimensions.
 const SPACE: usize = 400;
 
 /// Directions spread over half of the circle, or of the sphere along a spiral by the golden angle.

@@ -7,7 +7,7 @@ use crate::bloch::{SpectrumSummary, Stability, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
-use crate::lattice::Arrangement;
+use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{
     DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow, dispersion_errors,
@@ -30,7 +30,7 @@ pub(super) fn acoustic_minimum<const D: usize>(
     f: &DeformationGradient,
 ) -> Result<AcousticMinimum<3>, MaterialError> {
     let response = material.response(f)?;
-    Ok(Stiffness::<D>::of(&response).minimum().in_space())
+    Ok(Stiffness::<D>::of(&response).minimum().in_3d())
 }
 
 /// A discretization and a material, with what their states share once a state has been asked about.
@@ -126,7 +126,7 @@ impl<const D: usize> Analysis for Body<D> {
     }
 
     fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
-        Ok(self.survey()?.assess(f)?.in_space())
+        Ok(self.survey()?.assess(f)?.in_3d())
     }
 
     fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
@@ -137,7 +137,7 @@ impl<const D: usize> Analysis for Body<D> {
         match self.survey() {
             Ok(survey) => {
                 let found = survey.states(states).into_iter();
-                found.map(|state| Ok(state?.in_space())).collect()
+                found.map(|state| Ok(state?.in_3d())).collect()
             }
             Err(error) => states.iter().map(|_| Err(error.clone())).collect(),
         }
@@ -167,11 +167,11 @@ impl<const D: usize> Analysis for Body<D> {
         f: &DeformationGradient,
         tolerance: f64,
     ) -> Result<Certificate<3>, MethodError> {
-        Ok(self.certifier(tolerance)?.certify(f)?.in_space())
+        Ok(self.certifier(tolerance)?.certify(f)?.in_3d())
     }
 
     fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<3>, MethodError> {
-        Ok(self.survey()?.spectrum(f)?.in_space())
+        Ok(self.survey()?.spectrum(f)?.in_3d())
     }
 
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError> {
@@ -188,7 +188,7 @@ impl<const D: usize> Analysis for Body<D> {
                 .discretization
                 .enclosed()
                 .is_none_or(Method::is_periodic),
-            // On the regular arrangement particles that have not moved stand for deformed ones: there the wave vector is spatial, and
+            // On the regular lattice particles that have not moved stand for deformed ones: there the wave vector is spatial, and
             // that of the reference F^T k.
             to_reference: match self.is_regular() {
                 true => f.leading::<D>().transpose(),
@@ -219,7 +219,7 @@ impl<const D: usize> Analysis for Body<D> {
     fn reciprocal(&self) -> Vec<SVector<f64, 3>> {
         let reciprocal = self.discretization.crystal().lattice().reciprocal();
         let columns = reciprocal.column_iter();
-        columns.map(|b| b.into_owned().in_space()).collect()
+        columns.map(|b| b.into_owned().in_3d()).collect()
     }
 
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64> {
@@ -230,13 +230,13 @@ impl<const D: usize> Analysis for Body<D> {
 
     fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>> {
         let maps = self.discretization.crystal().lattice().holohedry();
-        let in_space = |map: &SMatrix<f64, D, D>| {
+        let in_3d = |map: &SMatrix<f64, D, D>| {
             SMatrix::from_fn(|i, j| map.get((i, j)).copied().unwrap_or(0.0))
         };
-        maps.iter().map(in_space).collect()
+        maps.iter().map(in_3d).collect()
     }
 
-    fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)> {
+    fn zone_path(&self, zone: LatticeKind) -> Vec<(&'static str, Vec<f64>)> {
         let reciprocal = self.discretization.crystal().lattice().reciprocal();
         let corners = zone.zone_path::<D>().into_iter();
         let corner = |(name, place)| {
@@ -266,7 +266,7 @@ impl<const D: usize> Analysis for Body<D> {
     }
 
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError> {
-        Ok(spurious_modes(&self.survey()?, threshold)?.in_space())
+        Ok(spurious_modes(&self.survey()?, threshold)?.in_3d())
     }
 
     fn patch(&self, cells: usize) -> Vec<PatchParticle> {
@@ -274,7 +274,7 @@ impl<const D: usize> Analysis for Body<D> {
         let particles = PeriodicPatch::new(crystal, [cells; D]).particles();
         let placed = particles.iter().map(|particle| PatchParticle {
             site: particle.site,
-            position: crystal.position(particle).in_space(),
+            position: crystal.position(particle).in_3d(),
         });
         placed.collect()
     }

@@ -13,13 +13,13 @@ pub(super) trait InSpace {
     type Shown;
 
     /// The same, in space.
-    fn in_space(&self) -> Self::Shown;
+    fn in_3d(&self) -> Self::Shown;
 }
 
 impl<T: Scalar + Default, const D: usize> InSpace for SVector<T, D> {
     type Shown = SVector<T, 3>;
 
-    fn in_space(&self) -> SVector<T, 3> {
+    fn in_3d(&self) -> SVector<T, 3> {
         SVector::from_fn(|i, _| self.get(i).cloned().unwrap_or_default())
     }
 }
@@ -27,11 +27,11 @@ impl<T: Scalar + Default, const D: usize> InSpace for SVector<T, D> {
 impl<const D: usize> InSpace for AcousticMinimum<D> {
     type Shown = AcousticMinimum<3>;
 
-    fn in_space(&self) -> AcousticMinimum<3> {
+    fn in_3d(&self) -> AcousticMinimum<3> {
         AcousticMinimum {
             eigenvalue: self.eigenvalue,
-            direction: self.direction.in_space(),
-            polarization: self.polarization.in_space(),
+            direction: self.direction.in_3d(),
+            polarization: self.polarization.in_3d(),
             bound: self.bound,
             rounding: self.rounding,
         }
@@ -41,13 +41,13 @@ impl<const D: usize> InSpace for AcousticMinimum<D> {
 impl<const D: usize> InSpace for Mode<D> {
     type Shown = Mode<3>;
 
-    fn in_space(&self) -> Mode<3> {
+    fn in_3d(&self) -> Mode<3> {
         Mode {
-            wave_vector: self.wave_vector.in_space(),
+            wave_vector: self.wave_vector.in_3d(),
             is_long_wave: self.is_long_wave,
             omega_squared: self.omega_squared,
             scaled: self.scaled,
-            polarization: self.polarization.in_space(),
+            polarization: self.polarization.in_3d(),
         }
     }
 }
@@ -55,12 +55,12 @@ impl<const D: usize> InSpace for Mode<D> {
 impl<const D: usize> InSpace for SpectrumSummary<D> {
     type Shown = SpectrumSummary<3>;
 
-    fn in_space(&self) -> SpectrumSummary<3> {
+    fn in_3d(&self) -> SpectrumSummary<3> {
         SpectrumSummary {
-            softest: self.softest.in_space(),
-            long_wave: self.long_wave.in_space(),
-            lowest: self.lowest.in_space(),
-            fastest_growing: self.fastest_growing.in_space(),
+            softest: self.softest.in_3d(),
+            long_wave: self.long_wave.in_3d(),
+            lowest: self.lowest.in_3d(),
+            fastest_growing: self.fastest_growing.in_3d(),
             maximum_omega: self.maximum_omega,
             tolerance: self.tolerance,
             bound: self.bound,
@@ -72,16 +72,16 @@ impl<const D: usize> InSpace for SpectrumSummary<D> {
 impl<const D: usize> InSpace for Assessment<D> {
     type Shown = Assessment<3>;
 
-    fn in_space(&self) -> Assessment<3> {
+    fn in_3d(&self) -> Assessment<3> {
         let material = &self.material;
         Assessment {
             verdict: self.verdict,
             material: MaterialAssessment {
                 response: material.response.clone(),
-                minimum: material.minimum.in_space(),
+                minimum: material.minimum.in_3d(),
                 mean_stress: material.mean_stress,
             },
-            spectrum: self.spectrum.in_space(),
+            spectrum: self.spectrum.in_3d(),
             gradient_norm: self.gradient_norm,
             is_gradient: self.is_gradient,
         }
@@ -91,13 +91,13 @@ impl<const D: usize> InSpace for Assessment<D> {
 impl<const D: usize> InSpace for SurveyedState<D> {
     type Shown = SurveyedState<3>;
 
-    fn in_space(&self) -> SurveyedState<3> {
+    fn in_3d(&self) -> SurveyedState<3> {
         SurveyedState {
             verdict: self.verdict,
             stability: self.stability,
-            acoustic: self.acoustic.in_space(),
+            acoustic: self.acoustic.in_3d(),
             scaled_minimum: self.scaled_minimum,
-            wave_vector: self.wave_vector.in_space(),
+            wave_vector: self.wave_vector.in_3d(),
             is_long_wave: self.is_long_wave,
             long_wave_minimum: self.long_wave_minimum,
             long_waves_grow: self.long_waves_grow,
@@ -111,7 +111,7 @@ impl<const D: usize> InSpace for SurveyedState<D> {
 impl<const D: usize> InSpace for Certificate<D> {
     type Shown = Certificate<3>;
 
-    fn in_space(&self) -> Certificate<3> {
+    fn in_3d(&self) -> Certificate<3> {
         Certificate {
             material: self.material.in_dimensions(),
             discretization: self.discretization.in_dimensions(),
@@ -122,9 +122,9 @@ impl<const D: usize> InSpace for Certificate<D> {
 impl<const D: usize> InSpace for SpuriousModes<D> {
     type Shown = SpuriousModes<3>;
 
-    fn in_space(&self) -> SpuriousModes<3> {
+    fn in_3d(&self) -> SpuriousModes<3> {
         let mode = |mode: &SpuriousMode<D>| SpuriousMode {
-            wave_vector: mode.wave_vector.in_space(),
+            wave_vector: mode.wave_vector.in_3d(),
             relative_frequency: mode.relative_frequency,
             nullity: mode.nullity,
             extent: mode.extent,

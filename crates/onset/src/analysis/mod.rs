@@ -13,7 +13,7 @@ use crate::bloch::{SpectrumSummary, Stability};
 use crate::certificate::Certificate;
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
-use crate::lattice::Arrangement;
+use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
@@ -46,7 +46,7 @@ pub trait Analysis: Send + Sync {
     /// The scale `c^2` of wave speeds. Length^2/time^2.
     ///
     /// # Errors
-    /// [`MethodError`] when the undeformed material cannot be evaluated, or carries no waves.
+    /// [`MethodError`] when the material in the reference state cannot be evaluated, or carries no waves.
     fn speed_squared(&self) -> Result<f64, MethodError>;
 
     /// The same, prepared for many states; see [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
@@ -120,7 +120,7 @@ pub trait Analysis: Send + Sync {
     fn gradient_norm(&self, f: &DeformationGradient, k: &[f64])
     -> Result<Option<f64>, MethodError>;
 
-    /// A reference wave vector in the deformed lattice, `F^-T k`; of a regular arrangement `k` itself.
+    /// A reference wave vector in the deformed lattice, `F^-T k`; of a regular lattice `k` itself.
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3>;
 
     /// The reciprocal vectors of the reference lattice, as many as there are dimensions. 1/length.
@@ -134,7 +134,7 @@ pub trait Analysis: Send + Sync {
     fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>>;
 
     /// The usual path through a zone: names and reference wave vectors of its corners. 1/length.
-    fn zone_path(&self, zone: Arrangement) -> Vec<(&'static str, Vec<f64>)>;
+    fn zone_path(&self, zone: LatticeKind) -> Vec<(&'static str, Vec<f64>)>;
 
     /// Whether forces depend on velocities.
     fn is_damped(&self) -> bool;
@@ -158,7 +158,7 @@ pub trait Analysis: Send + Sync {
         integrator: Integrator,
     ) -> Result<f64, MethodError>;
 
-    /// The waves of the undeformed body that the method does not resist, or too little.
+    /// The waves of the reference configuration that the method does not resist, or too little.
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated.

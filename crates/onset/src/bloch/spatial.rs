@@ -1,4 +1,4 @@
-//! `D(k)` of a lattice in space with inversion centers, where it is real: its spectrum on a grid over the zone.
+//! `D(k)` of a three-dimensional lattice with inversion centers, where it is real: its spectrum on a grid over the zone.
 //!
 //! The sum over lattice vectors `l a_1 + m a_2 + n a_3` factors, `exp(i k.R) = exp(i l t_1) exp(i m t_2) exp(i n t_3)`,
 //! `t_i = k.a_i`: summed over `n`, `m` and `l` in turn it costs a few operations a wave vector and entry. Eigenvalues follow in

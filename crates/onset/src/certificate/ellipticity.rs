@@ -3,7 +3,7 @@
 use super::patch::{MatrixPatch, Patch, is_positive, smallest};
 use crate::real::{Interval, Real};
 
-/// The part `A_iJkL` of a tangent within the dimensions of the arrangement, by entries `ik` of `11, 12, 21, 22` and by
+/// The part `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` of `11, 12, 21, 22` and by
 /// powers of `s` in the direction `N = (1, s)`.
 pub(super) struct Acoustic {
     dimension: usize,

@@ -272,7 +272,7 @@ mod tests {
     use crate::certificate::points::points;
     use crate::certificate::waves::{Waves, dynamical_waves};
     use crate::kinematics::DeformationGradient;
-    use crate::lattice::Arrangement;
+    use crate::lattice::LatticeKind;
     use crate::material::ModifiedMooneyRivlin;
     use crate::method::{
         Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
@@ -307,12 +307,12 @@ mod tests {
             SupportSize::Convected,
         ];
         let choice = |n: usize| KernelMethodChoices {
-            arrangement: [Arrangement::Hexagonal, Arrangement::Square][n % 2],
+            lattice: [LatticeKind::Hexagonal, LatticeKind::Square][n % 2],
             linearization: linearizations[n % 5],
             approximation: approximations[n / 2 % 3],
             quadrature: quadratures[n / 5 % 3],
             support_size: sizes[n / 7 % 3],
-            lattice: [CurrentLattice::Convected, CurrentLattice::Regular][n / 3 % 2],
+            current_lattice: [CurrentLattice::Convected, CurrentLattice::Regular][n / 3 % 2],
             background: [Background::Imposed, Background::Interpolated][n / 4 % 2],
             frame: if n.is_multiple_of(11) {
                 Frame::Lagrangian

@@ -16,7 +16,7 @@ mod points;
 mod space;
 mod waves;
 
-pub use space::{SpaceCertificate, certify_in_space};
+pub use space::{SpaceCertificate, certify_3d};
 
 use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::{Ellipticity, Stiffness};
@@ -62,7 +62,7 @@ pub enum Certainty<const D: usize> {
         bound: f64,
     },
     /// No wave grows, but one of finite length costs no energy at any state: the quadrature does not see it.
-    RankDeficient {
+    ZeroEnergy {
         /// Its reference wave vector.
         wave_vector: SVector<f64, D>,
     },
@@ -106,7 +106,7 @@ pub enum Reason {
     Budget,
     /// Inversion does not map the quadrature points onto themselves; such sets are not covered.
     NoInversionCenter,
-    /// The arrangement is three-dimensional; its waves are not covered.
+    /// The lattice is three-dimensional; its waves are not covered.
     Dimension,
     /// The enclosures are not finite at this state.
     NotFinite,
@@ -153,14 +153,14 @@ impl<const D: usize> Certificate<D> {
         let (stability, has_zero_mode) = match &self.discretization {
             // That no wave grows does not say what holds it: a zero-energy mode can be held by stress alone.
             Certainty::Stable { .. } => {
-                let has_zero_mode = found.verdict == Verdict::RankDeficient;
+                let has_zero_mode = found.verdict == Verdict::ZeroEnergy;
                 (Stability::Stable, has_zero_mode)
             }
-            Certainty::RankDeficient { .. } => (Stability::Stable, true),
+            Certainty::ZeroEnergy { .. } => (Stability::Stable, true),
             Certainty::Unstable { witness } if searched == Stability::Stable => {
                 (witness.stability(), false)
             }
-            _ => (searched, found.verdict == Verdict::RankDeficient),
+            _ => (searched, found.verdict == Verdict::ZeroEnergy),
         };
         let is_stable = stability == Stability::Stable;
         let verdict = decided(ellipticity, is_stable, has_zero_mode, found.long_waves_grow);
@@ -184,7 +184,7 @@ impl<const D: usize> Certainty<D> {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Stable { .. } => "proved-stable",
-            Self::RankDeficient { .. } => "proved-rank-deficient",
+            Self::ZeroEnergy { .. } => "proved-zero-energy",
             Self::Unstable { .. } => "proved-unstable",
             Self::Undecided { .. } => "undecided",
         }
@@ -195,7 +195,7 @@ impl<const D: usize> Certainty<D> {
         let vector = |v: &SVector<f64, D>| SVector::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
         match *self {
             Self::Stable { bound } => Certainty::Stable { bound },
-            Self::RankDeficient { wave_vector } => Certainty::RankDeficient {
+            Self::ZeroEnergy { wave_vector } => Certainty::ZeroEnergy {
                 wave_vector: vector(&wave_vector),
             },
             Self::Unstable { witness } => Certainty::Unstable {
@@ -308,7 +308,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
     /// Proves once what can be proved without a state.
     ///
     /// # Errors
-    /// [`MethodError`] when the undeformed material or a Lagrangian method cannot be evaluated.
+    /// [`MethodError`] when the material in the reference state or a Lagrangian method cannot be evaluated.
     pub fn new(
         discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
@@ -394,9 +394,9 @@ impl<'a, const D: usize> Certifier<'a, D> {
         })
     }
 
-    /// Of the waves of a three-dimensional arrangement nothing is proved, of the material what is in space.
+    /// Of the waves of a three-dimensional lattice nothing is proved, of the material what is in space.
     fn in_three_dimensions(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
-        let proof = certify_in_space(self.material, f, self.tolerance)?.certainty;
+        let proof = certify_3d(self.material, f, self.tolerance)?.certainty;
         Ok(Certificate {
             material: proof.in_dimensions(),
             discretization: Certainty::unproved(match self.method {
@@ -484,7 +484,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
             Gradient::Bounded(gradient) => Certainty::Stable {
                 bound: self.scaled(method, bound * gradient) * (1.0 - 16.0 * f64::EPSILON),
             },
-            Gradient::Vanishes(phases) => Certainty::RankDeficient {
+            Gradient::Vanishes(phases) => Certainty::ZeroEnergy {
                 wave_vector: wave_vector(method, &phases),
             },
         }

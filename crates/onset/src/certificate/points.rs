@@ -123,7 +123,7 @@ fn layout<const D: usize>(method: &Method<D>, f: &DeformationGradient) -> Layout
     let leading: Square<D> =
         std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(f.components()[i][j])));
     let is_convected = discretization.frame == Frame::Eulerian
-        && discretization.lattice == CurrentLattice::Convected;
+        && discretization.current_lattice == CurrentLattice::Convected;
     let home = if is_convected { leading } else { identity() };
     let reference: Square<D> = std::array::from_fn(|i| {
         std::array::from_fn(|j| Interval::around(method.lattice().vectors()[(i, j)], PLACE_ULPS))
@@ -176,12 +176,12 @@ fn enclosed<const D: usize>(
         terms.extend(term(method, layout, cell, position, basis));
     }
     let raw = (approximation == Approximation::Raw).then(|| raw_factor(method, layout));
-    // Three triangles meet in each centroid of the undeformed hexagonal arrangement as two axes do in a center: a
+    // Three triangles meet in each centroid of the hexagonal reference lattice as two axes do in a center: a
     // vector that its symmetry leaves in place is zero.
     let is_regular = discretization.frame == Frame::Lagrangian
-        || discretization.lattice == CurrentLattice::Regular;
+        || discretization.current_lattice == CurrentLattice::Regular;
     let is_centroid = is_regular
-        && discretization.arrangement == crate::lattice::Arrangement::Hexagonal
+        && discretization.lattice == crate::lattice::LatticeKind::Hexagonal
         && (place[0] - place[1]).abs() <= SAME_PLACE
         && (3.0 * place[0] - (3.0 * place[0]).round()).abs() <= 3.0 * SAME_PLACE;
     let neighbors = shape_functions(&terms, basis, raw);

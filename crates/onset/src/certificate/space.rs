@@ -1,4 +1,4 @@
-//! Strong ellipticity over all directions in space.
+//! Strong ellipticity over all directions in three dimensions.
 //!
 //! Proved in intervals, for all stiffnesses with components in them: by null Lagrangians where these suffice (one matrix of nine
 //! rows is shown to be positive definite), otherwise by covering the sphere with triangles. Refuted by one direction and one
@@ -20,7 +20,7 @@ const SHARES: [f64; 5] = [0.999, 0.9, 0.5, 0.1, 1e-3];
 /// Triangles of the sphere per share.
 const BUDGET: usize = 20_000;
 
-/// What is proved of the smallest acoustic eigenvalue over all directions in space.
+/// What is proved of the smallest acoustic eigenvalue over all directions in three dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceCertificate {
     /// The answer. Measures are acoustic eigenvalues over a given one, witnesses directions `N`.
@@ -29,27 +29,27 @@ pub struct SpaceCertificate {
     pub polarization: Option<Vector3<f64>>,
 }
 
-/// Proves or refutes that a state of a material is strongly elliptic in space. Measures are in units of the largest acoustic
-/// eigenvalue of the undeformed material; `tolerance` says from where a measure that is left undecided is not near zero.
+/// Proves or refutes that a state of a material is strongly elliptic in three dimensions. Measures are in units of the largest acoustic
+/// eigenvalue of the material in the reference state; `tolerance` says from where a measure that is left undecided is not near zero.
 ///
 /// ```
-/// use onset::certificate::{Certainty, certify_in_space};
+/// use onset::certificate::{Certainty, certify_3d};
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::BlatzKo;
 /// // Elliptic in the plane, where both stretches are the same; not in space, where their ratio to the third is 4 > 2 + sqrt 3.
 /// let material = BlatzKo::new(1.0)?;
 /// let f = DeformationGradient::from_stretches([0.25, 0.25, 1.0])?;
-/// let proof = certify_in_space(&material, &f, 1e-6)?;
+/// let proof = certify_3d(&material, &f, 1e-6)?;
 /// assert!(matches!(proof.certainty, Certainty::Unstable { witness } if witness.measure.high < 0.0));
 /// let f = DeformationGradient::from_stretches([0.27, 0.27, 1.0])?;
-/// let proof = certify_in_space(&material, &f, 1e-6)?;
+/// let proof = certify_3d(&material, &f, 1e-6)?;
 /// assert!(matches!(proof.certainty, Certainty::Stable { bound } if bound > 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`MaterialError`] when the material cannot be evaluated in the undeformed state.
-pub fn certify_in_space(
+/// [`MaterialError`] when the material cannot be evaluated in the reference state.
+pub fn certify_3d(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     tolerance: f64,

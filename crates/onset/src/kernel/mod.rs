@@ -58,7 +58,7 @@ pub enum Kernel {
     Hyperbolic,
     /// `(1 - s^2/2 + s^4/6) exp(-s^2)`, `s = 3 q`, ended as the Gaussian is.
     LaguerreGauss,
-    /// A formula of one's own.
+    /// A user-defined formula.
     Formula(FormulaKernel),
 }
 

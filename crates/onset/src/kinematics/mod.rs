@@ -132,7 +132,7 @@ pub struct Invariants<R> {
 }
 
 impl DeformationGradient {
-    /// The undeformed state, `F = 1`.
+    /// The reference state, `F = 1`.
     pub fn identity() -> Self {
         Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     }

@@ -91,7 +91,7 @@ fn polyhedron<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
         let face = face_in_plane(r, &axes, neighbors, farthest);
         // The pyramid from the origin.
         cell.volume += area(&face) * 0.5 * r.norm() / 3.0;
-        cell.corners.extend(in_space(r, &axes, &turning(&face)));
+        cell.corners.extend(in_3d(r, &axes, &turning(&face)));
     }
     cell
 }
@@ -103,7 +103,7 @@ pub(super) fn face<const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let axes = across(r);
     let polygon = face_in_plane(r, &axes, neighbors, farthest_of(neighbors));
-    in_space(r, &axes, &turning(&polygon)).collect()
+    in_3d(r, &axes, &turning(&polygon)).collect()
 }
 
 fn face_in_plane<const D: usize>(
@@ -124,7 +124,7 @@ fn face_in_plane<const D: usize>(
     face
 }
 
-fn in_space<'a, const D: usize>(
+fn in_3d<'a, const D: usize>(
     r: &'a SVector<f64, D>,
     axes: &'a [SVector<f64, D>; 2],
     face: &'a [[f64; 2]],

@@ -1,7 +1,7 @@
-//! Arrangements with several particles in a cell.
+//! Lattices with several particles in a cell.
 
 use super::{
-    Arrangement, Ball, BravaisLattice, Fractional, LatticeError, Reduced, voronoi_volumes,
+    Ball, BravaisLattice, Fractional, LatticeError, LatticeKind, Reduced, voronoi_volumes,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -33,8 +33,8 @@ impl<const D: usize> Particle<D> {
 /// A Bravais lattice with a basis: particles at `X = sum_i (n_i + place_i) a_i`, each with its volume.
 ///
 /// ```
-/// use onset::lattice::{Arrangement, Crystal};
-/// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
+/// use onset::lattice::{LatticeKind, Crystal};
+/// let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0)?;
 /// assert_eq!(honeycomb.sites().len(), 2);
 /// assert!((honeycomb.volumes()[0] - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
 /// # Ok::<(), onset::lattice::LatticeError>(())
@@ -93,26 +93,26 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// An arrangement without parameters, with the given distance between nearest particles.
+    /// A lattice without parameters, with the given distance between nearest particles.
     ///
     /// # Errors
-    /// [`LatticeError`] as for [`Arrangement::lattice`].
-    pub fn of(arrangement: Arrangement, spacing: f64) -> Result<Self, LatticeError> {
-        let crystal = Self::new(arrangement.lattice(spacing)?, arrangement.sites())?;
+    /// [`LatticeError`] as for [`LatticeKind::lattice`].
+    pub fn of(kind: LatticeKind, spacing: f64) -> Result<Self, LatticeError> {
+        let crystal = Self::new(kind.lattice(spacing)?, kind.sites())?;
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// The particles of an arrangement on its lattice, or others in their place. The spacing is the distance of neighbors in the
-    /// arrangement, scaled with the volume of a particle where others take the place of its own.
+    /// The particles of a kind of lattice on its Bravais lattice, or others in their place. The spacing is the distance of neighbors in the
+    /// lattice, scaled with the volume of a particle where others take the place of its own.
     ///
     /// # Errors
     /// [`LatticeError`] as for [`Crystal::new`].
     pub fn arranged(
-        arrangement: Arrangement,
+        kind: LatticeKind,
         lattice: BravaisLattice<D>,
         others: Option<Vec<Fractional<D>>>,
     ) -> Result<Self, LatticeError> {
-        let own = Self::new(lattice, arrangement.sites())?;
+        let own = Self::new(lattice, kind.sites())?;
         let spacing = match own.sites.len() {
             1 => own.spacing,
             _ => own.nearest_distance(),
@@ -157,14 +157,14 @@ impl<const D: usize> Crystal<D> {
 
     /// The spacing of the particles, in which horizons, wavelengths and time steps are measured; length.
     ///
-    /// Of a lattice, and of an arrangement with a name, the distance of neighbors. Of other particles in the cell of a lattice the
+    /// Of a Bravais lattice, and of a lattice with a name, the distance of neighbors. Of other particles in the cell of a lattice the
     /// length that this would be if they were a lattice of the same shape: the distance of neighbors times `n^(-1/D)` with `n`
     /// particles in the cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
     /// keep that of the layout that they are moved from, which the distance of the nearest of them is not.
     ///
     /// ```
-    /// use onset::lattice::{Arrangement, Crystal};
-    /// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(0.5)?).supercell([4, 4])?;
+    /// use onset::lattice::{LatticeKind, Crystal};
+    /// let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(0.5)?).supercell([4, 4])?;
     /// let disordered = square.perturbed(0.1, 1)?;
     /// assert_eq!(disordered.spacing(), 0.5);
     /// assert!(disordered.nearest_distance() < 0.45);
@@ -251,7 +251,7 @@ impl<const D: usize> Crystal<D> {
         self.sites.iter().map(of_site).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same arrangement with a cell that holds `counts` cells along each primitive vector.
+    /// The same lattice with a cell that holds `counts` cells along each primitive vector.
     ///
     /// # Errors
     /// [`LatticeError::NoSites`] when a count is zero.
@@ -278,7 +278,7 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// The same arrangement with every particle of a cell moved at random: each Cartesian component by a number between
+    /// The same lattice with every particle of a cell moved at random: each Cartesian component by a number between
     /// `-amplitude` and `amplitude` (a length), the same numbers for the same seed on every machine. Volumes are those of the
     /// new Voronoi cells.
     ///
@@ -335,12 +335,12 @@ fn uniform(state: &mut u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Crystal, Particle};
-    use crate::lattice::Arrangement;
+    use crate::lattice::LatticeKind;
     use nalgebra::SMatrix;
 
     #[test]
     fn every_particle_of_the_honeycomb_has_three_nearest_neighbors_and_six_next_ones() {
-        let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.3).expect("a crystal");
+        let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.3).expect("a crystal");
         assert!((honeycomb.nearest_distance() - 1.3).abs() < 1e-12);
         for place in honeycomb.sites() {
             let within = |d: f64| honeycomb.within(place, d, &SMatrix::identity()).len();
@@ -349,8 +349,8 @@ mod tests {
     }
 
     #[test]
-    fn a_supercell_is_the_same_arrangement() {
-        let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    fn a_supercell_is_the_same_lattice() {
+        let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let crystal = Crystal::of_lattice(square);
         let large = crystal.supercell([3, 2]).expect("a crystal");
         assert_eq!(large.sites().len(), 6);
@@ -364,7 +364,7 @@ mod tests {
 
     #[test]
     fn a_seed_always_gives_the_same_offsets_within_the_amplitude() {
-        let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+        let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let crystal = Crystal::of_lattice(square)
             .supercell([4, 4])
             .expect("a crystal");

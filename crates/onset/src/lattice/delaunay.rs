@@ -16,9 +16,9 @@ const DIVISIONS: f64 = 48.0;
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use onset::lattice::{Arrangement, delaunay_centers};
+/// use onset::lattice::{LatticeKind, delaunay_centers};
 /// // Closest packing has one octahedral and two tetrahedral holes a particle.
-/// let lattice = Arrangement::FaceCenteredCubic.lattice::<3>(1.0)?;
+/// let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0)?;
 /// let centers = delaunay_centers(&lattice, &[Vector3::zeros()])?;
 /// assert_eq!(centers, [0.25, 0.5, 0.75].map(Vector3::repeat));
 /// # Ok::<(), onset::lattice::LatticeError>(())

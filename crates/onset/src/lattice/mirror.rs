@@ -179,16 +179,15 @@ fn is_primitive([m, n]: &[i32; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::Mirror;
-    use crate::lattice::{Arrangement, BravaisLattice};
+    use crate::lattice::{BravaisLattice, LatticeKind};
     use nalgebra::Matrix2;
 
     #[test]
     fn hexagons_have_three_pairs_of_mirrors_and_squares_two() {
-        let count = |arrangement: Arrangement| {
-            Mirror::all(&arrangement.lattice::<2>(0.7).expect("a lattice")).len()
-        };
-        assert_eq!(count(Arrangement::Hexagonal), 3);
-        assert_eq!(count(Arrangement::Square), 2);
+        let count =
+            |kind: LatticeKind| Mirror::all(&kind.lattice::<2>(0.7).expect("a lattice")).len();
+        assert_eq!(count(LatticeKind::Hexagonal), 3);
+        assert_eq!(count(LatticeKind::Square), 2);
         let oblique = BravaisLattice::new(Matrix2::new(1.0, 0.3, 0.0, 1.1)).expect("a lattice");
         assert!(Mirror::all(&oblique).is_empty());
         let rhombic = BravaisLattice::new(Matrix2::new(1.0, 1.0, 0.3, -0.3)).expect("a lattice");
@@ -197,7 +196,7 @@ mod tests {
 
     #[test]
     fn phases_along_mirror_lines_and_along_primitive_vectors_are_the_same_wave() {
-        for mirror in Mirror::all(&Arrangement::Hexagonal.lattice::<2>(1.0).expect("a lattice")) {
+        for mirror in Mirror::all(&LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice")) {
             let (u, v) = (0.3, -1.1);
             let t = mirror.phases([u, v]);
             for cell in [[1, 0], [-2, 3], [4, 1]] {

@@ -1,11 +1,11 @@
-//! Particles on a Bravais lattice: arrangements, Voronoi volumes, the first Brillouin zone.
+//! Particles on a lattice: its kinds, Voronoi volumes, the first Brillouin zone.
 //!
 //! A lattice knows nothing of stress.
 
-mod arrangement;
 mod cell;
 mod crystal;
 mod delaunay;
+mod kind;
 mod mirror;
 mod reduction;
 mod symmetry;
@@ -13,10 +13,10 @@ mod voronoi;
 mod wave_vectors;
 mod zone;
 
-pub use arrangement::Arrangement;
 pub(crate) use crystal::cells_between;
 pub use crystal::{Crystal, Particle};
 pub use delaunay::delaunay_centers;
+pub use kind::LatticeKind;
 pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
 pub(crate) use reduction::{Ball, Reduced, inverse_of};
 pub use voronoi::voronoi_volumes;
@@ -42,11 +42,11 @@ pub enum LatticeError {
         /// Its value.
         value: f64,
     },
-    /// The arrangement does not exist in this dimension.
-    #[error("the {arrangement} arrangement has {actual} dimension(s), not {requested}")]
+    /// The lattice does not exist in this dimension.
+    #[error("the {lattice} lattice has {actual} dimension(s), not {requested}")]
     Dimension {
         /// Its name.
-        arrangement: &'static str,
+        lattice: &'static str,
         /// Its dimension.
         actual: usize,
         /// The dimension asked for.
@@ -58,14 +58,14 @@ pub enum LatticeError {
         /// Its value.
         value: f64,
     },
-    /// The primitive vectors are not as many numbers as the arrangement needs.
+    /// The primitive vectors are not as many numbers as the lattice needs.
     #[error(
-        "the {arrangement} arrangement needs {expected} numbers for its primitive vectors, one vector after the other \
+        "the {lattice} lattice needs {expected} numbers for its primitive vectors, one vector after the other \
          in units of the spacing; {given} are given"
     )]
     Vectors {
-        /// The arrangement's name.
-        arrangement: &'static str,
+        /// The lattice's name.
+        lattice: &'static str,
         /// How many are needed.
         expected: usize,
         /// How many there are.

@@ -59,7 +59,7 @@ impl<const D: usize> Reduced<D> {
     }
 
     /// The reduced basis that is the same whichever basis describes the lattice: of equally short vectors those come first
-    /// that are inclined to the diagonal `(1, 1, 1)` most as the axes are. For arrangements that have a name these are their
+    /// that are inclined to the diagonal `(1, 1, 1)` most as the axes are. For lattices that have a name these are their
     /// own. The given basis where it is that but for order and signs.
     ///
     /// # Errors
@@ -286,7 +286,7 @@ pub(super) fn images_within<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::{Ball, Reduced};
-    use crate::lattice::{Arrangement, LatticeError, determinant};
+    use crate::lattice::{LatticeError, LatticeKind, determinant};
     use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2};
 
     /// Integers of determinant one: a product of shears.
@@ -318,32 +318,32 @@ mod tests {
         })
     }
 
-    fn assert_own<const D: usize>(arrangement: Arrangement, state: &mut u64) {
-        let vectors = match arrangement {
-            Arrangement::Rectangular => arrangement.lattice_with::<D>(0.7, 1.3, &[]),
-            _ => arrangement.lattice::<D>(0.7),
+    fn assert_own<const D: usize>(kind: LatticeKind, state: &mut u64) {
+        let vectors = match kind {
+            LatticeKind::Rectangular => kind.lattice_with::<D>(0.7, 1.3, &[]),
+            _ => kind.lattice::<D>(0.7),
         };
         let vectors = *vectors.expect("a lattice").vectors();
         let own = Reduced::canonical(&vectors).expect("short vectors");
-        assert!(own.is_given(), "{arrangement:?}");
+        assert!(own.is_given(), "{kind:?}");
         for steps in 0..12 {
             let other = vectors * unimodular::<D>(state, steps);
             let reduced = Reduced::canonical(&other).expect("short vectors");
-            assert!(same_set(&reduced.vectors, &vectors), "{arrangement:?}");
+            assert!(same_set(&reduced.vectors, &vectors), "{kind:?}");
             assert!((other * reduced.change - reduced.vectors).amax() < 1e-9);
             assert!((reduced.change * reduced.inverse - SMatrix::identity()).amax() == 0.0);
         }
     }
 
     #[test]
-    fn every_basis_of_a_named_arrangement_is_reduced_to_its_own_vectors() {
+    fn every_basis_of_a_named_lattice_is_reduced_to_its_own_vectors() {
         let mut state = 3;
         for _ in 0..20 {
-            for arrangement in Arrangement::ALL {
-                match (arrangement.takes_vectors(), arrangement.dimension()) {
+            for kind in LatticeKind::ALL {
+                match (kind.takes_vectors(), kind.dimension()) {
                     (true, _) | (_, 1) => {}
-                    (_, 2) => assert_own::<2>(arrangement, &mut state),
-                    _ => assert_own::<3>(arrangement, &mut state),
+                    (_, 2) => assert_own::<2>(kind, &mut state),
+                    _ => assert_own::<3>(kind, &mut state),
                 }
             }
         }

@@ -23,10 +23,10 @@ impl<const D: usize> BravaisLattice<D> {
     /// Between Minkowski-reduced bases all coordinates are -1, 0 or 1 in up to three dimensions, which leaves finitely many maps to try.
     ///
     /// ```
-    /// use onset::lattice::Arrangement;
-    /// assert_eq!(Arrangement::Square.lattice::<2>(1.0)?.holohedry().len(), 8);
-    /// assert_eq!(Arrangement::Hexagonal.lattice::<2>(1.0)?.holohedry().len(), 12);
-    /// assert_eq!(Arrangement::FaceCenteredCubic.lattice::<3>(1.0)?.holohedry().len(), 48);
+    /// use onset::lattice::LatticeKind;
+    /// assert_eq!(LatticeKind::Square.lattice::<2>(1.0)?.holohedry().len(), 8);
+    /// assert_eq!(LatticeKind::Hexagonal.lattice::<2>(1.0)?.holohedry().len(), 12);
+    /// assert_eq!(LatticeKind::FaceCenteredCubic.lattice::<3>(1.0)?.holohedry().len(), 48);
     /// # Ok::<(), onset::lattice::LatticeError>(())
     /// ```
     pub fn holohedry(&self) -> Vec<SMatrix<f64, D, D>> {
@@ -74,7 +74,7 @@ impl<const D: usize> BravaisLattice<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::Arrangement;
+    use crate::lattice::LatticeKind;
 
     fn is_group<const D: usize>(lattice: &BravaisLattice<D>, order: usize) {
         let maps = lattice.holohedry();
@@ -92,29 +92,29 @@ mod tests {
 
     #[test]
     fn the_holohedry_of_each_lattice_is_a_group_of_the_known_order() {
-        is_group(&Arrangement::Chain.lattice::<1>(1.0).unwrap(), 2);
-        for (arrangement, order) in [
-            (Arrangement::Square, 8),
-            (Arrangement::Hexagonal, 12),
-            (Arrangement::Honeycomb, 12),
+        is_group(&LatticeKind::Chain.lattice::<1>(1.0).unwrap(), 2);
+        for (kind, order) in [
+            (LatticeKind::Square, 8),
+            (LatticeKind::Hexagonal, 12),
+            (LatticeKind::Honeycomb, 12),
         ] {
-            is_group(&arrangement.lattice::<2>(0.7).unwrap(), order);
+            is_group(&kind.lattice::<2>(0.7).unwrap(), order);
         }
-        let rectangles = Arrangement::Rectangular.lattice_with::<2>(1.0, 1.3, &[]);
+        let rectangles = LatticeKind::Rectangular.lattice_with::<2>(1.0, 1.3, &[]);
         is_group(&rectangles.unwrap(), 4);
-        let oblique = Arrangement::Oblique.lattice_with::<2>(1.0, 1.0, &[1.0, 0.0, 2.3, 1.1]);
+        let oblique = LatticeKind::Oblique.lattice_with::<2>(1.0, 1.0, &[1.0, 0.0, 2.3, 1.1]);
         is_group(&oblique.unwrap(), 2);
-        for (arrangement, order) in [
-            (Arrangement::SimpleCubic, 48),
-            (Arrangement::BodyCenteredCubic, 48),
-            (Arrangement::FaceCenteredCubic, 48),
-            (Arrangement::Diamond, 48),
-            (Arrangement::HexagonalClosePacked, 24),
+        for (kind, order) in [
+            (LatticeKind::SimpleCubic, 48),
+            (LatticeKind::BodyCenteredCubic, 48),
+            (LatticeKind::FaceCenteredCubic, 48),
+            (LatticeKind::Diamond, 48),
+            (LatticeKind::HexagonalClosePacked, 24),
         ] {
-            is_group(&arrangement.lattice::<3>(1.0).unwrap(), order);
+            is_group(&kind.lattice::<3>(1.0).unwrap(), order);
         }
         let skewed = [1.0, 0.0, 0.0, 0.2, 1.1, 0.0, 0.3, 0.4, 0.9];
-        let triclinic = Arrangement::Triclinic.lattice_with::<3>(1.0, 1.0, &skewed);
+        let triclinic = LatticeKind::Triclinic.lattice_with::<3>(1.0, 1.0, &skewed);
         is_group(&triclinic.unwrap(), 2);
     }
 

@@ -11,12 +11,12 @@ use nalgebra::SVector;
 ///
 /// ```
 /// use nalgebra::{Vector2, Vector3};
-/// use onset::lattice::{Arrangement, voronoi_volumes};
-/// let lattice = Arrangement::Square.lattice::<2>(1.0)?;
+/// use onset::lattice::{LatticeKind, voronoi_volumes};
+/// let lattice = LatticeKind::Square.lattice::<2>(1.0)?;
 /// let volumes = voronoi_volumes(&lattice, &[Vector2::zeros(), Vector2::repeat(0.5)])?;
 /// assert!((volumes[0] - 0.5).abs() < 1e-15 && (volumes[1] - 0.5).abs() < 1e-15);
 /// // Cubes with their centers: truncated octahedra.
-/// let lattice = Arrangement::SimpleCubic.lattice::<3>(1.0)?;
+/// let lattice = LatticeKind::SimpleCubic.lattice::<3>(1.0)?;
 /// let volumes = voronoi_volumes(&lattice, &[Vector3::zeros(), Vector3::repeat(0.5)])?;
 /// assert!((volumes[0] - 0.5).abs() < 1e-15 && (volumes[1] - 0.5).abs() < 1e-15);
 /// # Ok::<(), onset::lattice::LatticeError>(())

@@ -84,8 +84,8 @@ impl<const D: usize> BrillouinZone<D> {
     ///
     /// ```
     /// use nalgebra::Vector2;
-    /// use onset::lattice::{Arrangement, BrillouinZone};
-    /// let zone = BrillouinZone::new(Arrangement::Square.lattice::<2>(1.0)?);
+    /// use onset::lattice::{LatticeKind, BrillouinZone};
+    /// let zone = BrillouinZone::new(LatticeKind::Square.lattice::<2>(1.0)?);
     /// let reach = zone.reach(&Vector2::new(0.5, 0.25));
     /// assert!((reach - std::f64::consts::TAU).abs() < 1e-14);
     /// # Ok::<(), onset::lattice::LatticeError>(())

@@ -61,9 +61,9 @@ pub enum MaterialError {
         /// Why, and what to do.
         message: String,
     },
-    /// The undeformed material carries no waves, so that nothing can be measured by their speed.
+    /// The material in the reference state carries no waves, so that nothing can be measured by their speed.
     #[error(
-        "the undeformed material carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
+        "the material in the reference state carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
     )]
     NoWaves {
         /// The largest acoustic eigenvalue.
@@ -71,7 +71,7 @@ pub enum MaterialError {
     },
     /// The speed of sound is so large or small that its powers over- or underflow.
     #[error(
-        "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the undeformed material \
+        "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the material in the reference state \
          over its density; expected a number from {:e} to {:e}: choose other units of stress or density",
         .range[0], .range[1]
     )]
@@ -162,7 +162,7 @@ pub trait Hyperelastic: Send + Sync {
     /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
-    /// The response of the undeformed material, in whose wave speeds all others are measured. Of a law with a kink there, which
+    /// The response of the material in the reference state, in whose wave speeds all others are measured. Of a law with a kink there, which
     /// has no tangent, it is that of one side.
     ///
     /// # Errors

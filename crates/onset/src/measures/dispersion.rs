@@ -15,11 +15,11 @@ use std::f64::consts::TAU;
 pub struct DispersionError {
     /// Wavelength over the spacing of the particles.
     pub particles_per_wavelength: f64,
-    /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the undeformed body.
+    /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the reference configuration.
     pub error: f64,
 }
 
-/// The errors of the frequencies of the undeformed body at wavelengths given in spacings of the particles, [`crate::lattice::Crystal::spacing`].
+/// The errors of the frequencies of the reference configuration at wavelengths given in spacings of the particles, [`crate::lattice::Crystal::spacing`].
 pub fn dispersion_errors<const D: usize>(
     survey: &Survey<'_, D>,
     particles_per_wavelength: &[f64],
@@ -43,7 +43,7 @@ pub fn dispersion_errors<const D: usize>(
 }
 
 /// The largest component of the difference between the stiffness of long waves and that of the material (both made symmetric as
-/// they act on waves), over the largest component of the latter; in the undeformed body.
+/// they act on waves), over the largest component of the latter; in the reference configuration.
 ///
 /// # Errors
 /// [`MethodError`] when the material cannot be evaluated.

@@ -20,9 +20,9 @@ pub struct Fidelity {
     /// Unstable though the material is elliptic.
     pub false_instability: f64,
     /// Stable though the material is not elliptic.
-    pub missed_instability: f64,
-    /// Rank deficient: stable, but with modes without energy.
-    pub rank_deficient: f64,
+    pub suppressed_instability: f64,
+    /// Rank deficient: stable, but with zero-energy modes.
+    pub zero_energy: f64,
     /// Defined by the law, but not by the method: too few neighbors.
     pub undefined: f64,
     /// Outside of the law's domain.
@@ -34,7 +34,10 @@ pub struct Fidelity {
 impl Fidelity {
     /// The share of the states on which material and method agree.
     pub fn agreement(&self) -> f64 {
-        1.0 - self.false_instability - self.missed_instability - self.undefined - self.outside_law
+        1.0 - self.false_instability
+            - self.suppressed_instability
+            - self.undefined
+            - self.outside_law
     }
 }
 
@@ -65,10 +68,10 @@ pub fn fidelity<const D: usize>(
                     let is_lost = state.acoustic.ellipticity().is_lost();
                     found.elliptic += if is_lost { 0.0 } else { share };
                     match state.verdict {
-                        Verdict::Kernel if !is_lost => found.false_instability += share,
-                        Verdict::Missed => found.missed_instability += share,
-                        Verdict::RankDeficient => found.rank_deficient += share,
-                        Verdict::Stable | Verdict::Material | Verdict::Kernel => {}
+                        Verdict::Numerical if !is_lost => found.false_instability += share,
+                        Verdict::Suppressed => found.suppressed_instability += share,
+                        Verdict::ZeroEnergy => found.zero_energy += share,
+                        Verdict::Stable | Verdict::Physical | Verdict::Numerical => {}
                     }
                 }
                 Err(error) if error.leaves_undefined() => found.undefined += share,

@@ -2,8 +2,8 @@
 //!
 //! | measure | question |
 //! |---|---|
-//! | [`spurious_modes`] | which waves have no energy, or too little, in the undeformed body? |
-//! | [`dispersion_errors`] | how wrong are frequencies at so many particles a wavelength? |
+//! | [`spurious_modes`] | which waves have no energy, or too little, in the reference configuration? |
+//! | [`dispersion_errors`] | how wrong are frequencies at so many points per wavelength? |
 //! | [`long_wave_error`] | how far is the acoustic tensor of long waves from that of the material? |
 //! | [`onset`] | at which stretch is stability lost first, and at which does the material lose it? |
 //! | [`fidelity`] | on which share of a window of states is the method falsely unstable, or stable where the material is not? |

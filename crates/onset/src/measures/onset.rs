@@ -70,7 +70,7 @@ impl Load {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum StretchOnset {
-    /// The undeformed state is unstable already.
+    /// The reference state is unstable already.
     AtRest,
     /// At this stretch; at 1 where the slightest strain is enough.
     At(f64),
@@ -150,7 +150,7 @@ fn first(
     phase: impl Fn(f64) -> Result<Phase, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
     let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / STEPS as f64;
-    // The undeformed state itself is at the limit where modes have no energy: looked at are states beside it.
+    // The reference state itself is at the limit where modes have no energy: looked at are states beside it.
     let beside = 1.0 + 1e-6 * (end - 1.0);
     let mut before = beside;
     match phase(beside)? {

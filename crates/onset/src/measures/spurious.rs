@@ -24,7 +24,7 @@ const STUCK: f64 = 0.1;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
 
-/// A wave of the undeformed body with too little energy.
+/// A wave of the reference configuration with too little energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
@@ -67,7 +67,7 @@ pub struct SpuriousModes<const D: usize> {
 }
 
 /// All wave vectors with zero-energy modes, which depend on the discretization alone, and those at which the relative frequency has a
-/// minimum below `threshold`; in the undeformed body, over the whole zone.
+/// minimum below `threshold`; in the reference configuration, over the whole zone.
 ///
 /// # Errors
 /// [`MethodError`] when the material or the discretization cannot be evaluated.

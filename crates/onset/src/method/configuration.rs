@@ -122,7 +122,7 @@ impl<const D: usize> Method<D> {
                 radius * determinant(&f.leading::<D>()).powf(1.0 / D as f64),
                 SMatrix::identity(),
             ),
-            // Convected with the particles: on the regular arrangement these have not moved.
+            // Convected with the particles: on the regular lattice these have not moved.
             SupportSize::Convected => (radius, inverted(&home)),
         };
         Layout {

@@ -13,7 +13,7 @@ use crate::approximation::{Approximation, Order, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{
-    Arrangement, Ball, BravaisLattice, Crystal, LatticeError, Reduced, WaveGrids,
+    Ball, BravaisLattice, Crystal, LatticeError, LatticeKind, Reduced, WaveGrids,
 };
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
@@ -60,7 +60,7 @@ pub enum Background {
     Imposed,
     /// What the shape functions make of the particles' displacements. Lagrangian kernels: `F_q = 1 +
     /// (F - 1) M_q`, `M_q = sum_K X_K (x) grad phi_K(X_q)`. Eulerian kernels: `F_q^-1 = 1 - (1 - F^-1) m_q`
-    /// with `m_q` likewise in the current arrangement. The undeformed body stays free of stress. `X_K` is taken from the point: from
+    /// with `m_q` likewise in the current lattice. The reference configuration stays free of stress. `X_K` is taken from the point: from
     /// any other origin the same, where the gradients add up to zero.
     Interpolated,
 }
@@ -75,7 +75,7 @@ pub enum Background {
 pub enum CurrentLattice {
     /// At `F X`.
     Convected,
-    /// At the undeformed positions, carrying the stress of `F` (the paper's "letting the current
+    /// At the reference positions, carrying the stress of `F` (the paper's "letting the current
     /// configuration be the reference configuration").
     Regular,
 }
@@ -92,7 +92,7 @@ pub enum SupportSize {
     Fixed,
     /// `R0 J^(1/D)`: constant number of neighbors on average.
     Scaled,
-    /// The reference sphere convected with the particles to an ellipsoid, `|F^-1 x| < R0`; on the regular arrangement,
+    /// The reference sphere convected with the particles to an ellipsoid, `|F^-1 x| < R0`; on the regular lattice,
     /// where they have not moved, the same as fixed.
     Convected,
 }
@@ -147,7 +147,7 @@ impl Linearization {
 }
 
 /// Every choice that defines a particle method. The default is the paper's Lagrangian method with
-/// stress points on the hexagonal arrangement, `D_mx = 2`.
+/// stress points on the hexagonal lattice, `D_mx = 2`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -155,15 +155,15 @@ impl Linearization {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct KernelMethodChoices {
-    /// Arrangement of the particles.
-    pub arrangement: Arrangement,
-    /// Rectangular arrangement: the second side over the first.
+    /// Lattice of the particles.
+    pub lattice: LatticeKind,
+    /// Rectangular lattice: the second side over the first.
     pub aspect: f64,
-    /// Oblique and triclinic arrangement: the components of the primitive vectors in units of the spacing, one vector after
+    /// Oblique and triclinic lattice: the components of the primitive vectors in units of the spacing, one vector after
     /// the other.
     pub vectors: Vec<f64>,
-    /// More particles in the cell of the arrangement, of which the first is at the origin: their lattice coordinates, one particle
-    /// after the other. Takes the place of the arrangement's own.
+    /// More particles in the cell of the lattice, of which the first is at the origin: their lattice coordinates, one particle
+    /// after the other. Takes the place of the lattice's own.
     pub basis: Vec<f64>,
     /// Cells along each primitive vector that are taken together, so that their particles can differ.
     pub cells: u32,
@@ -171,7 +171,7 @@ pub struct KernelMethodChoices {
     pub perturbation: f64,
     /// The seed of the random offsets: the same for the same seed, everywhere.
     pub seed: u32,
-    /// Distance of neighbors in the arrangement, of rectangles the first side, of oblique and triclinic arrangements the unit of
+    /// Distance of neighbors in the lattice, of rectangles the first side, of oblique and triclinic lattices the unit of
     /// `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
@@ -188,14 +188,14 @@ pub struct KernelMethodChoices {
     pub stress_point_weight: Option<f64>,
     /// Gauss quadrature: points per direction.
     pub gauss_points: u32,
-    /// Points of one's own: for each its lattice coordinates and its fraction of the cell's volume, one after the other.
+    /// User-defined points: for each its lattice coordinates and its fraction of the cell's volume, one after the other.
     pub points: Vec<f64>,
     /// Coordinates of the kernel.
     pub frame: Frame,
     /// Deformation gradient of the quadrature points.
     pub background: Background,
     /// Eulerian kernels: positions of the particles.
-    pub lattice: CurrentLattice,
+    pub current_lattice: CurrentLattice,
     /// Eulerian kernels: size of the support.
     pub support_size: SupportSize,
     /// Eulerian kernels: what the perturbation moves.
@@ -205,7 +205,7 @@ pub struct KernelMethodChoices {
 impl Default for KernelMethodChoices {
     fn default() -> Self {
         Self {
-            arrangement: Arrangement::Hexagonal,
+            lattice: LatticeKind::Hexagonal,
             aspect: 1.0,
             vectors: Vec::new(),
             basis: Vec::new(),
@@ -223,7 +223,7 @@ impl Default for KernelMethodChoices {
             points: Vec::new(),
             frame: Frame::Lagrangian,
             background: Background::Imposed,
-            lattice: CurrentLattice::Convected,
+            current_lattice: CurrentLattice::Convected,
             support_size: SupportSize::Fixed,
             linearization: Linearization::Exact,
         }
@@ -244,7 +244,7 @@ pub enum MethodError {
         expected: &'static str,
     },
     /// Two choices that exclude each other.
-    #[error("{choice} does not go with {other}; {hint}")]
+    #[error("{choice} is not supported with {other}; {hint}")]
     Incompatible {
         /// One of them.
         choice: &'static str,
@@ -296,7 +296,7 @@ pub enum MethodError {
     },
     /// The deformation couples directions that the discretization has with those that it has not.
     #[error(
-        "the deformation gradient couples the {dimension} dimension(s) of the arrangement with the others; \
+        "the deformation gradient couples the {dimension} dimension(s) of the lattice with the others; \
          expected plane strain (2D) or uniaxial strain (1D)"
     )]
     NotPlanar {
@@ -445,11 +445,11 @@ impl MethodError {
 }
 
 impl KernelMethodChoices {
-    /// The lattice of the arrangement in the basis in which it is computed, with that basis: of primitive vectors that are
+    /// The Bravais lattice in the basis in which it is computed, with that basis: of primitive vectors that are
     /// given, shortest ones, so that nothing depends on which of its bases describes a lattice.
     fn lattice<const D: usize>(&self) -> Result<(BravaisLattice<D>, Reduced<D>), MethodError> {
         let given = self
-            .arrangement
+            .lattice
             .lattice_with(self.spacing, self.aspect, &self.vectors)?;
         let reduced = Reduced::canonical(given.vectors())?;
         if reduced.is_given() {
@@ -482,7 +482,7 @@ impl KernelMethodChoices {
         })
     }
 
-    /// The particles in the reference state: the arrangement with its basis, cells taken together, offsets applied. Cells are
+    /// The particles in the reference state: the lattice with its basis, cells taken together, offsets applied. Cells are
     /// those of shortest primitive vectors, whichever are given.
     ///
     /// # Errors
@@ -507,7 +507,7 @@ impl KernelMethodChoices {
         let own = own.map(|place| basis.inverse * place);
         let others = (!self.basis.is_empty())
             .then(|| std::iter::once(SVector::zeros()).chain(own).collect());
-        let crystal = Crystal::arranged(self.arrangement, lattice, others)?;
+        let crystal = Crystal::arranged(self.lattice, lattice, others)?;
         let particles = crystal.sites().len() as f64 * f64::from(self.cells).powi(D as i32);
         MethodError::require(
             particles <= MAXIMUM_PARTICLES,
@@ -555,7 +555,7 @@ impl<const D: usize> Method<D> {
     /// Sets up a method.
     ///
     /// # Errors
-    /// [`MethodError`] when a setting is out of range or `D` is not the arrangement's dimension.
+    /// [`MethodError`] when a setting is out of range or `D` is not the lattice's dimension.
     pub fn new(choices: KernelMethodChoices) -> Result<Self, MethodError> {
         let KernelMethodChoices {
             spacing,
@@ -625,7 +625,7 @@ impl<const D: usize> Method<D> {
         Ok(())
     }
 
-    /// The same method with quadrature points of one's own in place of `discretization.quadrature`.
+    /// The same method with user-defined quadrature points in place of `discretization.quadrature`.
     /// Their volumes are taken as they are.
     pub fn with_quadrature_points(mut self, points: Vec<QuadraturePoint<D>>) -> Self {
         self.halves = halves_of(&points);
@@ -689,9 +689,13 @@ impl<const D: usize> Method<D> {
     }
 
     /// The map from the reference lattice to the one on which the kernels live at a state, and whose zone holds the wave
-    /// vectors: `F` with Eulerian kernels on the convected arrangement, otherwise the identity.
+    /// vectors: `F` with Eulerian kernels on the convected lattice, otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
-        let KernelMethodChoices { frame, lattice, .. } = self.choices;
+        let KernelMethodChoices {
+            frame,
+            current_lattice: lattice,
+            ..
+        } = self.choices;
         match (frame, lattice) {
             (Frame::Eulerian, CurrentLattice::Convected) => f.leading(),
             _ => nalgebra::SMatrix::identity(),

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "kebab-case")
 )]
-pub enum Notion {
+pub enum Criterion {
     /// `det q(n) = 0` for a direction: a band of localized deformation can form.
     Ellipticity,
     /// The symmetric part of `q(n)` is no longer positive definite for all directions.
@@ -56,10 +56,10 @@ pub struct Band {
     pub angle_to_minor: f64,
 }
 
-/// The plastic modulus at which a notion is lost, in the most critical direction.
+/// The plastic modulus at which a criterion is lost, in the most critical direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Critical {
-    /// The critical modulus `h_cr`: the notion holds where `h > h_cr`. Units of stress.
+    /// The critical modulus `h_cr`: the criterion holds where `h > h_cr`. Units of stress.
     pub modulus: f64,
     /// What the critical modulus of no direction exceeds, to rounding. Units of stress.
     pub bound: f64,
@@ -68,7 +68,7 @@ pub struct Critical {
 }
 
 impl RateModuli {
-    /// The plastic modulus at which a notion is lost in one spatial direction. Units of stress.
+    /// The plastic modulus at which a criterion is lost in one spatial direction. Units of stress.
     ///
     /// With `a = A n`, `b = B n` and the elastic acoustic tensor `q_e`,
     /// `det q = det q_e (1 - b . q_e^-1 a / (h + Q:C:P))` vanishes at `h = b . q_e^-1 a - Q:C:P`, and the symmetric part becomes
@@ -79,7 +79,7 @@ impl RateModuli {
     pub fn critical_modulus_along(
         &self,
         direction: &Vector3<f64>,
-        notion: Notion,
+        criterion: Criterion,
     ) -> Result<f64, PlasticityError> {
         let n = self.frame.transpose() * direction.normalize();
         let elastic = self.principal_acoustic_tensor(&n);
@@ -89,9 +89,9 @@ impl RateModuli {
         let (a, b) = self.tractions(&n);
         let (flow, loading) = (factor.solve(&a), factor.solve(&b));
         let mixed = b.dot(&flow);
-        Ok(match notion {
-            Notion::Ellipticity => mixed,
-            Notion::StrongEllipticity => {
+        Ok(match criterion {
+            Criterion::Ellipticity => mixed,
+            Criterion::StrongEllipticity => {
                 0.5 * (mixed + a.dot(&flow).sqrt() * b.dot(&loading).sqrt())
             }
         } - self.relaxation)
@@ -105,11 +105,11 @@ impl RateModuli {
     ///
     /// ```
     /// use nalgebra::{Matrix3, Vector3};
-    /// use onset::plasticity::{DruckerPrager, Hardening, Notion};
+    /// use onset::plasticity::{DruckerPrager, Hardening, Criterion};
     /// let strength = Hardening::Linear { initial: 1.0, modulus: 0.0 };
     /// let metal = DruckerPrager::von_mises(100.0, 0.3, strength)?;
     /// let shear = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 0.0));
-    /// let critical = metal.rate_moduli(&shear, 0.0)?.critical(Notion::Ellipticity)?;
+    /// let critical = metal.rate_moduli(&shear, 0.0)?.critical(Criterion::Ellipticity)?;
     /// assert!(critical.modulus.abs() < 1e-12);
     /// assert!((critical.band.angle_to_major - 45.0).abs() < 1e-9);
     /// # Ok::<(), onset::plasticity::PlasticityError>(())
@@ -117,23 +117,23 @@ impl RateModuli {
     ///
     /// # Errors
     /// [`PlasticityError::ElasticNotElliptic`] when the elastic part is not strongly elliptic.
-    pub fn critical(&self, notion: Notion) -> Result<Critical, PlasticityError> {
+    pub fn critical(&self, criterion: Criterion) -> Result<Critical, PlasticityError> {
         let scale = self.normal.amax();
-        let found = largest(self, notion, &self.region(scale), scale)?;
+        let found = largest(self, criterion, &self.region(scale), scale)?;
         let n = found.point.map(|x| x.max(0.0).sqrt());
         Ok(Critical {
             modulus: found.value * scale - self.relaxation,
             bound: found.bound * scale - self.relaxation,
-            band: self.band(&n, notion)?,
+            band: self.band(&n, criterion)?,
         })
     }
 
-    /// Whether a notion holds in every direction for continued flow.
+    /// Whether a criterion holds in every direction for continued flow.
     ///
     /// # Errors
     /// As [`RateModuli::critical`].
-    pub fn holds(&self, notion: Notion) -> Result<bool, PlasticityError> {
-        Ok(self.modulus > self.critical(notion)?.modulus)
+    pub fn holds(&self, criterion: Criterion) -> Result<bool, PlasticityError> {
+        Ok(self.modulus > self.critical(criterion)?.modulus)
     }
 
     /// The corners of the simplex of `n_i^2` that holds a maximum.
@@ -173,7 +173,7 @@ impl RateModuli {
     }
 
     /// The band with a normal in principal axes, at its critical modulus.
-    fn band(&self, n: &Vector3<f64>, notion: Notion) -> Result<Band, PlasticityError> {
+    fn band(&self, n: &Vector3<f64>, criterion: Criterion) -> Result<Band, PlasticityError> {
         let factor = self
             .principal_acoustic_tensor(n)
             .cholesky()
@@ -181,9 +181,9 @@ impl RateModuli {
         let (a, b) = self.tractions(n);
         let (flow, loading) = (factor.solve(&a), factor.solve(&b));
         // q g = 0, or (q + q^T) g = 0; b . g > 0 since plastic flow goes on inside.
-        let jump = match notion {
-            Notion::Ellipticity => flow,
-            Notion::StrongEllipticity => {
+        let jump = match criterion {
+            Criterion::Ellipticity => flow,
+            Criterion::StrongEllipticity => {
                 flow / a.dot(&flow).sqrt() + loading / b.dot(&loading).sqrt()
             }
         };
@@ -260,9 +260,9 @@ mod tests {
                     isotropic: false,
                     ..plane
                 };
-                for notion in [Notion::Ellipticity, Notion::StrongEllipticity] {
+                for criterion in [Criterion::Ellipticity, Criterion::StrongEllipticity] {
                     let [plane, whole] =
-                        [plane, whole].map(|moduli| moduli.critical(notion).expect("critical"));
+                        [plane, whole].map(|moduli| moduli.critical(criterion).expect("critical"));
                     assert!((plane.modulus - whole.modulus).abs() < 1e-12);
                     assert!(
                         whole.bound - whole.modulus < 1e-5,

@@ -11,8 +11,8 @@
 //!
 //! - Small strain: [`DruckerPrager::update`], [`DruckerPrager::continuum_tangent`].
 //! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
-//! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two notions that differ when
-//!   `mu != beta`: [`Notion`].
+//! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
+//!   `mu != beta`: [`Criterion`].
 //! - [`follow`]: a loading path, and the first slip at which `h` falls to the critical modulus.
 //!
 //! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
@@ -34,7 +34,7 @@ mod walk;
 pub use finite::{FiniteState, FiniteUpdate};
 pub use hardening::Hardening;
 pub use law::DruckerPrager;
-pub use localization::{Band, BandKind, Critical, Notion};
+pub use localization::{Band, BandKind, Criterion, Critical};
 pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
 pub use return_mapping::{Branch, State, Update};

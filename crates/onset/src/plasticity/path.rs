@@ -2,7 +2,7 @@
 
 use super::law::{deviator, equivalent_shear, mean};
 use super::walk::Walk;
-use super::{Critical, DruckerPrager, Notion, PlasticityError, RateModuli};
+use super::{Criterion, Critical, DruckerPrager, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, Vector3};
 
 /// How strain is measured.
@@ -193,16 +193,16 @@ pub fn follow(law: &DruckerPrager, loading: &Loading) -> Result<Localization, Pl
             Err(End::ElasticNotElliptic) => return Err(PlasticityError::ElasticNotElliptic),
             Err(_) => return Err(PlasticityError::NoDeviator),
         };
-        for notion in [Notion::Ellipticity, Notion::StrongEllipticity] {
-            let lost = match notion {
-                Notion::Ellipticity => &mut found.onset,
-                Notion::StrongEllipticity => &mut found.strong_ellipticity_lost,
+        for criterion in [Criterion::Ellipticity, Criterion::StrongEllipticity] {
+            let lost = match criterion {
+                Criterion::Ellipticity => &mut found.onset,
+                Criterion::StrongEllipticity => &mut found.strong_ellipticity_lost,
             };
-            if lost.is_none() && point.margin(notion) <= 0.0 {
+            if lost.is_none() && point.margin(criterion) <= 0.0 {
                 *lost = Some(if count == 0 {
                     point
                 } else {
-                    walk.crossing(&y, slip, next, notion).unwrap_or(point)
+                    walk.crossing(&y, slip, next, criterion).unwrap_or(point)
                 });
             }
         }
@@ -213,17 +213,17 @@ pub fn follow(law: &DruckerPrager, loading: &Loading) -> Result<Localization, Pl
 }
 
 impl PathPoint {
-    /// The critical state of a notion.
-    pub fn critical(&self, notion: Notion) -> &Critical {
-        match notion {
-            Notion::Ellipticity => &self.ellipticity,
-            Notion::StrongEllipticity => &self.strong_ellipticity,
+    /// The critical state of a criterion.
+    pub fn critical(&self, criterion: Criterion) -> &Critical {
+        match criterion {
+            Criterion::Ellipticity => &self.ellipticity,
+            Criterion::StrongEllipticity => &self.strong_ellipticity,
         }
     }
 
     /// `h - h_cr`.
-    pub(super) fn margin(&self, notion: Notion) -> f64 {
-        self.modulus - self.critical(notion).modulus
+    pub(super) fn margin(&self, criterion: Criterion) -> f64 {
+        self.modulus - self.critical(criterion).modulus
     }
 }
 

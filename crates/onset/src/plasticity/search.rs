@@ -5,7 +5,7 @@
 //! from Bernstein coefficients, the others are halved, and the best point is polished by Newton's method.
 
 use super::cubic::Cubic;
-use super::{Notion, PlasticityError, RateModuli};
+use super::{Criterion, PlasticityError, RateModuli};
 use crate::real::{Jet, Real};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-11;
 
 /// `A n . q_e^-1 B n` and its relatives as quotients of polynomials of `x_i = n_i^2`; moduli are divided by `scale`.
 struct Quotients {
-    notion: Notion,
+    criterion: Criterion,
     determinant: Cubic,
     /// Both tractions.
     mixed: Cubic,
@@ -41,7 +41,7 @@ struct Part {
 }
 
 impl Quotients {
-    fn new(moduli: &RateModuli, notion: Notion, scale: f64) -> Self {
+    fn new(moduli: &RateModuli, criterion: Criterion, scale: f64) -> Self {
         let axis = |i: usize| Vector3::ith(i, 1.0);
         let diagonal = |i: usize| Vector3::from_fn(|j, _| moduli.wave_stiffness(i, j) / scale);
         let coupling = |i: usize, j: usize| moduli.coupling(i, j) / scale;
@@ -71,7 +71,7 @@ impl Quotients {
             sum
         };
         Self {
-            notion,
+            criterion,
             determinant,
             mixed: form(&moduli.flow, &moduli.loading),
             pure: [
@@ -83,9 +83,9 @@ impl Quotients {
 
     fn at<R: Real>(&self, x: &[R; 3]) -> R {
         let mixed = self.mixed.at(x);
-        let numerator = match self.notion {
-            Notion::Ellipticity => mixed,
-            Notion::StrongEllipticity => {
+        let numerator = match self.criterion {
+            Criterion::Ellipticity => mixed,
+            Criterion::StrongEllipticity => {
                 let [flow, loading] = self.pure.map(|form| form.at(x));
                 (mixed + (flow * loading).sqrt()) * 0.5
             }
@@ -100,7 +100,7 @@ impl Quotients {
             return f64::INFINITY;
         }
         let mut numerators = self.mixed.coefficients(corners);
-        if self.notion == Notion::StrongEllipticity {
+        if self.criterion == Criterion::StrongEllipticity {
             // sqrt(a b) <= (psi a + b/psi)/2 for every psi > 0, with equality at psi = sqrt(b/a).
             let center = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
             let [flow, loading] = self
@@ -194,14 +194,14 @@ impl Quotients {
     }
 }
 
-/// The largest value of the quotient of a notion on a simplex of directions `x_i = n_i^2`. In units of `scale`.
+/// The largest value of the quotient of a criterion on a simplex of directions `x_i = n_i^2`. In units of `scale`.
 pub(super) fn largest(
     moduli: &RateModuli,
-    notion: Notion,
+    criterion: Criterion,
     corners: &[Vector3<f64>],
     scale: f64,
 ) -> Result<Largest, PlasticityError> {
-    let quotients = Quotients::new(moduli, notion, scale);
+    let quotients = Quotients::new(moduli, criterion, scale);
     let elastic = |x: &Vector3<f64>| quotients.determinant.at(&[x[0], x[1], x[2]]) > 0.0;
     // The elastic acoustic tensor is diagonal along the axes; where its determinant stays positive it stays definite.
     let first = corners[0].imax();

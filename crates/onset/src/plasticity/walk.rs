@@ -1,7 +1,7 @@
 //! The equations of a loading path along its fixed axes, and their integration.
 
 use super::path::{Bands, End, Load, Loading, LoadingPath, PathPoint, Strains};
-use super::{DruckerPrager, Notion, PlasticityError, RateModuli};
+use super::{Criterion, DruckerPrager, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Largest elastic strain that is tried to reach yield.
@@ -350,8 +350,10 @@ impl<'a> Walk<'a> {
             strain: strain.map(|strain| strain - self.initial).into(),
             stress: (stress / volume).into(),
             modulus: self.law.hardening().modulus(slip),
-            ellipticity: moduli.critical(Notion::Ellipticity).map_err(told)?,
-            strong_ellipticity: moduli.critical(Notion::StrongEllipticity).map_err(told)?,
+            ellipticity: moduli.critical(Criterion::Ellipticity).map_err(told)?,
+            strong_ellipticity: moduli
+                .critical(Criterion::StrongEllipticity)
+                .map_err(told)?,
             moduli,
         })
     }
@@ -362,13 +364,13 @@ impl<'a> Walk<'a> {
         y: &Point,
         from: f64,
         to: f64,
-        notion: Notion,
+        criterion: Criterion,
     ) -> Option<PathPoint> {
         let at = |slip: f64| {
             let reached = self.advance(y, from, slip).ok()?;
             self.point(&reached, slip).ok()
         };
-        let holds = |slip: f64| at(slip).is_some_and(|point| point.margin(notion) > 0.0);
+        let holds = |slip: f64| at(slip).is_some_and(|point| point.margin(criterion) > 0.0);
         at(bisect(from, to, holds))
     }
 }

@@ -1,4 +1,4 @@
-//! Quadrature points by their places in the primitive cell: Gauss rules, and lists of one's own.
+//! Quadrature points by their places in the primitive cell: Gauss rules, and user-defined lists.
 
 use super::{QuadratureError, QuadraturePoint};
 use crate::lattice::BravaisLattice;
@@ -11,7 +11,7 @@ pub struct CellRule {
     pub stress_point_weight: Option<f64>,
     /// Gauss points per direction.
     pub gauss_points: u32,
-    /// For each point of one's own its lattice coordinates and its fraction of the cell's volume, one after the other.
+    /// For each user-defined point its lattice coordinates and its fraction of the cell's volume, one after the other.
     pub points: Vec<f64>,
 }
 
@@ -70,9 +70,9 @@ const MOST: u32 = 4;
 /// direction, exact for polynomials up to the degree `2 points - 1` in each lattice coordinate.
 ///
 /// ```
-/// use onset::lattice::Arrangement;
+/// use onset::lattice::LatticeKind;
 /// use onset::quadrature::gauss_points;
-/// let points = gauss_points(&Arrangement::Chain.lattice::<1>(1.0)?, 2)?;
+/// let points = gauss_points(&LatticeKind::Chain.lattice::<1>(1.0)?, 2)?;
 /// assert!((points[0].place[0] - 0.211_324_865).abs() < 1e-9 && points[1].volume == 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -97,13 +97,13 @@ pub fn gauss_points<const D: usize>(
     Ok((0..side.pow(D as u32)).map(point).collect())
 }
 
-/// Points of one's own: for each its lattice coordinates and its fraction of the cell's volume. A point at a particle is the
+/// User-defined points: for each its lattice coordinates and its fraction of the cell's volume. A point at a particle is the
 /// particle, and moves as such.
 ///
 /// ```
-/// use onset::lattice::Arrangement;
+/// use onset::lattice::LatticeKind;
 /// use onset::quadrature::own_points;
-/// let lattice = Arrangement::Square.lattice::<2>(2.0)?;
+/// let lattice = LatticeKind::Square.lattice::<2>(2.0)?;
 /// let points = own_points(&lattice, &[1.0, 0.0, 0.25, 0.5, -0.5, 0.75])?;
 /// assert!(points[0].is_node && points[0].volume == 1.0);
 /// assert_eq!(points[1].place.as_slice(), [0.5, 0.5]);

@@ -31,7 +31,7 @@ pub enum Quadrature {
     NodalStabilized,
     /// At Gauss points of the cells between the particles: the parallelepipeds that the primitive vectors span.
     Gauss,
-    /// At points and with weights of one's own.
+    /// At user-defined points with user-defined weights.
     Points,
 }
 
@@ -92,7 +92,7 @@ pub enum QuadratureError {
         /// The largest available.
         most: u32,
     },
-    /// A list of one's own is empty or ends within a point.
+    /// A user-defined list is empty or ends within a point.
     #[error(
         "discretization.points has {length} number(s); expected {each} for each point: \
          {dimension} lattice coordinate(s) and a fraction of the cell's volume"

@@ -12,9 +12,9 @@ const ON_PLANE: f64 = 1e-10;
 /// `M = V / ((D + 1)(D + 2)) (sum_c v_c (x) v_c + s (x) s)`, `s = sum_c v_c`.
 ///
 /// ```
-/// use onset::lattice::Arrangement;
+/// use onset::lattice::LatticeKind;
 /// use onset::quadrature::second_moments;
-/// let square = second_moments(&Arrangement::Square.lattice::<2>(2.0)?);
+/// let square = second_moments(&LatticeKind::Square.lattice::<2>(2.0)?);
 /// assert!((square[(0, 0)] - 16.0 / 12.0).abs() < 1e-14 && square[(0, 1)].abs() < 1e-14);
 /// # Ok::<(), onset::lattice::LatticeError>(())
 /// ```

@@ -42,7 +42,7 @@ impl MethodChoices {
             | Self::UpdatedSph(particles, _)
             | Self::Conforming(particles, _)
             | Self::Peridynamics(particles, _)
-            | Self::MaterialPoints(particles, _) => particles.arrangement.dimension(),
+            | Self::MaterialPoints(particles, _) => particles.lattice.dimension(),
         }
     }
 

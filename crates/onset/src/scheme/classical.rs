@@ -142,7 +142,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
 
     fn is_regular(&self) -> bool {
         let choices = self.choices();
-        choices.frame == Frame::Eulerian && choices.lattice == CurrentLattice::Regular
+        choices.frame == Frame::Eulerian && choices.current_lattice == CurrentLattice::Regular
     }
 
     fn enclosed(&self) -> Option<&Method<D>> {

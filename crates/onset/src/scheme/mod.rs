@@ -92,7 +92,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError>;
 
-    /// What the discretization sees of a displacement of the undeformed body: its strains, and what its control of zero-energy modes
+    /// What the discretization sees of a displacement of the reference configuration: its strains, and what its control of zero-energy modes
     /// sees besides, whatever the law.
     ///
     /// # Errors

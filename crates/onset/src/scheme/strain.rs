@@ -4,15 +4,15 @@ use crate::lattice::Particle;
 use nalgebra::SVector;
 
 /// The strains that a discretization sees, and what its control of zero-energy modes sees besides: linear forms of the displacements
-/// of a cell's surroundings. They are geometry alone. Forces and energy of the undeformed body are made of them, whatever the law,
+/// of a cell's surroundings. They are geometry alone. Forces and energy of the reference configuration are made of them, whatever the law,
 /// and a displacement without any of them is a zero-energy mode.
 ///
 /// ```
 /// use nalgebra::Vector1;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::scheme::{Discretization, SeenForm};
 /// use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
-/// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
+/// let chain = Crystal::of_lattice(LatticeKind::Chain.lattice::<1>(1.0)?);
 /// let sph = TotalLagrangianSph::new(chain, TotalLagrangianChoices { radius: 1.5, ..Default::default() })?;
 /// // One particle a cell, which sees its gradient.
 /// let strain = sph.strain()?;

@@ -236,13 +236,13 @@ pub fn critical_time_step<const D: usize>(
 mod tests {
     use super::{Amplification, Integrator, critical_time_step, critical_time_step_at};
     use crate::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
-    use crate::lattice::{Arrangement, Crystal, Particle};
+    use crate::lattice::{Crystal, LatticeKind, Particle};
     use nalgebra::{SMatrix, SVector};
     use std::f64::consts::PI;
 
     /// A chain of unit masses and springs with dashpots `c` beside them, or (`mass`) proportional to the masses.
     fn chain(between: f64, mass: f64) -> WaveSystem<1> {
-        let lattice = Arrangement::Chain.lattice::<1>(1.0).expect("a lattice");
+        let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
         let crystal = Crystal::of_lattice(lattice);
         let home = Particle::home(0);
         let next = home.moved(&[1]);
@@ -305,7 +305,7 @@ mod tests {
 
     /// Two oscillators without neighbors on squares: stiffness and damping along the axes.
     fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
-        let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+        let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let crystal = Crystal::of_lattice(lattice);
         let home = Particle::home(0);
         let sum = |along: [f64; 2]| {

@@ -21,7 +21,7 @@ use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::method::MethodError;
 use crate::scheme::Discretization;
 
-/// To whom the first instability belongs.
+/// The origin of the first instability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -32,36 +32,36 @@ pub enum Verdict {
     /// The material's waves do not grow, and no mode of the discretization does.
     Stable,
     /// Ellipticity is lost, and the discretization says so for long waves too: a faithful answer.
-    Material,
+    Physical,
     /// No wave grows, but the method has zero-energy modes: the strains that it sees of its softest wave, or of one of alternating neighbors,
     /// vanish, so that nothing but the stress of the state, if anything, resists it.
-    RankDeficient,
+    ZeroEnergy,
     /// The method's own instability: modes grow although the material's waves do not, or although its
     /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign
     /// of the mean stress.
-    Kernel,
+    Numerical,
     /// Ellipticity is lost, but the discretization is stable: it misses the material's instability.
-    Missed,
+    Suppressed,
 }
 
 impl Verdict {
     /// All verdicts, in the order of the table in the book.
     pub const ALL: [Self; 5] = [
         Self::Stable,
-        Self::Material,
-        Self::RankDeficient,
-        Self::Kernel,
-        Self::Missed,
+        Self::Physical,
+        Self::ZeroEnergy,
+        Self::Numerical,
+        Self::Suppressed,
     ];
 
     /// The word used in files, on the command line and in legends.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stable => "stable",
-            Self::Material => "material",
-            Self::RankDeficient => "rank-deficient",
-            Self::Kernel => "kernel",
-            Self::Missed => "missed",
+            Self::Physical => "physical",
+            Self::ZeroEnergy => "zero-energy",
+            Self::Numerical => "numerical",
+            Self::Suppressed => "suppressed",
         }
     }
 }
@@ -113,18 +113,18 @@ pub struct Assessment<const D: usize> {
     pub spectrum: SpectrumSummary<D>,
     /// The squared norm of the discrete gradient of the softest mode over that of the exact gradient,
     /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
-    /// zero-energy mode. Where the discretization has no such gradient: the squared frequency of the softest mode in the undeformed body
+    /// zero-energy mode. Where the discretization has no such gradient: the squared frequency of the softest mode in the reference configuration
     /// over that of the material's slowest wave.
     pub gradient_norm: f64,
     /// Whether it is the norm of a gradient, not a squared frequency.
     pub is_gradient: bool,
 }
 
-/// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the
+/// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the
 /// reference density. Length^2/time^2.
 ///
 /// # Errors
-/// [`MaterialError`] when the response of the undeformed material is not finite, or carries no waves.
+/// [`MaterialError`] when the response of the material in the reference state is not finite, or carries no waves.
 pub fn speed_squared<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -171,7 +171,7 @@ fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError>
 ///
 /// let sph = KernelMethodChoices { frame: Frame::Eulerian, ..KernelMethodChoices::default() };
 /// let eulerian = Method::<2>::new(sph)?;
-/// assert_eq!(assess(&eulerian, &material, &state)?.verdict, Verdict::Kernel);
+/// assert_eq!(assess(&eulerian, &material, &state)?.verdict, Verdict::Numerical);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn assess<const D: usize>(
@@ -201,11 +201,11 @@ pub(crate) fn decided(
 ) -> Verdict {
     // A material at the margin has no wave that grows: there is none to miss or to follow.
     match (ellipticity.is_lost(), is_stable) {
-        (false, true) if has_zero_mode => Verdict::RankDeficient,
+        (false, true) if has_zero_mode => Verdict::ZeroEnergy,
         (false, true) => Verdict::Stable,
-        (true, true) => Verdict::Missed,
-        (true, false) if long_waves_grow => Verdict::Material,
-        _ => Verdict::Kernel,
+        (true, true) => Verdict::Suppressed,
+        (true, false) if long_waves_grow => Verdict::Physical,
+        _ => Verdict::Numerical,
     }
 }
 

@@ -83,7 +83,7 @@ pub struct Ground<const D: usize> {
     /// The zone of the reference lattice.
     search: ZoneSearch<D>,
     moments: Option<Arc<GradientMoments<D>>>,
-    /// The undeformed state, in which modes without energy are told from unstable ones.
+    /// The reference state, in which zero-energy modes are told from unstable ones.
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
 }
 
@@ -197,7 +197,7 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// For some states.
     ///
     /// # Errors
-    /// [`MethodError`] when the response of the undeformed material is not finite, or carries no waves.
+    /// [`MethodError`] when the response of the material in the reference state is not finite, or carries no waves.
     pub fn new(
         discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
@@ -276,7 +276,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         &self.ground.search
     }
 
-    /// The equations of plane waves in the undeformed state.
+    /// The equations of plane waves in the reference state.
     ///
     /// # Errors
     /// [`MethodError`] when material or discretization cannot be evaluated there.
@@ -289,7 +289,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         reference.as_ref().map_err(Clone::clone)
     }
 
-    /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the undeformed material over the reference density.
+    /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the reference density.
     /// Length^2/time^2.
     pub fn speed_squared(&self) -> f64 {
         self.ground.speed_squared
@@ -613,7 +613,7 @@ impl<const D: usize> SurveyedState<D> {
 
 impl<const D: usize> From<&Assessment<D>> for SurveyedState<D> {
     fn from(assessment: &Assessment<D>) -> Self {
-        let has_zero_mode = assessment.verdict == Verdict::RankDeficient;
+        let has_zero_mode = assessment.verdict == Verdict::ZeroEnergy;
         let material = &assessment.material;
         Self::of_spectrum(material.minimum, &assessment.spectrum, has_zero_mode)
     }

@@ -50,7 +50,7 @@ fn a_bound_is_below_every_sample_and_within_a_tenth_of_the_least_where_asked() {
     ] {
         let discretization = KernelMethodChoices {
             frame: Frame::Eulerian,
-            lattice,
+            current_lattice: lattice,
             linearization,
             support,
             ..KernelMethodChoices::default()

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use onset::bloch::{Stability, dynamical_matrix, growth_rate};
 use onset::certificate::{Certainty, Certifier, GROWTH, Reason, certify};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
     CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, MethodError,
@@ -24,7 +24,7 @@ fn planar(discretization: KernelMethodChoices) -> Method<2> {
 fn eulerian(support: f64, linearization: Linearization) -> KernelMethodChoices {
     KernelMethodChoices {
         frame: Frame::Eulerian,
-        lattice: CurrentLattice::Regular,
+        current_lattice: CurrentLattice::Regular,
         linearization,
         support,
         ..KernelMethodChoices::default()
@@ -120,7 +120,7 @@ fn a_chain_is_decided_as_a_lattice_is() {
     let material = ModifiedMooneyRivlin::default();
     let chain = |frame, quadrature| {
         let discretization = KernelMethodChoices {
-            arrangement: Arrangement::Chain,
+            lattice: LatticeKind::Chain,
             frame,
             quadrature,
             ..KernelMethodChoices::default()
@@ -137,7 +137,7 @@ fn a_chain_is_decided_as_a_lattice_is() {
     let lagrangian = chain(Frame::Lagrangian, Quadrature::StressPoints);
     assert_eq!(name(&lagrangian, 1.3), "proved-stable");
     let nodal = chain(Frame::Lagrangian, Quadrature::Nodal);
-    assert_eq!(name(&nodal, 1.3), "proved-rank-deficient");
+    assert_eq!(name(&nodal, 1.3), "proved-zero-energy");
     // Eulerian kernels: as the search in floating point says, which is stable here and unstable there.
     let mut seen = [0, 0];
     for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
@@ -165,35 +165,35 @@ fn a_chain_is_decided_as_a_lattice_is() {
 }
 
 #[test]
-fn nodal_integration_of_a_lagrangian_kernel_is_rank_deficient_and_no_more() {
+fn nodal_integration_of_a_lagrangian_kernel_has_zero_energy_modes_and_no_more() {
     let material = ModifiedMooneyRivlin::default();
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let discretization = KernelMethodChoices {
-            arrangement,
+            lattice: kind,
             quadrature: Quadrature::Nodal,
             ..KernelMethodChoices::default()
         };
         let method = planar(discretization);
         let state = stretched(1.1, 0.9);
         let certificate = certify(&method, &material, &state, 1e-3).expect("a state");
-        let Certainty::RankDeficient { wave_vector } = certificate.discretization else {
-            panic!("{:?} of {arrangement:?}", certificate.discretization);
+        let Certainty::ZeroEnergy { wave_vector } = certificate.discretization else {
+            panic!("{:?} of {kind:?}", certificate.discretization);
         };
         let matrix = dynamical_matrix(&method, &material, &state).expect("finite");
         let scale = matrix.omega_squared(&Vector2::new(1.0, 0.3))[1].re;
         assert!(matrix.omega_squared(&wave_vector)[1].re.abs() < 1e-12 * scale);
     }
     // Square centers do not see the wave (pi, pi) either; centroids of triangles see all.
-    for (arrangement, name) in [
-        (Arrangement::Square, "proved-rank-deficient"),
-        (Arrangement::Hexagonal, "proved-stable"),
+    for (kind, name) in [
+        (LatticeKind::Square, "proved-zero-energy"),
+        (LatticeKind::Hexagonal, "proved-stable"),
     ] {
         let method = planar(KernelMethodChoices {
-            arrangement,
+            lattice: kind,
             ..KernelMethodChoices::default()
         });
         let certificate = certify(&method, &material, &stretched(1.1, 0.9), 1e-3).expect("a state");
-        assert_eq!(certificate.discretization.name(), name, "{arrangement:?}");
+        assert_eq!(certificate.discretization.name(), name, "{kind:?}");
     }
 }
 

@@ -60,7 +60,7 @@ fn check(case: &Case, decided: &Cell<usize>) -> Result<(), TestCaseError> {
             );
             prop_assert!(witness.measure.high < 0.0 || witness.growth_rate > GROWTH * (1.0 - 1e-9));
         }
-        Certainty::RankDeficient { wave_vector } => {
+        Certainty::ZeroEnergy { wave_vector } => {
             let highest = matrix.omega_squared(&wave_vector)[1].re.abs();
             prop_assert!(
                 highest <= 1e-9 * speed_squared,

@@ -1,21 +1,21 @@
-//! Lattices in space: arrangements, Voronoi cells, the centers of Delaunay cells, zones.
+//! Lattices in three dimensions: their kinds, Voronoi cells, the centers of Delaunay cells, zones.
 
 use crate::choices::config;
 use nalgebra::{Matrix3, Vector3};
 use onset::lattice::{
-    Arrangement, BravaisLattice, BrillouinZone, LatticeError, delaunay_centers, voronoi_volumes,
+    BravaisLattice, BrillouinZone, LatticeError, LatticeKind, delaunay_centers, voronoi_volumes,
 };
 use onset::quadrature::{CellRule, Quadrature};
 use proptest::prelude::*;
 
-const CUBIC: [Arrangement; 3] = [
-    Arrangement::SimpleCubic,
-    Arrangement::BodyCenteredCubic,
-    Arrangement::FaceCenteredCubic,
+const CUBIC: [LatticeKind; 3] = [
+    LatticeKind::SimpleCubic,
+    LatticeKind::BodyCenteredCubic,
+    LatticeKind::FaceCenteredCubic,
 ];
 
-fn lattice(arrangement: Arrangement) -> BravaisLattice<3> {
-    arrangement.lattice(1.3).expect("a lattice")
+fn lattice(kind: LatticeKind) -> BravaisLattice<3> {
+    kind.lattice(1.3).expect("a lattice")
 }
 
 /// All lattice points up to three cells away.
@@ -30,18 +30,18 @@ fn points_around(lattice: &BravaisLattice<3>) -> Vec<Vector3<f64>> {
 #[test]
 fn cubic_lattices_have_their_neighbors_at_the_spacing_and_their_volumes() {
     let h: f64 = 1.3;
-    for (arrangement, neighbors, volume) in [
+    for (kind, neighbors, volume) in [
         (CUBIC[0], 6, 1.0),
         (CUBIC[1], 8, 4.0 / 27.0_f64.sqrt()),
         (CUBIC[2], 12, 0.5_f64.sqrt()),
     ] {
-        let lattice = lattice(arrangement);
+        let lattice = lattice(kind);
         let distances = points_around(&lattice).into_iter().map(|r| r.norm());
         let distances: Vec<f64> = distances.filter(|r| *r > 0.0).collect();
         let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        assert!((nearest - h).abs() < 1e-14, "{arrangement:?}");
+        assert!((nearest - h).abs() < 1e-14, "{kind:?}");
         let count = distances.iter().filter(|r| **r < h * (1.0 + 1e-12)).count();
-        assert_eq!(count, neighbors, "{arrangement:?}");
+        assert_eq!(count, neighbors, "{kind:?}");
         assert!((lattice.cell_volume() - volume * h.powi(3)).abs() < 1e-13);
         // The cubes stand along the axes: turning by a quarter changes nothing.
         let turned = lattice.mapped(&Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0));
@@ -54,9 +54,7 @@ fn cubic_lattices_have_their_neighbors_at_the_spacing_and_their_volumes() {
 #[test]
 fn holes_of_cubic_lattices_are_where_crystallography_has_them() {
     // Places in units of the cube's edge, one period; the distance to the nearest particles in edges.
-    let centers = |arrangement| {
-        delaunay_centers(&lattice(arrangement), &[Vector3::zeros()]).expect("centers")
-    };
+    let centers = |kind| delaunay_centers(&lattice(kind), &[Vector3::zeros()]).expect("centers");
     let edge = [1.3, 1.3 * 2.0 / 3.0_f64.sqrt(), 1.3 * 2.0_f64.sqrt()];
     for (n, expected) in [
         // The cube's center.
@@ -201,7 +199,7 @@ proptest! {
 
 #[test]
 fn volumes_are_what_is_nearest_on_a_fine_grid() {
-    let lattice = lattice(Arrangement::BodyCenteredCubic);
+    let lattice = lattice(LatticeKind::BodyCenteredCubic);
     let points = [[0.1, 0.2, 0.3], [0.7, 0.3, 0.9], [0.4, 0.9, 0.5]].map(Vector3::from);
     let volumes = voronoi_volumes(&lattice, &points).expect("distinct points");
     let side = 36;
@@ -233,8 +231,8 @@ fn volumes_are_what_is_nearest_on_a_fine_grid() {
 
 #[test]
 fn corners_of_cubic_zones_and_the_named_points_lie_on_their_boundaries() {
-    for (arrangement, corners) in CUBIC.into_iter().zip([8, 14, 24]) {
-        let lattice = lattice(arrangement);
+    for (kind, corners) in CUBIC.into_iter().zip([8, 14, 24]) {
+        let lattice = lattice(kind);
         let zone = BrillouinZone::new(lattice);
         let mut distinct: Vec<Vector3<f64>> = Vec::new();
         for corner in zone.corners() {
@@ -244,8 +242,8 @@ fn corners_of_cubic_zones_and_the_named_points_lie_on_their_boundaries() {
             }
         }
         // A cube, a rhombic dodecahedron, a truncated octahedron.
-        assert_eq!(distinct.len(), corners, "{arrangement:?}");
-        for (name, fractional) in arrangement.zone_path::<3>() {
+        assert_eq!(distinct.len(), corners, "{kind:?}");
+        for (name, fractional) in kind.zone_path::<3>() {
             let k = zone.wave_vector(&fractional);
             if name == "Γ" {
                 assert_eq!(k.norm(), 0.0);
@@ -266,17 +264,17 @@ fn corners_of_cubic_zones_and_the_named_points_lie_on_their_boundaries() {
 
 #[test]
 fn lattices_from_vectors_are_those_with_names() {
-    let hexagonal = Arrangement::Hexagonal.lattice::<2>(0.7).expect("a lattice");
+    let hexagonal = LatticeKind::Hexagonal.lattice::<2>(0.7).expect("a lattice");
     let oblique =
-        Arrangement::Oblique.lattice_with::<2>(0.7, 1.0, &[1.0, 0.0, 0.5, 0.75_f64.sqrt()]);
+        LatticeKind::Oblique.lattice_with::<2>(0.7, 1.0, &[1.0, 0.0, 0.5, 0.75_f64.sqrt()]);
     assert!((oblique.expect("a lattice").vectors() - hexagonal.vectors()).amax() < 1e-15);
     let halves = [-1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0].map(|x| x / 3.0_f64.sqrt());
-    let body = Arrangement::BodyCenteredCubic
+    let body = LatticeKind::BodyCenteredCubic
         .lattice::<3>(0.7)
         .expect("a lattice");
-    let triclinic = Arrangement::Triclinic.lattice_with::<3>(0.7, 1.0, &halves);
+    let triclinic = LatticeKind::Triclinic.lattice_with::<3>(0.7, 1.0, &halves);
     assert!((triclinic.expect("a lattice").vectors() - body.vectors()).amax() < 1e-15);
-    let rectangular = Arrangement::Rectangular
+    let rectangular = LatticeKind::Rectangular
         .lattice_with::<2>(2.0, 1.5, &[])
         .expect("a lattice");
     assert_eq!(
@@ -290,7 +288,7 @@ fn lattices_from_vectors_are_those_with_names() {
             .expect("points"),
         Quadrature::StressPoints
             .points(
-                &Arrangement::Square.lattice::<2>(2.0).expect("a lattice"),
+                &LatticeKind::Square.lattice::<2>(2.0).expect("a lattice"),
                 &rule,
             )
             .expect("points"),
@@ -302,17 +300,16 @@ fn lattices_from_vectors_are_those_with_names() {
 
 #[test]
 fn vectors_that_are_too_few_or_dependent_and_sides_without_length_are_refused() {
-    let refused = |arrangement: Arrangement, aspect: f64, vectors: &[f64]| {
-        arrangement
-            .lattice_with::<2>(1.0, aspect, vectors)
+    let refused = |kind: LatticeKind, aspect: f64, vectors: &[f64]| {
+        kind.lattice_with::<2>(1.0, aspect, vectors)
             .expect_err("no lattice")
     };
     assert!(matches!(
-        refused(Arrangement::Rectangular, 0.0, &[]),
+        refused(LatticeKind::Rectangular, 0.0, &[]),
         LatticeError::Aspect { value: 0.0 }
     ));
     assert!(matches!(
-        refused(Arrangement::Oblique, 1.0, &[1.0, 0.0]),
+        refused(LatticeKind::Oblique, 1.0, &[1.0, 0.0]),
         LatticeError::Vectors {
             expected: 4,
             given: 2,
@@ -326,12 +323,12 @@ fn vectors_that_are_too_few_or_dependent_and_sides_without_length_are_refused() 
         [1e200, 0.0, 0.0, 1e200],
     ] {
         assert!(matches!(
-            refused(Arrangement::Oblique, 1.0, &dependent),
+            refused(LatticeKind::Oblique, 1.0, &dependent),
             LatticeError::Dependent { .. }
         ));
     }
     assert!(matches!(
-        refused(Arrangement::Triclinic, 1.0, &[]),
+        refused(LatticeKind::Triclinic, 1.0, &[]),
         LatticeError::Dimension {
             actual: 3,
             requested: 2,

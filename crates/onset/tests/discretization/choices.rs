@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
     Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
@@ -86,7 +86,7 @@ fn frame() -> impl Strategy<Value = (Frame, CurrentLattice, SupportSize, Lineari
 
 pub fn case() -> impl Strategy<Value = Case> {
     (
-        prop::sample::select(vec![Arrangement::Square, Arrangement::Hexagonal]),
+        prop::sample::select(vec![LatticeKind::Square, LatticeKind::Hexagonal]),
         prop::sample::select(vec![
             Quadrature::Nodal,
             Quadrature::StressPoints,
@@ -104,24 +104,15 @@ pub fn case() -> impl Strategy<Value = Case> {
         planar_state(),
     )
         .prop_map(
-            |(
-                arrangement,
-                quadrature,
-                approximation,
-                background,
-                frame,
-                support,
-                is_blatz_ko,
-                state,
-            )| {
+            |(kind, quadrature, approximation, background, frame, support, is_blatz_ko, state)| {
                 let (frame, lattice, support_size, linearization) = frame;
                 let discretization = KernelMethodChoices {
-                    arrangement,
+                    lattice: kind,
                     quadrature,
                     approximation,
                     background,
                     frame,
-                    lattice,
+                    current_lattice: lattice,
                     support_size,
                     linearization,
                     support,

@@ -5,7 +5,7 @@ use onset::approximation::{Approximation, Order};
 use onset::bloch::dynamical_matrix;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, LatticeError};
+use onset::lattice::{LatticeError, LatticeKind};
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
     Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, MethodError,
@@ -80,7 +80,7 @@ fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
     // Stretched across, only the particles of one row remain within the fixed support.
     let apart = DeformationGradient::from_stretches([1.0, 3.0, 1.0]).expect("a state");
     let discretization = KernelMethodChoices {
-        arrangement: Arrangement::Square,
+        lattice: LatticeKind::Square,
         frame: Frame::Eulerian,
         approximation: Approximation::Mls,
         quadrature: Quadrature::Nodal,
@@ -152,7 +152,7 @@ fn settings_that_are_not_positive_are_refused_by_name() {
         }
     }
     for spacing in [-1.0, 0.0, f64::NAN, 1e200, 1e-200] {
-        let refused = Arrangement::Square.lattice::<2>(spacing);
+        let refused = LatticeKind::Square.lattice::<2>(spacing);
         assert!(
             matches!(refused, Err(LatticeError::Spacing { .. })),
             "{spacing:e}"
@@ -161,19 +161,19 @@ fn settings_that_are_not_positive_are_refused_by_name() {
 }
 
 #[test]
-fn an_arrangement_has_one_dimension_only() {
+fn a_lattice_has_one_dimension_only() {
     let chain = KernelMethodChoices {
-        arrangement: Arrangement::Chain,
+        lattice: LatticeKind::Chain,
         ..KernelMethodChoices::default()
     };
     let error = MethodError::Lattice(LatticeError::Dimension {
-        arrangement: "chain",
+        lattice: "chain",
         actual: 1,
         requested: 2,
     });
     assert_eq!(Method::<2>::new(chain).map(|_| ()), Err(error));
     let square = KernelMethodChoices {
-        arrangement: Arrangement::Square,
+        lattice: LatticeKind::Square,
         ..KernelMethodChoices::default()
     };
     assert!(Method::<1>::new(square.clone()).is_err());
@@ -189,7 +189,7 @@ fn states_that_leave_the_plane_are_refused() {
         Err(MethodError::NotPlanar { dimension: 2 })
     );
     let chain = KernelMethodChoices {
-        arrangement: Arrangement::Chain,
+        lattice: LatticeKind::Chain,
         ..KernelMethodChoices::default()
     };
     let planar = DeformationGradient::plane_strain([[1.0, 0.1], [0.0, 1.0]], 1.0).expect("a state");
@@ -231,7 +231,7 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
                 let discretization = KernelMethodChoices {
                     frame,
                     support_size,
-                    lattice,
+                    current_lattice: lattice,
                     background,
                     linearization,
                     support: 1.6,

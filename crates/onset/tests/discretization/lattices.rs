@@ -2,7 +2,7 @@
 
 use crate::choices::config;
 use nalgebra::{Matrix2, SVector, Vector2};
-use onset::lattice::{Arrangement, BravaisLattice, BrillouinZone, LatticeError, voronoi_volumes};
+use onset::lattice::{BravaisLattice, BrillouinZone, LatticeError, LatticeKind, voronoi_volumes};
 use onset::quadrature::{CellRule, Quadrature};
 use proptest::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -94,15 +94,15 @@ proptest! {
 #[test]
 fn nodes_and_stress_points_share_the_cell_equally() {
     let rule = CellRule::default();
-    for (arrangement, quadrature, parts) in [
-        (Arrangement::Square, Quadrature::Nodal, 1),
-        (Arrangement::Square, Quadrature::StressPoints, 2),
-        (Arrangement::Square, Quadrature::StressPointsOnly, 1),
-        (Arrangement::Hexagonal, Quadrature::Nodal, 1),
-        (Arrangement::Hexagonal, Quadrature::StressPoints, 3),
-        (Arrangement::Hexagonal, Quadrature::StressPointsOnly, 2),
+    for (kind, quadrature, parts) in [
+        (LatticeKind::Square, Quadrature::Nodal, 1),
+        (LatticeKind::Square, Quadrature::StressPoints, 2),
+        (LatticeKind::Square, Quadrature::StressPointsOnly, 1),
+        (LatticeKind::Hexagonal, Quadrature::Nodal, 1),
+        (LatticeKind::Hexagonal, Quadrature::StressPoints, 3),
+        (LatticeKind::Hexagonal, Quadrature::StressPointsOnly, 2),
     ] {
-        let lattice = arrangement.lattice::<2>(1.7).expect("a lattice");
+        let lattice = kind.lattice::<2>(1.7).expect("a lattice");
         let expected = lattice.cell_volume() / f64::from(parts);
         let points = quadrature.points(&lattice, &rule).expect("volumes");
         assert_eq!(points.len() as i32, parts);
@@ -110,7 +110,7 @@ fn nodes_and_stress_points_share_the_cell_equally() {
         for point in points {
             assert!(
                 (point.volume - expected).abs() < 1e-13,
-                "{arrangement:?}, {quadrature:?}"
+                "{kind:?}, {quadrature:?}"
             );
         }
         // Affine images of a Bravais lattice of points keep equal shares; the honeycomb does by inversion.
@@ -121,7 +121,7 @@ fn nodes_and_stress_points_share_the_cell_equally() {
             assert!((volume * f64::from(parts) - sheared.cell_volume()).abs() < 1e-13);
         }
     }
-    let chain = Arrangement::Chain.lattice::<1>(0.3).expect("a lattice");
+    let chain = LatticeKind::Chain.lattice::<1>(0.3).expect("a lattice");
     for point in Quadrature::StressPoints
         .points(&chain, &rule)
         .expect("volumes")
@@ -132,7 +132,7 @@ fn nodes_and_stress_points_share_the_cell_equally() {
 
 #[test]
 fn points_that_coincide_or_lie_beyond_space_have_no_voronoi_volumes() {
-    let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let twice = [
         Vector2::new(0.25, 0.5),
         Vector2::new(0.0, 0.0),
@@ -154,8 +154,8 @@ fn points_that_coincide_or_lie_beyond_space_have_no_voronoi_volumes() {
 
 #[test]
 fn the_lattice_laplacian_is_a_squared_length_for_long_waves_and_periodic() {
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        let lattice = arrangement.lattice::<2>(0.8).expect("a lattice");
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
+        let lattice = kind.lattice::<2>(0.8).expect("a lattice");
         let k = Vector2::new(0.9, -1.7);
         for n in 0..2 {
             let moved = k + lattice.reciprocal().column(n);

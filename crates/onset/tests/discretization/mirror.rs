@@ -42,9 +42,9 @@ proptest! {
     #[test]
     fn a_quarter_of_the_zone_tells_no_less_than_the_whole(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
         // Along the axes force constants have a mirror line; turned by an angle that is none of the lattice's the whole zone
-        // is searched. (A regular arrangement does not turn with the state, nor does an interpolated background.)
+        // is searched. (A regular lattice does not turn with the state, nor does an interpolated background.)
         let discretization = KernelMethodChoices {
-            lattice: CurrentLattice::Convected,
+            current_lattice: CurrentLattice::Convected,
             background: Background::Imposed,
             ..case.discretization
         };
@@ -98,7 +98,7 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
     let methods = [
         eulerian.clone(),
         KernelMethodChoices {
-            arrangement: onset::lattice::Arrangement::Square,
+            lattice: onset::lattice::LatticeKind::Square,
             ..eulerian.clone()
         },
         KernelMethodChoices {

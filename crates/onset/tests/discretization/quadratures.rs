@@ -5,14 +5,14 @@ use onset::approximation::Approximation;
 use onset::bloch::{dynamical_matrix, gradient_norm};
 use onset::certificate::{Certainty, Reason, certify};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice};
+use onset::lattice::{BravaisLattice, LatticeKind};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Background, Frame, KernelMethodChoices, Method, MethodError};
 use onset::quadrature::{Quadrature, QuadratureError, gauss_points, own_points, second_moments};
 
-fn method(arrangement: Arrangement, quadrature: Quadrature) -> KernelMethodChoices {
+fn method(kind: LatticeKind, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         quadrature,
         support: 2.2,
         ..KernelMethodChoices::default()
@@ -52,11 +52,11 @@ fn gauss_points_integrate_polynomials_up_to_their_degree() {
 #[test]
 fn volumes_of_every_quadrature_add_up_to_the_cell() {
     for quadrature in Quadrature::ALL {
-        for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+        for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
             let discretization = KernelMethodChoices {
                 spacing: 1.7,
                 points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
-                ..method(arrangement, quadrature)
+                ..method(kind, quadrature)
             };
             let method = Method::<2>::new(discretization).expect("a method");
             let sum: f64 = method.quadrature_points().iter().map(|p| p.volume).sum();
@@ -69,7 +69,7 @@ fn volumes_of_every_quadrature_add_up_to_the_cell() {
 fn a_weight_of_stress_points_is_their_part_of_the_volume() {
     let of = |weight| KernelMethodChoices {
         stress_point_weight: weight,
-        ..method(Arrangement::Hexagonal, Quadrature::StressPoints)
+        ..method(LatticeKind::Hexagonal, Quadrature::StressPoints)
     };
     let weighted = Method::<2>::new(of(Some(0.3))).expect("a method");
     let part: f64 = weighted
@@ -99,7 +99,7 @@ fn a_weight_of_stress_points_is_their_part_of_the_volume() {
 
 #[test]
 fn lists_of_points_that_make_no_quadrature_are_refused() {
-    let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let error = |list: &[f64]| own_points(&lattice, list).expect_err("not admissible");
     assert!(matches!(
         error(&[]),
@@ -137,7 +137,7 @@ fn lists_of_points_that_make_no_quadrature_are_refused() {
 
 #[test]
 fn points_of_ones_own_at_those_of_a_named_quadrature_are_that_quadrature() {
-    let named = method(Arrangement::Square, Quadrature::StressPoints);
+    let named = method(LatticeKind::Square, Quadrature::StressPoints);
     let own = KernelMethodChoices {
         quadrature: Quadrature::Points,
         points: vec![1.0, -3.0, 0.5, 2.5, 0.5, 0.5],
@@ -171,13 +171,13 @@ fn halves(method: &Method<2>) -> Vec<Vector2<f64>> {
 
 #[test]
 fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_see() {
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for approximation in Approximation::ALL {
             let norms = |quadrature| -> Vec<f64> {
                 let method = Method::<2>::new(KernelMethodChoices {
                     approximation,
                     support: 3.2,
-                    ..method(arrangement, quadrature)
+                    ..method(kind, quadrature)
                 })
                 .expect("a method");
                 let norm =
@@ -198,7 +198,7 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
                 // Small for wide supports, but far from rounding.
                 assert!(
                     lifted.iter().all(|norm| *norm > 1e-7),
-                    "{arrangement:?}, {approximation:?}, {quadrature:?}: {lifted:?}"
+                    "{kind:?}, {approximation:?}, {quadrature:?}: {lifted:?}"
                 );
             }
         }
@@ -210,7 +210,7 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
 fn the_stabilized_chain_is_what_one_computes_by_hand() {
     let chain = Method::<1>::new(KernelMethodChoices {
         support: 1.5,
-        ..method(Arrangement::Chain, Quadrature::NodalStabilized)
+        ..method(LatticeKind::Chain, Quadrature::NodalStabilized)
     })
     .expect("a chain");
     // Shepard's function of neighbors at 0 and +-1: phi_0 = W(x) / S, at x = 0 with S' = 0.
@@ -247,7 +247,7 @@ fn long_waves_of_consistent_methods_are_those_of_the_material() {
                 support: 3.2,
                 points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
                 background: Background::Interpolated,
-                ..method(Arrangement::Hexagonal, quadrature)
+                ..method(LatticeKind::Hexagonal, quadrature)
             });
             let is_without_symmetry = matches!(quadrature, Quadrature::Gauss | Quadrature::Points);
             if approximation == Approximation::Raw && is_without_symmetry {
@@ -287,7 +287,7 @@ fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields(
                 frame,
                 support: 3.2,
                 background: Background::Interpolated,
-                ..method(Arrangement::Hexagonal, Quadrature::StressPoints)
+                ..method(LatticeKind::Hexagonal, Quadrature::StressPoints)
             })
             .expect("a method");
             let configuration = method
@@ -310,7 +310,7 @@ fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields(
 fn natural_stabilization_is_refused_for_kernels_of_current_coordinates() {
     let error = error_of(KernelMethodChoices {
         frame: Frame::Eulerian,
-        ..method(Arrangement::Square, Quadrature::NodalStabilized)
+        ..method(LatticeKind::Square, Quadrature::NodalStabilized)
     });
     assert_eq!(error, MethodError::StabilizedEulerian);
 }
@@ -327,7 +327,7 @@ fn certificates_prove_nothing_of_functions_and_points_that_they_do_not_enclose()
     ] {
         let method = Method::<2>::new(KernelMethodChoices {
             approximation,
-            ..method(Arrangement::Hexagonal, quadrature)
+            ..method(LatticeKind::Hexagonal, quadrature)
         })
         .expect("a method");
         let certificate = certify(&method, &material, &f, 1e-3).expect("a state");
@@ -349,7 +349,7 @@ fn a_quadratic_basis_takes_more_neighbors() {
     let error = Method::<2>::new(KernelMethodChoices {
         approximation: Approximation::Mls2,
         support: 1.2,
-        ..method(Arrangement::Square, Quadrature::Nodal)
+        ..method(LatticeKind::Square, Quadrature::Nodal)
     })
     .expect("a method")
     .configuration(
@@ -377,14 +377,14 @@ fn an_interpolated_background_does_not_depend_on_the_origin_of_displacements() {
     use onset::approximation::Order;
     for approximation in Approximation::ALL {
         for quadrature in Quadrature::ALL {
-            for arrangement in [Arrangement::Hexagonal, Arrangement::Oblique] {
+            for kind in [LatticeKind::Hexagonal, LatticeKind::Oblique] {
                 let Ok(method) = Method::<2>::new(KernelMethodChoices {
                     approximation,
                     support: 3.2,
                     points: vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.75],
                     vectors: vec![1.0, 0.1, 0.3, 0.9],
                     background: Background::Interpolated,
-                    ..method(arrangement, quadrature)
+                    ..method(kind, quadrature)
                 }) else {
                     // Refused: only raw weights are not exact for constants.
                     assert_eq!(approximation, Approximation::Raw, "{quadrature:?}");

@@ -8,7 +8,7 @@ use onset::approximation::Approximation;
 use onset::bloch::{dynamical_matrix, gradient_norm};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Background, KernelMethodChoices, Method};
 use onset::quadrature::{Quadrature, QuadraturePoint};
@@ -144,8 +144,8 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
         Approximation::Mls,
     ] {
         for support in [1.4, 2.0, 2.7] {
-            let of = |arrangement, quadrature| KernelMethodChoices {
-                arrangement,
+            let of = |kind, quadrature| KernelMethodChoices {
+                lattice: kind,
                 quadrature,
                 approximation,
                 support,
@@ -159,18 +159,18 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
                 (-2.0 * PI / 3.0, m),
             ] {
                 assert_zero_mode(
-                    of(Arrangement::Hexagonal, Quadrature::Nodal),
+                    of(LatticeKind::Hexagonal, Quadrature::Nodal),
                     Vector2::new(k.0, k.1),
                 );
             }
             for k in [(PI, 0.0), (0.0, PI), (PI, PI)] {
                 assert_zero_mode(
-                    of(Arrangement::Square, Quadrature::Nodal),
+                    of(LatticeKind::Square, Quadrature::Nodal),
                     Vector2::new(k.0, k.1),
                 );
             }
             assert_zero_mode(
-                of(Arrangement::Square, Quadrature::StressPoints),
+                of(LatticeKind::Square, Quadrature::StressPoints),
                 Vector2::new(PI, PI),
             );
         }

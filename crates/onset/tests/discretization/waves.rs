@@ -7,7 +7,7 @@ use onset::approximation::Approximation;
 use onset::bloch::{DynamicalMatrix, dynamical_matrix};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{Background, CurrentLattice, Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use proptest::prelude::*;
@@ -59,7 +59,7 @@ proptest! {
     fn opposite_waves_have_conjugate_matrices(case in case(), k in wave_vector()) {
         let d = matrix(&case);
         prop_assert!(amax(&(d.at(&-k) - d.at(&k).conjugate())) < 1e-13 * scale(&d));
-        // All the arrangements here have an inversion center, so that the matrix is real.
+        // All the lattices here have an inversion center, so that the matrix is real.
         prop_assert!(d.is_centrosymmetric());
     }
 
@@ -76,7 +76,7 @@ proptest! {
 
     #[test]
     fn translations_cost_no_energy(case in case()) {
-        // Raw weights on a distorted arrangement are no partition of unity.
+        // Raw weights on a distorted lattice are no partition of unity.
         let d = matrix(&case);
         let is_partition = case.discretization.approximation != Approximation::Raw
             || case.discretization.frame == Frame::Lagrangian;
@@ -136,7 +136,7 @@ proptest! {
     ) {
         // On the regular lattice particles do not turn with the stress; the interpolated background of
         // functions without linear completeness sees a rotation as a strain.
-        let KernelMethodChoices { frame, lattice, .. } = case.discretization;
+        let KernelMethodChoices { frame, current_lattice: lattice, .. } = case.discretization;
         if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
             return Ok(());
         }
@@ -152,20 +152,20 @@ proptest! {
     fn rotations_of_the_lattice_onto_itself_turn_waves_with_the_state(
         case in case(), k in wave_vector(), turns in 1..6_i32,
     ) {
-        let KernelMethodChoices { frame, lattice, arrangement, .. } = case.discretization;
+        let KernelMethodChoices { frame, current_lattice: lattice, lattice: kind, .. } = case.discretization;
         if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
             return Ok(());
         }
         let discretization = KernelMethodChoices { background: Background::Imposed, ..case.discretization };
         let case = Case { discretization, ..case };
-        let fold = if arrangement == Arrangement::Hexagonal { 6.0 } else { 4.0 };
+        let fold = if kind == LatticeKind::Hexagonal { 6.0 } else { 4.0 };
         let r = rotation(std::f64::consts::TAU * f64::from(turns) / fold);
         let (d, turned) = (matrix(&case), matrix_at(&case, &rotated(&Matrix2::identity(), &case.state, &r)));
         prop_assert!(amax(&(turned.at(&(r * k)) - d.at(&k))) < 1e-10 * scale(&d));
     }
 
     #[test]
-    fn the_undeformed_body_carries_the_same_waves_in_both_frames(case in case(), k in wave_vector()) {
+    fn the_reference_configuration_carries_the_same_waves_in_both_frames(case in case(), k in wave_vector()) {
         // Without stress the motion of the kernel does no work.
         let rest = DeformationGradient::identity();
         let d = [Frame::Lagrangian, Frame::Eulerian].map(|frame| {
@@ -180,7 +180,7 @@ proptest! {
         stretch in 0.7..1.5_f64, support in 1.6..3.3_f64, length in 1e-3..2e-3_f64,
     ) {
         let discretization = KernelMethodChoices {
-            arrangement: Arrangement::Chain,
+            lattice: LatticeKind::Chain,
             quadrature: Quadrature::StressPoints,
             approximation: Approximation::Mls,
             support,

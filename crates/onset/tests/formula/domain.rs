@@ -1,6 +1,6 @@
 //! Where a formula has no value, and where it has no stress: an error at that state, in whatever numbers it is asked.
 
-use onset::certificate::certify_in_space;
+use onset::certificate::certify_3d;
 use onset::formula::{Formula, FormulaLaw, StateError, Trouble};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError, ResponseEnclosure, StrainEnergy};
@@ -222,14 +222,14 @@ fn nothing_is_proved_on_a_kink_and_the_laminate_that_would_contradict_has_less_e
     for part in ["- 5*abs(J - 1)", "+ 5*min(J, 2 - J)"] {
         let law = law(&format!("10*(I1 - 3 - 2*ln(J)) {part}"));
         let f = state([2.0, 0.5, 1.0]);
-        let proof = certify_in_space(&law, &f, 1e-6).expect("a scale");
+        let proof = certify_3d(&law, &f, 1e-6).expect("a scale");
         assert!(!proof.certainty.is_decided(), "{part}: {proof:?}");
         // Layers on both sides of the kink.
         let energy = |shift: f64| law.energy(&state([2.0 + shift, 0.5, 1.0]));
         assert!(energy(1e-3) + energy(-1e-3) < 2.0 * energy(0.0), "{part}");
         // Beside the kink everything is as ever.
         let beside = state([2.0, 0.51, 1.0]);
-        let proof = certify_in_space(&law, &beside, 1e-6).expect("a scale");
+        let proof = certify_3d(&law, &beside, 1e-6).expect("a scale");
         assert!(proof.certainty.is_decided(), "{part}: {proof:?}");
     }
 }

@@ -7,7 +7,7 @@ use crate::states::of;
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use nalgebra::{Matrix3, Vector2, Vector3};
-use onset::certificate::{Certainty, certify_in_space};
+use onset::certificate::{Certainty, certify_3d};
 use onset::continuum::{AcousticMinimum, Ellipticity, Stiffness};
 use onset::formula::{Formula, FormulaLaw, Trouble};
 use onset::kinematics::DeformationGradient;
@@ -283,7 +283,7 @@ fn check_proof(
     text: &str,
     seen: &mut Seen,
 ) {
-    let Ok(proof) = certify_in_space(law, f, 1e-6) else {
+    let Ok(proof) = certify_3d(law, f, 1e-6) else {
         return;
     };
     let Certainty::Stable { bound } = proof.certainty else {

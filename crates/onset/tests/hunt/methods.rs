@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 use onset::approximation::Approximation;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, Crystal};
+use onset::lattice::{Crystal, LatticeKind};
 use onset::material::{Hyperelastic, library};
 use onset::method::{
     CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
@@ -95,25 +95,25 @@ pub fn state<const D: usize>(random: &mut Random) -> DeformationGradient {
 
 /// Particles: a lattice, one of several particles in a cell, or a cell with particles anywhere.
 fn crystal<const D: usize>(random: &mut Random) -> Option<(String, Crystal<D>)> {
-    let known: &[Arrangement] = match D {
-        1 => &[Arrangement::Chain],
+    let known: &[LatticeKind] = match D {
+        1 => &[LatticeKind::Chain],
         2 => &[
-            Arrangement::Square,
-            Arrangement::Hexagonal,
-            Arrangement::Honeycomb,
+            LatticeKind::Square,
+            LatticeKind::Hexagonal,
+            LatticeKind::Honeycomb,
         ],
         _ => &[
-            Arrangement::SimpleCubic,
-            Arrangement::BodyCenteredCubic,
-            Arrangement::FaceCenteredCubic,
-            Arrangement::HexagonalClosePacked,
-            Arrangement::Diamond,
+            LatticeKind::SimpleCubic,
+            LatticeKind::BodyCenteredCubic,
+            LatticeKind::FaceCenteredCubic,
+            LatticeKind::HexagonalClosePacked,
+            LatticeKind::Diamond,
         ],
     };
-    let arrangement = random.one_of(known);
+    let kind = random.one_of(known);
     if random.happens(0.55) {
-        let name = format!("{arrangement:?}");
-        return Some((name, Crystal::of(arrangement, 1.0).ok()?));
+        let name = format!("{kind:?}");
+        return Some((name, Crystal::of(kind, 1.0).ok()?));
     }
     let sites = random.one_of(&[2_usize, 2, 3, 4]);
     let spacing = (sites as f64).powf(1.0 / D as f64);
@@ -164,13 +164,13 @@ fn weight(random: &mut Random) -> Kernel {
 }
 
 fn kernel<const D: usize>(random: &mut Random) -> Option<Named<D>> {
-    let arrangement = match D {
-        1 => Arrangement::Chain,
-        2 => random.one_of(&[Arrangement::Square, Arrangement::Hexagonal]),
-        _ => random.one_of(&[Arrangement::SimpleCubic, Arrangement::FaceCenteredCubic]),
+    let kind = match D {
+        1 => LatticeKind::Chain,
+        2 => random.one_of(&[LatticeKind::Square, LatticeKind::Hexagonal]),
+        _ => random.one_of(&[LatticeKind::SimpleCubic, LatticeKind::FaceCenteredCubic]),
     };
     let choices = KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         kernel: weight(random),
         support: random.between(1.3, 2.6),
         approximation: approximation(random),
@@ -180,7 +180,7 @@ fn kernel<const D: usize>(random: &mut Random) -> Option<Named<D>> {
             Quadrature::StressPointsOnly,
         ]),
         frame: random.one_of(&[Frame::Lagrangian, Frame::Eulerian, Frame::Eulerian]),
-        lattice: random.one_of(&[CurrentLattice::Convected, CurrentLattice::Regular]),
+        current_lattice: random.one_of(&[CurrentLattice::Convected, CurrentLattice::Regular]),
         linearization: random.one_of(&[Linearization::Exact, Linearization::Paper]),
         support_size: random.one_of(&[SupportSize::Fixed, SupportSize::Scaled]),
         ..KernelMethodChoices::default()

@@ -5,7 +5,7 @@ use crate::dense::Waves;
 use nalgebra::{SMatrix, SVector};
 use onset::bloch::{BlochBlocks, Mass, SpectrumSummary, WaveSystem, ZoneSearch};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle};
 use onset::material::{Hyperelastic, Law};
 use onset::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
 use onset::scheme::{Discretization, GridFunctions, MaterialPointChoices, MaterialPoints};
@@ -77,7 +77,7 @@ fn material_points_in_the_plane_flutter_without_inversion() {
 
 #[test]
 fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
-    let crystal = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let crystal = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let choices = UpdatedSphChoices {
         radius: 1.9339693506539979,
         ..UpdatedSphChoices::default()
@@ -90,7 +90,7 @@ fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
 
 #[test]
 fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_search() {
-    let lattice = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let second = SVector::from([0.4322781157294936, 0.5146418018764464]);
     let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
     let choices = UpdatedSphChoices {

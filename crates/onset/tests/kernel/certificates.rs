@@ -26,7 +26,7 @@ fn what_is_proved_of_any_kernel_agrees_with_the_search() {
             let method = Method::<2>::new(KernelMethodChoices {
                 kernel,
                 frame,
-                lattice: CurrentLattice::Regular,
+                current_lattice: CurrentLattice::Regular,
                 support: 1.8,
                 ..KernelMethodChoices::default()
             })
@@ -53,7 +53,7 @@ fn nothing_is_proved_where_the_matrix_jumps() {
         let method = Method::<2>::new(KernelMethodChoices {
             kernel,
             frame: Frame::Eulerian,
-            lattice: CurrentLattice::Regular,
+            current_lattice: CurrentLattice::Regular,
             support,
             ..KernelMethodChoices::default()
         })

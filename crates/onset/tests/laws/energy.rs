@@ -167,7 +167,7 @@ fn rotations_before_and_after_change_no_energy() {
 }
 
 #[test]
-fn the_undeformed_state_is_free_of_stress_and_has_the_moduli_of_the_law() {
+fn the_reference_state_is_free_of_stress_and_has_the_moduli_of_the_law() {
     for entry in laws() {
         let response = entry
             .law

@@ -2,7 +2,7 @@
 
 use crate::{method, nodal};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{StateWindow, fidelity};
 use onset::method::{Frame, KernelMethodChoices};
@@ -23,7 +23,7 @@ fn shares_are_those_of_the_verdicts_one_by_one() {
             let method = method::<2>(KernelMethodChoices {
                 frame,
                 quadrature,
-                ..nodal(Arrangement::Hexagonal)
+                ..nodal(LatticeKind::Hexagonal)
             });
             let survey = Survey::new(&method, &material).expect("a survey");
             let found = fidelity(&survey, &WINDOW).expect("shares");
@@ -36,11 +36,11 @@ fn shares_are_those_of_the_verdicts_one_by_one() {
                     match survey.state(&f.expect("a state")) {
                         Ok(state) => match (state.verdict, !state.acoustic.ellipticity().is_lost())
                         {
-                            (Verdict::Kernel, true) => falsely += 1.0,
-                            (Verdict::Missed, _) => missed += 1.0,
+                            (Verdict::Numerical, true) => falsely += 1.0,
+                            (Verdict::Suppressed, _) => missed += 1.0,
                             (verdict, _) => {
                                 right += 1.0;
-                                if verdict == Verdict::RankDeficient {
+                                if verdict == Verdict::ZeroEnergy {
                                     deficient += 1.0;
                                 }
                             }
@@ -51,8 +51,8 @@ fn shares_are_those_of_the_verdicts_one_by_one() {
             }
             let close = |share: f64, count: f64| (share - count / 36.0).abs() < 1e-12;
             assert!(close(found.false_instability, falsely), "{found:?}");
-            assert!(close(found.missed_instability, missed), "{found:?}");
-            assert!(close(found.rank_deficient, deficient), "{found:?}");
+            assert!(close(found.suppressed_instability, missed), "{found:?}");
+            assert!(close(found.zero_energy, deficient), "{found:?}");
             assert!(close(found.undefined, undefined), "{found:?}");
             assert!(close(found.agreement(), right), "{found:?}");
             assert!(found.elliptic > 0.0 && found.elliptic < 1.0, "{found:?}");
@@ -65,7 +65,7 @@ fn want_of_neighbors_is_the_methods_and_not_the_laws() {
     // An Eulerian kernel of fixed size loses its neighbors in tension.
     let method = method::<2>(KernelMethodChoices {
         frame: Frame::Eulerian,
-        ..nodal(Arrangement::Square)
+        ..nodal(LatticeKind::Square)
     });
     let material = ModifiedMooneyRivlin::default();
     let survey = Survey::new(&method, &material).expect("a survey");

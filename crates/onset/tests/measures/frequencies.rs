@@ -1,7 +1,7 @@
 //! Errors of frequencies and of long waves.
 
 use crate::{linear_complete, method, nodal};
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{dispersion_errors, long_wave_error};
 use onset::scheme::Discretization;
@@ -33,7 +33,7 @@ fn errors<const D: usize>(scheme: &dyn Discretization<D>, wavelengths: &[f64]) -
 
 #[test]
 fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
-    // omega = 2 c/h sin(k h/2); at two elements a wavelength 2/pi of the exact one.
+    // omega = 2 c/h sin(k h/2); at two elements per wavelength 2/pi of the exact one.
     let wavelengths = [2.0, 4.0, 8.0, 16.0];
     let found = errors(&bars(ElementMass::Lumped), &wavelengths);
     for (error, count) in found.iter().zip(wavelengths) {
@@ -65,20 +65,20 @@ fn of_long_waves<const D: usize>(scheme: &dyn Discretization<D>) -> f64 {
 
 #[test]
 fn long_waves_are_exact_for_linear_completeness_and_wrong_without() {
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-        let exact = method::<2>(linear_complete(arrangement));
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
+        let exact = method::<2>(linear_complete(kind));
         assert!(of_long_waves(&exact) < 1e-11);
-        let wrong = method::<2>(nodal(arrangement));
+        let wrong = method::<2>(nodal(kind));
         assert!(of_long_waves(&wrong) > 0.01);
     }
-    let in_space = method::<3>(linear_complete(Arrangement::SimpleCubic));
-    assert!(of_long_waves(&in_space) < 1e-11);
+    let in_3d = method::<3>(linear_complete(LatticeKind::SimpleCubic));
+    assert!(of_long_waves(&in_3d) < 1e-11);
 }
 
 #[test]
 fn the_error_of_long_waves_is_that_of_their_frequencies() {
     // One component in one dimension: the error of the stiffness is (1 + e)^2 - 1 with e that of the frequency.
-    let chain = method::<1>(nodal(Arrangement::Chain));
+    let chain = method::<1>(nodal(LatticeKind::Chain));
     let stiffness = of_long_waves(&chain);
     let frequency = errors(&chain, &[4000.0])[0];
     let slow = 1.0 - (1.0 - frequency) * (1.0 - frequency);

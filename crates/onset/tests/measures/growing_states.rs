@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, SVector};
 use onset::algebra::Complex;
 use onset::bloch::WaveSystem;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, Crystal};
+use onset::lattice::{Crystal, LatticeKind};
 use onset::material::ModifiedMooneyRivlin;
 use onset::scheme::Discretization;
 use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
@@ -33,7 +33,7 @@ fn growing(
 
 #[test]
 fn the_damped_step_of_a_growing_state_is_that_of_its_waves_that_do_not_grow() {
-    let lattice = Arrangement::Hexagonal.lattice::<2>(1.0).expect("a lattice");
+    let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
     let choices = UpdatedSphChoices {
         viscosity: Some(ArtificialViscosity {
             alpha: 0.5,

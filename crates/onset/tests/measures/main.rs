@@ -11,15 +11,15 @@ mod zero_energy;
 mod hunt;
 
 use onset::approximation::Approximation;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 
 /// A Lagrangian kernel method with nodal quadrature.
-fn nodal(arrangement: Arrangement) -> KernelMethodChoices {
+fn nodal(kind: LatticeKind) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         quadrature: Quadrature::Nodal,
         ..KernelMethodChoices::default()
     }
@@ -44,9 +44,9 @@ fn on_crystal<const D: usize>(discretization: &KernelMethodChoices) -> KernelSch
 }
 
 /// Moving least squares with stress points.
-fn linear_complete(arrangement: Arrangement) -> KernelMethodChoices {
+fn linear_complete(kind: LatticeKind) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         approximation: Approximation::Mls,
         ..KernelMethodChoices::default()
     }

@@ -2,7 +2,7 @@
 
 use crate::{method, nodal};
 use onset::kinematics::StraightPath;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::{Load, StretchOnset, onset};
 use onset::method::{Frame, KernelMethodChoices};
@@ -37,7 +37,7 @@ fn onsets_are_those_that_a_scan_of_the_path_finds() {
         let method = method::<2>(KernelMethodChoices {
             frame,
             quadrature: Quadrature::StressPoints,
-            ..nodal(Arrangement::Hexagonal)
+            ..nodal(LatticeKind::Hexagonal)
         });
         let survey = Survey::new(&method, &material).expect("a survey");
         for (load, end) in [
@@ -60,7 +60,7 @@ fn a_faithful_method_has_the_ratio_one() {
     let material = ModifiedMooneyRivlin::default();
     let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
-        ..nodal(Arrangement::Hexagonal)
+        ..nodal(LatticeKind::Hexagonal)
     });
     let survey = Survey::new(&method, &material).expect("a survey");
     for load in Load::ALL {

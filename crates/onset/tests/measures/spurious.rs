@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use onset::approximation::Approximation;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BrillouinZone};
+use onset::lattice::{BrillouinZone, LatticeKind};
 use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
 use onset::method::KernelMethodChoices;
@@ -48,7 +48,7 @@ fn zeros<const D: usize>(
 
 #[test]
 fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
-    let method = method::<2>(nodal(Arrangement::Square));
+    let method = method::<2>(nodal(LatticeKind::Square));
     let modes = found(&method, 0.5);
     assert_eq!(zeros(&method, &modes), [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]]);
     assert!(modes.modes.iter().all(|mode| mode.nullity <= 2));
@@ -59,7 +59,7 @@ fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
 #[test]
 fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners() {
     // Where the sum of odd gradients vanishes: three M by inversion, K by the threefold axis. No minimum lies between them.
-    let method = method::<2>(nodal(Arrangement::Hexagonal));
+    let method = method::<2>(nodal(LatticeKind::Hexagonal));
     let modes = found(&method, 0.5);
     let third = 0.333333;
     let expected = [[0.0, 0.5], [third, 2.0 * third], [0.5, 0.0], [0.5, 0.5]];
@@ -75,11 +75,11 @@ fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners()
 fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
     // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and so on in turn, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
     // 7. One, with the cosine -1: a = b = -0.786, 6. None: a = b = c = -0.898, 4.
-    let cubes = method::<3>(nodal(Arrangement::SimpleCubic));
+    let cubes = method::<3>(nodal(LatticeKind::SimpleCubic));
     let modes = found(&cubes, 0.5);
     assert_eq!(zeros(&cubes, &modes).len(), 17);
     assert!(modes.modes.iter().all(|mode| mode.nullity == 3));
-    let chain = method::<1>(nodal(Arrangement::Chain));
+    let chain = method::<1>(nodal(LatticeKind::Chain));
     let modes = found(&chain, 0.5);
     assert_eq!(zeros(&chain, &modes), [[0.5]]);
     assert_eq!(modes.zero_extent, Some(Extent::Point));
@@ -89,7 +89,7 @@ fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
 fn stress_points_leave_weak_modes_and_none_without_energy() {
     let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
-        ..nodal(Arrangement::Hexagonal)
+        ..nodal(LatticeKind::Hexagonal)
     });
     let modes = found(&method, 0.5);
     assert!(!modes.modes.is_empty());
@@ -117,10 +117,10 @@ fn stress_points_leave_weak_modes_and_none_without_energy() {
 
 #[test]
 fn minima_are_listed_once_and_are_minima() {
-    for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
+    for kind in [LatticeKind::Hexagonal, LatticeKind::Square] {
         let method = method::<2>(KernelMethodChoices {
             quadrature: Quadrature::StressPoints,
-            ..nodal(arrangement)
+            ..nodal(kind)
         });
         let material = ModifiedMooneyRivlin::default();
         let survey = Survey::new(&method, &material).expect("a survey");
@@ -138,10 +138,7 @@ fn minima_are_listed_once_and_are_minima() {
             for step in 0..12 {
                 let (sine, cosine) = (TAU * f64::from(step) / 12.0).sin_cos();
                 let beside = mode.wave_vector + SVector::<f64, 2>::new(cosine, sine) * 1e-3;
-                assert!(
-                    ratio(beside) >= own * (1.0 - 1e-7),
-                    "{arrangement:?} {mode:?}"
-                );
+                assert!(ratio(beside) >= own * (1.0 - 1e-7), "{kind:?} {mode:?}");
             }
             for other in &modes[..n] {
                 let apart = (mode.wave_vector - other.wave_vector).norm();
@@ -157,7 +154,7 @@ fn a_larger_cell_has_the_same_modes_at_rest() {
     // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
     let cell = on_crystal::<2>(&KernelMethodChoices {
         cells: 2,
-        ..nodal(Arrangement::Square)
+        ..nodal(LatticeKind::Square)
     });
     let modes = found(&cell, 0.05).modes;
     assert_eq!(modes.len(), 1);
@@ -171,7 +168,7 @@ fn a_larger_cell_has_the_same_modes_at_rest() {
 #[test]
 fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
     // Nodal integration on a honeycomb: each particle sees a threefold star of the others, whose gradients cancel.
-    let honeycomb = on_crystal::<2>(&nodal(Arrangement::Honeycomb));
+    let honeycomb = on_crystal::<2>(&nodal(LatticeKind::Honeycomb));
     let modes = found(&honeycomb, 0.5).modes;
     assert_eq!(zeros(&honeycomb, &found(&honeycomb, 0.5)), [[0.0, 0.0]]);
     assert_eq!(modes[0].nullity, 2);
@@ -228,24 +225,24 @@ fn densely<const D: usize>(survey: &Survey<'_, D>, steps: usize) -> f64 {
 
 #[test]
 fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
-    let stabilized = |arrangement| KernelMethodChoices {
+    let stabilized = |kind| KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         approximation: Approximation::Mls,
-        ..nodal(arrangement)
+        ..nodal(kind)
     };
     let angle = [("angle", 30.0)];
     let cases = [
         (
             "blatz-ko",
             &[][..],
-            stabilized(Arrangement::Hexagonal),
+            stabilized(LatticeKind::Hexagonal),
             Some(0.060_910_6),
         ),
-        ("blatz-ko", &[], stabilized(Arrangement::Square), None),
+        ("blatz-ko", &[], stabilized(LatticeKind::Square), None),
         (
             "saint-venant-orthotropic",
             &angle,
-            stabilized(Arrangement::Hexagonal),
+            stabilized(LatticeKind::Hexagonal),
             None,
         ),
         (
@@ -253,7 +250,7 @@ fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
             &angle,
             KernelMethodChoices {
                 quadrature: Quadrature::StressPoints,
-                ..nodal(Arrangement::Square)
+                ..nodal(LatticeKind::Square)
             },
             None,
         ),

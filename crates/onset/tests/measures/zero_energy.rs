@@ -4,7 +4,7 @@ use crate::hunt::hunted;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Law};
 use onset::measures::{Extent, SpuriousModes, spurious_modes};
 use onset::scheme::element::{
@@ -67,8 +67,8 @@ fn total_lagrangian<const D: usize>(
     TotalLagrangianSph::new(Crystal::of_lattice(lattice), choices).expect("a method")
 }
 
-fn lattice<const D: usize>(arrangement: Arrangement) -> BravaisLattice<D> {
-    arrangement.lattice(1.0).expect("a lattice")
+fn lattice<const D: usize>(kind: LatticeKind) -> BravaisLattice<D> {
+    kind.lattice(1.0).expect("a lattice")
 }
 
 /// `sum_X w(|X|) X sin(k.X)` over the half of the neighbors within a radius: up to a regular matrix the discrete gradient of a
@@ -195,19 +195,19 @@ fn quartic(q: f64) -> f64 {
 
 #[test]
 fn correspondence_families_have_every_zero_energy_mode_of_a_dense_search() {
-    for (arrangement, horizon, expected) in [
-        (Arrangement::Hexagonal, 3.0, 22),
-        (Arrangement::Hexagonal, 2.0, 13),
-        (Arrangement::Square, 3.0, 21),
+    for (kind, horizon, expected) in [
+        (LatticeKind::Hexagonal, 3.0, 22),
+        (LatticeKind::Hexagonal, 2.0, 13),
+        (LatticeKind::Square, 3.0, 21),
     ] {
-        let lattice = lattice::<2>(arrangement);
+        let lattice = lattice::<2>(kind);
         let gradient = Gradient::new(*lattice.vectors(), horizon, |_| 1.0);
         let scheme = correspondence(lattice, horizon, Influence::Constant);
-        let name = format!("{arrangement:?} {horizon}");
+        let name = format!("{kind:?} {horizon}");
         let count = assert_all(&scheme, &gradient, 40, &name);
         assert_eq!(count, expected, "{name}");
     }
-    let lattice = lattice::<3>(Arrangement::SimpleCubic);
+    let lattice = lattice::<3>(LatticeKind::SimpleCubic);
     let gradient = Gradient::new(*lattice.vectors(), 2.0, |_| 1.0);
     let scheme = correspondence(lattice, 2.0, Influence::Constant);
     // sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and so on in turn, a, b, c the cosines. All sines zero: 7. Two: a = 3/4 beside b c = -1,
@@ -223,15 +223,15 @@ fn correspondence_families_have_every_zero_energy_mode_of_a_dense_search() {
 
 #[test]
 fn total_lagrangian_particles_have_every_zero_energy_mode_of_a_dense_search() {
-    for (arrangement, radius, expected) in [
-        (Arrangement::FaceCenteredCubic, 1.6, 16),
-        (Arrangement::BodyCenteredCubic, 1.6, 12),
-        (Arrangement::SimpleCubic, 1.9, 17),
+    for (kind, radius, expected) in [
+        (LatticeKind::FaceCenteredCubic, 1.6, 16),
+        (LatticeKind::BodyCenteredCubic, 1.6, 12),
+        (LatticeKind::SimpleCubic, 1.9, 17),
     ] {
-        let lattice = lattice::<3>(arrangement);
+        let lattice = lattice::<3>(kind);
         let gradient = Gradient::new(*lattice.vectors(), radius, quartic);
         let scheme = total_lagrangian(lattice, radius);
-        let name = format!("{arrangement:?} {radius}");
+        let name = format!("{kind:?} {radius}");
         let count = assert_all(&scheme, &gradient, 14, &name);
         assert_eq!(count, expected, "{name}");
     }
@@ -355,15 +355,15 @@ fn assert_geometry<const D: usize>(scheme: &dyn Discretization<D>, name: &str) {
 
 #[test]
 fn zero_energy_modes_are_geometry_and_the_same_for_three_laws() {
-    let square = lattice::<2>(Arrangement::Square);
+    let square = lattice::<2>(LatticeKind::Square);
     let family = correspondence(square, 3.0, Influence::Constant);
     assert_geometry(&family, "correspondence on squares");
-    let cubic = lattice::<3>(Arrangement::SimpleCubic);
+    let cubic = lattice::<3>(LatticeKind::SimpleCubic);
     assert_geometry(
         &total_lagrangian(cubic, 1.9),
         "total-Lagrangian particles on cubes",
     );
-    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let choices = TotalLagrangianChoices {
         radius: 1.9,
         ..TotalLagrangianChoices::default()
@@ -429,7 +429,7 @@ fn what_a_control_sees_has_no_zero_energy_modes_left() {
         assert!(bricks.modes.iter().all(|mode| !mode.is_zero()));
         assert!(bricks.weakest > 0.0);
     }
-    let hexagonal = Crystal::of_lattice(lattice::<2>(Arrangement::Hexagonal));
+    let hexagonal = Crystal::of_lattice(lattice::<2>(LatticeKind::Hexagonal));
     for control in [
         ZeroEnergyControl::Penalty { coefficient: 0.01 },
         ZeroEnergyControl::Hourglass { coefficient: 0.01 },

@@ -115,9 +115,9 @@ fn boundary_of_strong_ellipticity() {
 #[test]
 fn kernel_sums_and_completeness_errors() {
     for (key, reference) in anchors()["kernel"].as_object().expect("a table") {
-        let (arrangement, support) = key.split_once('_').expect("arrangement_support");
+        let (kind, support) = key.split_once('_').expect("lattice_support");
         let support: f64 = support.parse().expect("a support");
-        let method = method(lagrangian(arrangement, "sp", support));
+        let method = method(lagrangian(kind, "sp", support));
         let configuration = method
             .configuration(&DeformationGradient::identity(), Order::First)
             .expect("a configuration");
@@ -178,7 +178,7 @@ fn assert_spectrum(key: &str, computed: [Complex; 2], reference: &[f64], toleran
 }
 
 #[test]
-fn rank_deficiency_of_lagrangian_kernels() {
+fn zero_energy_modes_of_lagrangian_kernels() {
     for (key, reference) in anchors()["rank_F_1.1_0.95_mooney"]
         .as_object()
         .expect("a table")
@@ -198,13 +198,13 @@ fn rank_deficiency_of_lagrangian_kernels() {
             point => panic!("unknown point {point}"),
         };
         let mut parts = key.split('_');
-        let arrangement = parts.next().expect("an arrangement");
+        let kind = parts.next().expect("a lattice");
         let support: f64 = parts
             .next()
             .and_then(|s| s.parse().ok())
             .expect("a support");
         for quadrature in ["nodal", "sp"] {
-            let discretization = lagrangian(arrangement, quadrature, support);
+            let discretization = lagrangian(kind, quadrature, support);
             let computed = omega_squared(discretization, "mooney", &stretched(1.1, 0.95), k);
             assert_spectrum(key, computed, &numbers(&reference[quadrature]), 1e-9);
         }
@@ -265,7 +265,7 @@ fn quadrature_without_an_inversion_center_needs_the_complex_matrix() {
 }
 
 #[test]
-fn eulerian_spectra_at_the_rank_deficient_wave_vectors() {
+fn eulerian_spectra_at_the_wave_vectors_of_zero_energy_modes() {
     let anchors = anchors();
     let table = anchors["euler_at_spurious"].as_object().expect("a table");
     assert_eq!(table.len(), 288);
@@ -501,8 +501,8 @@ fn minima_over_the_zone_are_met_or_beaten() {
     }
 }
 
-/// Onsets from the undeformed state: the first divergence must meet the reference, which looked for
-/// `Re omega^2 < 0`, or come nearer to the undeformed state with a growing mode to show for it; flutter
+/// Onsets from the reference state: the first divergence must meet the reference, which looked for
+/// `Re omega^2 < 0`, or come nearer to the reference state with a growing mode to show for it; flutter
 /// may come before. Returns how many met it and how many came earlier.
 fn eulerian_onsets(name: &str) -> [usize; 2] {
     let anchors = anchors();

@@ -2,7 +2,7 @@
 
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{
     CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
@@ -57,12 +57,12 @@ pub fn material(name: &str) -> Box<dyn Hyperelastic> {
 }
 
 /// A Lagrangian discretization: `hex` or `square`, `nodal` or `sp`.
-pub fn lagrangian(arrangement: &str, quadrature: &str, support: f64) -> KernelMethodChoices {
+pub fn lagrangian(kind: &str, quadrature: &str, support: f64) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement: match arrangement {
-            "hex" => Arrangement::Hexagonal,
-            "square" => Arrangement::Square,
-            _ => panic!("unknown arrangement {arrangement}"),
+        lattice: match kind {
+            "hex" => LatticeKind::Hexagonal,
+            "square" => LatticeKind::Square,
+            _ => panic!("unknown lattice {kind}"),
         },
         quadrature: match quadrature {
             "nodal" => Quadrature::Nodal,
@@ -106,7 +106,7 @@ pub fn with_frame(
             KernelMethodChoices {
                 frame: Frame::Eulerian,
                 support_size,
-                lattice,
+                current_lattice: lattice,
                 linearization,
                 ..base
             }

@@ -6,7 +6,7 @@ use num_dual::{DualNum, HyperDual64};
 use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{
     Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, Method, SupportSize,
 };
@@ -31,7 +31,7 @@ pub struct Shape<const D: usize> {
 struct Point<const D: usize> {
     /// In the coordinates of the kernel, at rest.
     place: SVector<f64, D>,
-    /// In the undeformed body.
+    /// In the reference configuration.
     reference: SVector<f64, D>,
     /// The particle that it is, unless it is a stress point.
     particle: Option<usize>,
@@ -98,9 +98,9 @@ fn rule(choices: &KernelMethodChoices, only_up: bool) -> Vec<([f64; 2], f64)> {
             .map(|&x| ([x, x], 1.0 / places.len() as f64))
             .collect()
     };
-    let centers: &[f64] = match choices.arrangement {
-        Arrangement::Hexagonal if only_up => &[1.0 / 3.0],
-        Arrangement::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
+    let centers: &[f64] = match choices.lattice {
+        LatticeKind::Hexagonal if only_up => &[1.0 / 3.0],
+        LatticeKind::Hexagonal => &[1.0 / 3.0, 2.0 / 3.0],
         _ => &[0.5],
     };
     let both = [&[0.0], centers].concat();
@@ -122,7 +122,7 @@ fn rule(choices: &KernelMethodChoices, only_up: bool) -> Vec<([f64; 2], f64)> {
             (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
         ],
     };
-    let is_line = choices.arrangement == Arrangement::Chain;
+    let is_line = choices.lattice == LatticeKind::Chain;
     match (choices.quadrature, choices.stress_point_weight) {
         (Quadrature::Nodal | Quadrature::NodalStabilized, _) => equal(&[0.0]),
         // All Voronoi cells are congruent: the union of the points is a Bravais lattice or a honeycomb.
@@ -165,16 +165,16 @@ impl<const D: usize> Patch<D> {
         only_up: bool,
     ) -> Self {
         let h = choices.spacing;
-        let reference_vectors: SMatrix<f64, D, D> = match choices.arrangement {
-            Arrangement::Chain | Arrangement::Square => SMatrix::identity() * h,
-            Arrangement::Hexagonal => {
+        let reference_vectors: SMatrix<f64, D, D> = match choices.lattice {
+            LatticeKind::Chain | LatticeKind::Square => SMatrix::identity() * h,
+            LatticeKind::Hexagonal => {
                 SMatrix::from_fn(|i, j| [[1.0, 0.5], [0.0, 0.75_f64.sqrt()]][i][j] * h)
             }
-            other => panic!("the patch has no arrangement {other:?}"),
+            other => panic!("the patch has no lattice {other:?}"),
         };
         let leading: SMatrix<f64, D, D> = SMatrix::from_fn(|i, j| f.components()[i][j]);
         let eulerian = choices.frame == Frame::Eulerian;
-        let moved = eulerian && choices.lattice == CurrentLattice::Convected;
+        let moved = eulerian && choices.current_lattice == CurrentLattice::Convected;
         let home = if moved { leading } else { SMatrix::identity() };
         let vectors = home * reference_vectors;
 
@@ -215,11 +215,11 @@ impl<const D: usize> Patch<D> {
         let rule = rule(&choices, only_up);
         let second_moment = (choices.quadrature == Quadrature::NodalStabilized).then(|| {
             let volume = cell_volume;
-            match choices.arrangement {
-                Arrangement::Chain => volume.powi(3) / 12.0,
-                Arrangement::Square => volume * volume / 12.0,
-                Arrangement::Hexagonal => volume * volume * 5.0 / (36.0 * 3.0_f64.sqrt()),
-                other => panic!("the patch has no arrangement {other:?}"),
+            match choices.lattice {
+                LatticeKind::Chain => volume.powi(3) / 12.0,
+                LatticeKind::Square => volume * volume / 12.0,
+                LatticeKind::Hexagonal => volume * volume * 5.0 / (36.0 * 3.0_f64.sqrt()),
+                other => panic!("the patch has no lattice {other:?}"),
             }
         });
         for (n, cell) in cells.iter().enumerate() {

@@ -5,7 +5,7 @@ use crate::law::Law;
 use nalgebra::{Complex, DMatrix};
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{
     Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
 };
@@ -14,13 +14,13 @@ use onset::quadrature::Quadrature;
 const DIAGONAL: [[f64; 2]; 2] = [[1.15, 0.0], [0.0, 0.9]];
 const SHEARED: [[f64; 2]; 2] = [[1.05, 0.25], [-0.1, 0.92]];
 
-fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> KernelMethodChoices {
+fn eulerian(kind: LatticeKind, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         quadrature,
         // No distance in the states of this file is on the rim of the support, where the derivative of
         // the forces has a kink that differences would smear.
-        support: if arrangement == Arrangement::Square {
+        support: if kind == LatticeKind::Square {
             1.9
         } else {
             1.6
@@ -33,13 +33,13 @@ fn eulerian(arrangement: Arrangement, quadrature: Quadrature) -> KernelMethodCho
 
 #[test]
 fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for quadrature in [
             Quadrature::Nodal,
             Quadrature::StressPoints,
             Quadrature::StressPointsOnly,
         ] {
-            let choices = eulerian(arrangement, quadrature);
+            let choices = eulerian(kind, quadrature);
             assert_agrees::<2>(choices.clone(), Law::MooneyRivlin, &state(DIAGONAL, 1.0));
             assert_agrees::<2>(choices, Law::BlatzKo, &state(SHEARED, 1.1));
         }
@@ -56,7 +56,7 @@ fn every_correction_of_the_weights_agrees() {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
             let choices = KernelMethodChoices {
                 approximation,
-                ..eulerian(Arrangement::Hexagonal, quadrature)
+                ..eulerian(LatticeKind::Hexagonal, quadrature)
             };
             assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
         }
@@ -64,22 +64,22 @@ fn every_correction_of_the_weights_agrees() {
 }
 
 #[test]
-fn every_support_and_every_arrangement_of_the_particles_agrees() {
+fn every_support_and_every_current_lattice_agrees() {
     for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
         for support_size in [
             SupportSize::Fixed,
             SupportSize::Scaled,
             SupportSize::Convected,
         ] {
-            for (arrangement, approximation) in [
-                (Arrangement::Hexagonal, Approximation::Shepard),
-                (Arrangement::Square, Approximation::Raw),
+            for (kind, approximation) in [
+                (LatticeKind::Hexagonal, Approximation::Shepard),
+                (LatticeKind::Square, Approximation::Raw),
             ] {
                 let choices = KernelMethodChoices {
-                    lattice,
+                    current_lattice: lattice,
                     support_size,
                     approximation,
-                    ..eulerian(arrangement, Quadrature::StressPoints)
+                    ..eulerian(kind, Quadrature::StressPoints)
                 };
                 assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
             }
@@ -96,10 +96,10 @@ fn the_interpolated_background_agrees() {
         ] {
             for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
                 let choices = KernelMethodChoices {
-                    lattice,
+                    current_lattice: lattice,
                     approximation,
                     background: Background::Interpolated,
-                    ..eulerian(Arrangement::Hexagonal, quadrature)
+                    ..eulerian(LatticeKind::Hexagonal, quadrature)
                 };
                 assert_agrees::<2>(choices, law, &state(SHEARED, 1.0));
             }
@@ -139,10 +139,10 @@ fn a_chain_agrees() {
             let choices = KernelMethodChoices {
                 support: 2.3,
                 approximation,
-                lattice,
+                current_lattice: lattice,
                 support_size,
                 background: Background::Interpolated,
-                ..eulerian(Arrangement::Chain, quadrature)
+                ..eulerian(LatticeKind::Chain, quadrature)
             };
             let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
             assert_agrees::<1>(choices, Law::MooneyRivlin, &f);
@@ -154,7 +154,7 @@ fn a_chain_agrees() {
 #[test]
 fn the_power_sums_of_the_spectrum_are_those_of_the_commensurate_waves() {
     let f = state(SHEARED, 1.0);
-    let choices = eulerian(Arrangement::Hexagonal, Quadrature::StressPoints);
+    let choices = eulerian(LatticeKind::Hexagonal, Quadrature::StressPoints);
     let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
     let stiffness = patch.stiffness();
     let asymmetry = (&stiffness - stiffness.transpose()).amax() / stiffness.amax();
@@ -197,7 +197,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
                 } else {
                     2.2
                 },
-                ..eulerian(Arrangement::Hexagonal, quadrature)
+                ..eulerian(LatticeKind::Hexagonal, quadrature)
             };
             assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
         }
@@ -208,7 +208,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
 fn gauss_points_any_weights_and_points_of_ones_own_agree() {
     let base = |quadrature| KernelMethodChoices {
         approximation: Approximation::KrongauzBelytschko,
-        ..eulerian(Arrangement::Square, quadrature)
+        ..eulerian(LatticeKind::Square, quadrature)
     };
     let weighted = KernelMethodChoices {
         stress_point_weight: Some(0.8),
@@ -232,7 +232,7 @@ fn corrected_derivatives_agree_when_only_the_point_moves() {
         let choices = KernelMethodChoices {
             approximation,
             linearization: Linearization::PaperInterpolated,
-            ..eulerian(Arrangement::Hexagonal, Quadrature::StressPoints)
+            ..eulerian(LatticeKind::Hexagonal, Quadrature::StressPoints)
         };
         assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
     }

@@ -5,7 +5,7 @@ use crate::law::Law;
 use onset::algebra::eigenvalues;
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{Background, Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 
@@ -13,18 +13,18 @@ const DIAGONAL: [[f64; 2]; 2] = [[1.2, 0.0], [0.0, 0.9]];
 const SHEARED: [[f64; 2]; 2] = [[1.1, 0.35], [-0.2, 0.85]];
 
 fn lagrangian(
-    arrangement: Arrangement,
+    kind: LatticeKind,
     quadrature: Quadrature,
     approximation: Approximation,
     background: Background,
 ) -> KernelMethodChoices {
-    let support = if arrangement == Arrangement::Square {
+    let support = if kind == LatticeKind::Square {
         1.9
     } else {
         1.6
     };
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         quadrature,
         approximation,
         background,
@@ -37,7 +37,7 @@ fn lagrangian(
 #[test]
 fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
     use Approximation::{Mls, Raw, Shepard};
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for quadrature in [
             Quadrature::Nodal,
             Quadrature::StressPoints,
@@ -54,7 +54,7 @@ fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
                 (Mls, Background::Imposed, Law::BlatzKo, SHEARED),
                 (Raw, Background::Interpolated, Law::BlatzKo, DIAGONAL),
             ] {
-                let choices = lagrangian(arrangement, quadrature, approximation, background);
+                let choices = lagrangian(kind, quadrature, approximation, background);
                 assert_agrees::<2>(choices, law, &state(f, 1.0));
             }
         }
@@ -67,7 +67,7 @@ fn a_stretch_out_of_plane_and_units_of_length_and_mass_are_respected() {
         spacing: 0.013,
         density: 1130.0,
         ..lagrangian(
-            Arrangement::Hexagonal,
+            LatticeKind::Hexagonal,
             Quadrature::StressPoints,
             Approximation::Shepard,
             Background::Imposed,
@@ -91,7 +91,7 @@ fn a_chain_agrees() {
             let choices = KernelMethodChoices {
                 support: 2.3,
                 ..lagrangian(
-                    Arrangement::Chain,
+                    LatticeKind::Chain,
                     quadrature,
                     approximation,
                     Background::Interpolated,
@@ -107,7 +107,7 @@ fn a_chain_agrees() {
 fn the_spectrum_of_the_patch_is_the_union_over_the_commensurate_waves() {
     let f = state(SHEARED, 1.0);
     let choices = lagrangian(
-        Arrangement::Hexagonal,
+        LatticeKind::Hexagonal,
         Quadrature::StressPoints,
         Approximation::Shepard,
         Background::Imposed,
@@ -159,8 +159,8 @@ fn quadratures(base: &KernelMethodChoices) -> Vec<KernelMethodChoices> {
     };
     let points = KernelMethodChoices {
         quadrature: Quadrature::Points,
-        points: match base.arrangement {
-            Arrangement::Chain => vec![0.0, 0.4, 0.3, 0.6],
+        points: match base.lattice {
+            LatticeKind::Chain => vec![0.0, 0.4, 0.3, 0.6],
             _ => vec![0.0, 0.0, 0.25, 0.3, 0.55, 0.5, 0.8, 0.1, 0.25],
         },
         ..base.clone()
@@ -176,7 +176,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
     for approximation in APPROXIMATIONS {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
             let base = lagrangian(
-                Arrangement::Hexagonal,
+                LatticeKind::Hexagonal,
                 quadrature,
                 approximation,
                 Background::Interpolated,
@@ -196,13 +196,13 @@ fn every_order_and_every_corrected_derivative_agrees() {
 
 #[test]
 fn every_quadrature_agrees() {
-    for (arrangement, approximation) in [
-        (Arrangement::Hexagonal, Approximation::Shepard),
-        (Arrangement::Square, Approximation::Mls),
-        (Arrangement::Square, Approximation::KrongauzBelytschko),
+    for (kind, approximation) in [
+        (LatticeKind::Hexagonal, Approximation::Shepard),
+        (LatticeKind::Square, Approximation::Mls),
+        (LatticeKind::Square, Approximation::KrongauzBelytschko),
     ] {
         let base = lagrangian(
-            arrangement,
+            kind,
             Quadrature::Nodal,
             approximation,
             Background::Interpolated,
@@ -214,7 +214,7 @@ fn every_quadrature_agrees() {
     let base = KernelMethodChoices {
         support: 2.3,
         ..lagrangian(
-            Arrangement::Chain,
+            LatticeKind::Chain,
             Quadrature::Nodal,
             Approximation::Mls2,
             Background::Imposed,

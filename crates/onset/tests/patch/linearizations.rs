@@ -4,7 +4,7 @@ use crate::brute::{Patch, assert_agrees, state};
 use crate::law::Law;
 use nalgebra::Vector2;
 use onset::approximation::Approximation;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization};
 use onset::quadrature::Quadrature;
 
@@ -12,7 +12,7 @@ const SHEARED: [[f64; 2]; 2] = [[1.05, 0.25], [-0.1, 0.92]];
 
 fn choices(linearization: Linearization, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement: Arrangement::Hexagonal,
+        lattice: LatticeKind::Hexagonal,
         quadrature,
         support: 1.6,
         frame: Frame::Eulerian,
@@ -31,7 +31,7 @@ fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
         for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
             let choices = KernelMethodChoices {
                 approximation,
-                lattice,
+                current_lattice: lattice,
                 ..choices(Linearization::Paper, Quadrature::Nodal)
             };
             assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));
@@ -43,10 +43,10 @@ fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
 fn with_interpolated_stress_points_equation_49_agrees() {
     for approximation in [Approximation::Shepard, Approximation::Mls] {
         for quadrature in [Quadrature::StressPoints, Quadrature::StressPointsOnly] {
-            for arrangement in [Arrangement::Hexagonal, Arrangement::Square] {
+            for kind in [LatticeKind::Hexagonal, LatticeKind::Square] {
                 let choices = KernelMethodChoices {
                     approximation,
-                    arrangement,
+                    lattice: kind,
                     ..choices(Linearization::PaperInterpolated, quadrature)
                 };
                 assert_agrees::<2>(choices, Law::MooneyRivlin, &state(SHEARED, 1.0));

@@ -1,11 +1,11 @@
-//! Critical moduli of both notions against the acoustic tensor itself, at small and at finite strain.
+//! Critical moduli of both criteria against the acoustic tensor itself, at small and at finite strain.
 
 use crate::{Numbers, STRENGTHS, directions, flowing, law};
 use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
-use onset::plasticity::{Branch, FiniteState, Hardening, Notion, RateModuli, State};
+use onset::plasticity::{Branch, Criterion, FiniteState, Hardening, RateModuli, State};
 
-const NOTIONS: [Notion; 2] = [Notion::Ellipticity, Notion::StrongEllipticity];
+const CRITERIA: [Criterion; 2] = [Criterion::Ellipticity, Criterion::StrongEllipticity];
 
 /// Flowing states of all laws, small and finite, also with large elastic strains.
 fn states() -> Vec<RateModuli> {
@@ -48,14 +48,17 @@ fn states() -> Vec<RateModuli> {
 #[test]
 fn no_direction_has_a_larger_critical_modulus_than_the_maximum() {
     for state in states() {
-        for notion in NOTIONS {
-            let critical = state.critical(notion).expect("a critical state");
-            let along =
-                |n: &Vector3<f64>| state.critical_modulus_along(n, notion).expect("a modulus");
+        for criterion in CRITERIA {
+            let critical = state.critical(criterion).expect("a critical state");
+            let along = |n: &Vector3<f64>| {
+                state
+                    .critical_modulus_along(n, criterion)
+                    .expect("a modulus")
+            };
             let attained = along(&critical.band.normal);
             assert!((attained - critical.modulus).abs() < 1e-11 * 100.0);
             for n in directions(3000) {
-                assert!(along(&n) <= critical.modulus + 1e-9, "{notion:?} at {n}");
+                assert!(along(&n) <= critical.modulus + 1e-9, "{criterion:?} at {n}");
             }
             assert!(critical.modulus <= critical.bound && critical.bound < critical.modulus + 1e-5);
         }
@@ -65,7 +68,7 @@ fn no_direction_has_a_larger_critical_modulus_than_the_maximum() {
 #[test]
 fn at_the_critical_modulus_the_acoustic_tensor_is_singular_with_the_polarization_of_the_band() {
     for state in states() {
-        let critical = state.critical(Notion::Ellipticity).expect("critical");
+        let critical = state.critical(Criterion::Ellipticity).expect("critical");
         let band = critical.band;
         let q = state
             .with_modulus(critical.modulus)
@@ -86,17 +89,23 @@ fn at_the_critical_modulus_the_acoustic_tensor_is_singular_with_the_polarization
 #[test]
 fn at_the_critical_modulus_of_strong_ellipticity_the_symmetric_part_is_singular() {
     for state in states() {
-        let critical = state.critical(Notion::StrongEllipticity).expect("critical");
+        let critical = state
+            .critical(Criterion::StrongEllipticity)
+            .expect("critical");
         let (n, g) = (critical.band.normal, critical.band.polarization);
         let at = |margin: f64| state.with_modulus(critical.modulus + margin);
         let q = at(0.0).acoustic_tensor(&n);
         assert!(((q + q.transpose()) * g).norm() < 1e-10 * q.norm());
         assert!(at(-0.1).smallest_symmetric_eigenvalue(&n) < 0.0);
         assert!(directions(2000).all(|n| at(0.1).smallest_symmetric_eigenvalue(&n) > 0.0));
-        assert!(at(0.1).holds(Notion::StrongEllipticity).expect("an answer"));
+        assert!(
+            at(0.1)
+                .holds(Criterion::StrongEllipticity)
+                .expect("an answer")
+        );
         assert!(
             !at(-0.1)
-                .holds(Notion::StrongEllipticity)
+                .holds(Criterion::StrongEllipticity)
                 .expect("an answer")
         );
     }
@@ -109,7 +118,7 @@ fn strong_ellipticity_is_lost_first_and_with_ellipticity_only_if_the_flow_is_ass
             let law = law(friction, dilatancy, strength);
             let stress = Numbers(3).symmetric() - Matrix3::identity();
             let state = law.rate_moduli(&stress, 0.01).expect("moduli");
-            let [bands, strong] = NOTIONS.map(|n| state.critical(n).expect("critical").modulus);
+            let [bands, strong] = CRITERIA.map(|n| state.critical(n).expect("critical").modulus);
             if friction == dilatancy {
                 assert!((bands - strong).abs() < 1e-10, "{bands} {strong}");
             } else {
@@ -126,10 +135,10 @@ fn a_rotated_state_has_the_rotated_band() {
     let stress = numbers.symmetric() - Matrix3::identity();
     let rotation = numbers.rotation();
     let turned = rotation * stress * rotation.transpose();
-    for notion in NOTIONS {
+    for criterion in CRITERIA {
         let of = |stress: &Matrix3<f64>| {
             law.rate_moduli(stress, 0.0)
-                .and_then(|moduli| moduli.critical(notion))
+                .and_then(|moduli| moduli.critical(criterion))
                 .expect("critical")
         };
         let (reference, rotated) = (of(&stress), of(&turned));
@@ -138,14 +147,14 @@ fn a_rotated_state_has_the_rotated_band() {
         // Of the two conjugate bands either may be named.
         let along = law
             .rate_moduli(&turned, 0.0)
-            .and_then(|m| m.critical_modulus_along(&(rotation * reference.band.normal), notion));
+            .and_then(|m| m.critical_modulus_along(&(rotation * reference.band.normal), criterion));
         assert!((along.expect("a modulus") - rotated.modulus).abs() < 1e-10);
     }
 }
 
 #[test]
 fn critical_moduli_scale_with_the_unit_of_stress() {
-    let critical = |unit: f64, notion| {
+    let critical = |unit: f64, criterion| {
         let strength = Hardening::Linear {
             initial: unit,
             modulus: 0.0,
@@ -154,16 +163,16 @@ fn critical_moduli_scale_with_the_unit_of_stress() {
             .expect("a law");
         let stress = flowing(&mut Numbers(13)) * unit;
         let state = law.rate_moduli(&stress, 0.0).expect("moduli");
-        let critical = state.critical(notion).expect("critical");
+        let critical = state.critical(criterion).expect("critical");
         let along = state
-            .critical_modulus_along(&critical.band.normal, notion)
+            .critical_modulus_along(&critical.band.normal, criterion)
             .expect("a modulus");
         assert!((along / critical.modulus - 1.0).abs() < 1e-10);
         critical.modulus / unit
     };
-    for notion in NOTIONS {
+    for criterion in CRITERIA {
         for unit in [1e-100, 1e-9, 1e12, 1e140] {
-            let (reference, scaled) = (critical(1.0, notion), critical(unit, notion));
+            let (reference, scaled) = (critical(1.0, criterion), critical(unit, criterion));
             assert!((scaled / reference - 1.0).abs() < 1e-10, "{unit}");
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::Numbers;
 use nalgebra::{Matrix3, Vector3};
-use onset::plasticity::{BandKind, Critical, DruckerPrager, Hardening, Notion};
+use onset::plasticity::{BandKind, Criterion, Critical, DruckerPrager, Hardening};
 
 /// The state with intermediate deviatoric stress `N tau`, `tau = 1`, largest first.
 fn deviatoric(n: f64) -> [f64; 3] {
@@ -30,7 +30,7 @@ fn critical(nu: f64, beta: f64, mu: f64, n: f64, frame: &Matrix3<f64>) -> Critic
     let principal = Vector3::from(deviatoric(n)).add_scalar(-0.7);
     let stress = frame * Matrix3::from_diagonal(&principal) * frame.transpose();
     law.rate_moduli(&stress, 0.0)
-        .and_then(|moduli| moduli.critical(Notion::Ellipticity))
+        .and_then(|moduli| moduli.critical(Criterion::Ellipticity))
         .expect("a critical state")
 }
 
@@ -144,7 +144,7 @@ fn thin_sheets_neck_in_the_direction_of_hill() {
         let neck = metal
             .rate_moduli(&tension, 0.0)
             .map(|moduli| moduli.in_sheet())
-            .and_then(|moduli| moduli.critical(Notion::Ellipticity))
+            .and_then(|moduli| moduli.critical(Criterion::Ellipticity))
             .expect("a neck");
         assert!(neck.modulus.abs() < 1e-11, "{}", neck.modulus);
         let inclination = 90.0 - neck.band.angle_to_major;

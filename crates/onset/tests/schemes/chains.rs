@@ -3,7 +3,7 @@
 use crate::states::saint_venant_kirchhoff;
 use nalgebra::SVector;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// `omega^2` of the wave with alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
 fn alternating(quadrature: Quadrature, support: f64) -> f64 {
     let method = Method::<1>::new(KernelMethodChoices {
-        arrangement: Arrangement::Chain,
+        lattice: LatticeKind::Chain,
         quadrature,
         support,
         ..KernelMethodChoices::default()

@@ -3,7 +3,7 @@
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{BlatzKo, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Linearization, Method, MethodError};
 use onset::quadrature::Quadrature;
@@ -41,7 +41,7 @@ fn the_dynamical_matrix_is_the_derivative_of_the_forces_of_a_patch() {
 fn natural_stabilization_has_forces_too() {
     let method = Method::<2>::new(KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
-        arrangement: Arrangement::Square,
+        lattice: LatticeKind::Square,
         ..KernelMethodChoices::default()
     })
     .expect("a method");
@@ -52,7 +52,7 @@ fn natural_stabilization_has_forces_too() {
 fn chains_are_schemes_in_one_dimension() {
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         let method = Method::<1>::new(KernelMethodChoices {
-            arrangement: Arrangement::Chain,
+            lattice: LatticeKind::Chain,
             approximation: Approximation::Mls,
             frame,
             ..KernelMethodChoices::default()

@@ -9,7 +9,7 @@ use onset::bloch::WaveSystem;
 use onset::continuum::Stiffness;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
@@ -37,15 +37,15 @@ fn modified(modification: f64) -> ConformingChoices {
 }
 
 fn chain() -> Crystal<1> {
-    Crystal::of_lattice(Arrangement::Chain.lattice(0.9).expect("a lattice"))
+    Crystal::of_lattice(LatticeKind::Chain.lattice(0.9).expect("a lattice"))
 }
 
 fn square() -> Crystal<2> {
-    Crystal::of_lattice(Arrangement::Square.lattice(0.9).expect("a lattice"))
+    Crystal::of_lattice(LatticeKind::Square.lattice(0.9).expect("a lattice"))
 }
 
 fn hexagonal() -> Crystal<2> {
-    Crystal::of_lattice(Arrangement::Hexagonal.lattice(0.9).expect("a lattice"))
+    Crystal::of_lattice(LatticeKind::Hexagonal.lattice(0.9).expect("a lattice"))
 }
 
 fn irregular() -> Crystal<2> {
@@ -95,7 +95,7 @@ fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material()
     };
     assert_conforming(&hexagonal(), &quadratic);
     assert_conforming(&irregular(), &quadratic);
-    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     assert_conforming(&honeycomb, &modified(0.4));
     let boxes = ConformingChoices {
         domain: SmoothingDomain::Boxes,

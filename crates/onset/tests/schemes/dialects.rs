@@ -9,7 +9,7 @@ use onset::bloch::ZoneSearch;
 use onset::continuum::Stiffness;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice};
+use onset::lattice::{BravaisLattice, LatticeKind};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::scheme::Discretization;
@@ -185,7 +185,7 @@ fn smoothed_velocities_do_to_waves_what_they_do_to_the_particles_of_a_patch() {
     let patch = Patch::new(sheared);
     let f = DeformationGradient::plane_strain([[1.06, 0.05], [-0.03, 0.97]], 1.0).expect("a state");
     for motion in [SmoothedMotion::Everything, SmoothedMotion::Positions] {
-        let square = updated(crystal::<2>(Arrangement::Square), smoothing(0.5, motion));
+        let square = updated(crystal::<2>(LatticeKind::Square), smoothing(0.5, motion));
         let system = waves(&square, &f);
         for (m, n) in [(4, 0), (4, 4), (3, 1), (1, 2)] {
             let k = Vector2::new(f64::from(m), f64::from(n)) * (2.0 * PI / 8.0);
@@ -207,14 +207,14 @@ fn smoothed_velocities_do_to_waves_what_they_do_to_the_particles_of_a_patch() {
 fn positions_that_alone_follow_smoothed_velocities_change_no_wave_and_no_time_step_at_rest() {
     let rest = DeformationGradient::identity();
     let search = ZoneSearch::<2>::of_lattice(
-        Arrangement::Square.lattice(1.0).expect("a lattice"),
+        LatticeKind::Square.lattice(1.0).expect("a lattice"),
         Stiffness::<2>::at(&ModifiedMooneyRivlin::default(), &rest)
             .expect("a tangent")
             .maximum_eigenvalue()
             / DENSITY,
     );
     let largest = |choices: UpdatedSphChoices, f: &DeformationGradient| {
-        let system = waves(&updated(crystal::<2>(Arrangement::Square), choices), f);
+        let system = waves(&updated(crystal::<2>(LatticeKind::Square), choices), f);
         search.summary_of(&system).maximum_omega
     };
     for density_evolution in [DensityEvolution::Continuity, DensityEvolution::Summation] {
@@ -252,10 +252,10 @@ fn the_battery_accepts_smoothed_positions() {
                 density_evolution,
                 ..smoothing(0.4, SmoothedMotion::Positions)
             };
-            let chain = updated(crystal::<1>(Arrangement::Chain), choices.clone());
+            let chain = updated(crystal::<1>(LatticeKind::Chain), choices.clone());
             assert_scheme(&chain, &material, &stretched([1.1, 1.0, 1.0]));
             if momentum == MomentumForm::Symmetric {
-                let square = updated(crystal::<2>(Arrangement::Square), choices);
+                let square = updated(crystal::<2>(LatticeKind::Square), choices);
                 assert_scheme(&square, &material, &stretched([1.1, 0.95, 1.0]));
             }
         }
@@ -322,7 +322,7 @@ fn the_viscosity_of_smd_damps_waves_as_its_forces_do() {
     let map = Matrix2::new(1.08, 0.1, -0.04, 0.95);
     let switch = ViscositySwitch::Smd;
     let total = TotalLagrangianSph::new(
-        crystal::<2>(Arrangement::Square),
+        crystal::<2>(LatticeKind::Square),
         TotalLagrangianChoices {
             density: DENSITY,
             radius: RADIUS,
@@ -332,7 +332,7 @@ fn the_viscosity_of_smd_damps_waves_as_its_forces_do() {
     )
     .expect("a scheme");
     let moving = updated(
-        crystal::<2>(Arrangement::Square),
+        crystal::<2>(LatticeKind::Square),
         UpdatedSphChoices {
             viscosity: viscosity(switch),
             ..smoothing(0.0, SmoothedMotion::Everything)
@@ -374,7 +374,7 @@ fn viscosity_is_measured_by_the_smoothing_length_of_the_kernel() {
         let (radius, k) = (3.4, 1.1_f64);
         let h = radius / radii;
         let chain = updated(
-            crystal::<1>(Arrangement::Chain),
+            crystal::<1>(LatticeKind::Chain),
             UpdatedSphChoices {
                 kernel,
                 radius,

@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector1, Vector2, Vector3};
 use onset::bloch::{WaveSystem, ZoneSearch};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle, WaveGrids};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::scheme::Discretization;
@@ -512,7 +512,7 @@ fn a_supercell_has_the_frequencies_of_the_mesh() {
 
 #[test]
 fn what_is_no_mesh_is_refused() {
-    let square = Arrangement::Square.lattice::<2>(1.0).expect("a lattice");
+    let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let node = |cell| Particle { site: 0, cell };
     let made = |shape, nodes: &[[i32; 2]]| {
         let nodes = nodes.iter().map(|cell| node(*cell)).collect();

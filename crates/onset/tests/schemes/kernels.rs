@@ -10,15 +10,15 @@ use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::ModifiedMooneyRivlin;
 use onset::method::{Frame, KernelMethodChoices, Method, SupportSize};
 use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 
-fn lattice<const D: usize>(arrangement: Arrangement) -> BravaisLattice<D> {
-    arrangement.lattice(1.0).expect("a lattice")
+fn lattice<const D: usize>(kind: LatticeKind) -> BravaisLattice<D> {
+    kind.lattice(1.0).expect("a lattice")
 }
 
 fn plane(f: [[f64; 2]; 2]) -> DeformationGradient {
@@ -69,7 +69,7 @@ fn assert_same_waves<const D: usize>(discretization: KernelMethodChoices, f: &De
     }
 }
 
-fn discretizations(arrangement: Arrangement) -> Vec<KernelMethodChoices> {
+fn discretizations(kind: LatticeKind) -> Vec<KernelMethodChoices> {
     let mut all = Vec::new();
     for approximation in Approximation::ALL {
         for quadrature in [
@@ -85,7 +85,7 @@ fn discretizations(arrangement: Arrangement) -> Vec<KernelMethodChoices> {
             ];
             for (frame, support_size) in layouts {
                 all.push(KernelMethodChoices {
-                    arrangement,
+                    lattice: kind,
                     support: if approximation.degree() > Some(1) {
                         3.4
                     } else {
@@ -107,14 +107,14 @@ fn discretizations(arrangement: Arrangement) -> Vec<KernelMethodChoices> {
 #[test]
 fn on_bravais_lattices_dual_numbers_and_closed_forms_give_the_same_waves() {
     for f in [[[1.15, 0.2], [-0.1, 0.9]], [[0.8, 0.0], [0.1, 1.3]]] {
-        for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
-            for discretization in discretizations(arrangement) {
+        for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
+            for discretization in discretizations(kind) {
                 assert_same_waves::<2>(discretization, &plane(f));
             }
         }
     }
     let stretched = DeformationGradient::from_stretches([1.2, 0.9, 1.05]).expect("a state");
-    for discretization in discretizations(Arrangement::Chain) {
+    for discretization in discretizations(LatticeKind::Chain) {
         assert_same_waves::<1>(discretization, &stretched);
     }
 }
@@ -148,12 +148,12 @@ fn the_battery_accepts_kernels_on_bravais_lattices() {
                 support_size: SupportSize::Scaled,
                 ..KernelChoices::default()
             };
-            let chain = Crystal::of_lattice(lattice::<1>(Arrangement::Chain));
+            let chain = Crystal::of_lattice(lattice::<1>(LatticeKind::Chain));
             assert_scheme(&nodal(chain, choices.clone()), &material, &f);
             if is_of_high_degree {
                 continue;
             }
-            let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
+            let square = Crystal::of_lattice(lattice::<2>(LatticeKind::Square));
             assert_scheme(&nodal(square, choices.clone()), &material, &sheared);
             if approximation == Approximation::Mls {
                 assert_scheme(&nodal(Crystal::of_lattice(cubic), choices), &material, &f);
@@ -180,7 +180,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
                 frame,
                 ..KernelChoices::default()
             };
-            let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+            let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
             let scheme = KernelScheme::new(honeycomb, quadrature, choices).expect("a scheme");
             // Three-fold axes through all particles: an equibiaxial stress leaves no force.
             assert_equilibrium(&scheme, &material, &plane([[1.1, 0.0], [0.0, 1.1]]));
@@ -223,7 +223,7 @@ fn a_supercell_has_the_folded_spectrum_of_the_primitive_cell() {
             radius: 2.2,
             ..KernelChoices::default()
         };
-        let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
+        let square = Crystal::of_lattice(lattice::<2>(LatticeKind::Square));
         let large = square.supercell([2, 2]).expect("a crystal");
         let expected = folded(&nodal(square, choices.clone()), &f, &k);
         let system = nodal(large, choices)
@@ -271,7 +271,7 @@ fn linearly_complete_functions_on_bravais_lattices_have_the_waves_of_the_materia
         approximation: Approximation::Mls,
         ..KernelChoices::default()
     };
-    let hexagonal = Crystal::of_lattice(lattice::<2>(Arrangement::Hexagonal));
+    let hexagonal = Crystal::of_lattice(lattice::<2>(LatticeKind::Hexagonal));
     let scheme = nodal(hexagonal, choices);
     let f = plane([[1.1, 0.2], [0.0, 0.95]]);
     let material = ModifiedMooneyRivlin::default();
@@ -280,7 +280,7 @@ fn linearly_complete_functions_on_bravais_lattices_have_the_waves_of_the_materia
 
 #[test]
 fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square() {
-    let square = Crystal::of_lattice(lattice::<2>(Arrangement::Square));
+    let square = Crystal::of_lattice(lattice::<2>(LatticeKind::Square));
     let large = square.supercell([2, 2]).expect("a crystal");
     let choices = KernelChoices {
         approximation: Approximation::Mls,
@@ -330,7 +330,7 @@ fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
     let sheared = DeformationGradient::new(sheared).expect("a deformation");
     for approximation in [Approximation::Shepard, Approximation::Mls] {
         let discretization = KernelMethodChoices {
-            arrangement: Arrangement::FaceCenteredCubic,
+            lattice: LatticeKind::FaceCenteredCubic,
             support: 1.6,
             approximation,
             quadrature: Quadrature::Nodal,
@@ -344,8 +344,8 @@ fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
 #[test]
 fn closest_packing_and_diamond_have_the_waves_of_their_patches() {
     let material = ModifiedMooneyRivlin::default();
-    let packed = Crystal::<3>::of(Arrangement::HexagonalClosePacked, 1.0).expect("a crystal");
-    let diamond = Crystal::<3>::of(Arrangement::Diamond, 1.0).expect("a crystal");
+    let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");
+    let diamond = Crystal::<3>::of(LatticeKind::Diamond, 1.0).expect("a crystal");
     let equal = DeformationGradient::from_stretches([1.05; 3]).expect("a state");
     let sheared = [[1.1, 0.1, 0.0], [0.0, 0.95, 0.05], [0.0, 0.0, 1.0]];
     let sheared = DeformationGradient::new(sheared).expect("a state");

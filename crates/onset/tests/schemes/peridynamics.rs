@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use onset::bloch::WaveSystem;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::scheme::{
@@ -39,7 +39,7 @@ fn cubic<const D: usize>() -> Crystal<D> {
 }
 
 fn hexagonal() -> Crystal<2> {
-    Crystal::of_lattice(Arrangement::Hexagonal.lattice(1.0).expect("a lattice"))
+    Crystal::of_lattice(LatticeKind::Hexagonal.lattice(1.0).expect("a lattice"))
 }
 
 fn body<const D: usize>(crystal: Crystal<D>, choices: PeridynamicsChoices) -> Peridynamics<D> {
@@ -107,7 +107,7 @@ fn every_model_passes_the_battery_in_every_dimension() {
     checked(&cubic::<3>(), 1.0, &models);
     checked(&hexagonal(), 1.2, &models);
     // Where a particle is no center of inversion, the pair forces of a sheared state do not balance.
-    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     checked(&honeycomb, 1.3, &models[2..]);
 }
 
@@ -173,7 +173,7 @@ fn shear_and_coupling<const D: usize>(body: &Peridynamics<D>) -> (f64, f64) {
 
 #[test]
 fn bonds_have_equal_lame_constants_whatever_the_material_has() {
-    // Six-fold symmetry makes the hexagonal arrangement isotropic: exactly an eighth of the trace.
+    // Six-fold symmetry makes the hexagonal lattice isotropic: exactly an eighth of the trace.
     for horizon in [1.0, 2.0, 3.2] {
         let (mu, lambda) = shear_and_coupling(&body(hexagonal(), choices(horizon, CALIBRATED)));
         assert!((mu - trace::<2>() / 8.0).abs() < 1e-12 * mu);
@@ -314,7 +314,7 @@ fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
     }
     // Inversion hides it where there is one particle in a cell.
     assert!(system.is_hermitian());
-    let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal");
+    let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let honeycomb = body(honeycomb, choices(2.0, correspondence(control)));
     assert!(!waves(&honeycomb, &state::<2>()).is_hermitian());
 }

@@ -3,7 +3,7 @@
 use crate::random::Random;
 use nalgebra::{SMatrix, SVector};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle};
 use onset::material::ModifiedMooneyRivlin;
 use onset::measures::dispersion_errors;
 use onset::method::KernelMethodChoices;
@@ -52,7 +52,7 @@ fn counted<const D: usize>(crystal: &Crystal<D>, distance: f64) -> f64 {
 
 fn disordered(cells: u32, amplitude: f64, seed: u32) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement: Arrangement::Square,
+        lattice: LatticeKind::Square,
         cells,
         perturbation: amplitude,
         seed,
@@ -62,10 +62,10 @@ fn disordered(cells: u32, amplitude: f64, seed: u32) -> KernelMethodChoices {
 }
 
 #[test]
-fn the_spacing_of_every_arrangement_is_the_distance_of_its_neighbors() {
-    fn checked<const D: usize>(arrangement: Arrangement, spacing: f64) {
+fn the_spacing_of_every_lattice_is_the_distance_of_its_neighbors() {
+    fn checked<const D: usize>(kind: LatticeKind, spacing: f64) {
         let discretization = KernelMethodChoices {
-            arrangement,
+            lattice: kind,
             spacing,
             vectors: vec![1.0, 0.1, 0.0, -0.2, 1.3, 0.1, 0.3, 0.2, 1.1][..D * D].to_vec(),
             aspect: 0.6,
@@ -75,16 +75,16 @@ fn the_spacing_of_every_arrangement_is_the_distance_of_its_neighbors() {
         let nearest = crystal.nearest_distance();
         assert!(
             (crystal.spacing() / nearest - 1.0).abs() < 1e-12,
-            "{arrangement:?}"
+            "{kind:?}"
         );
         let larger = crystal.supercell([2; D]).expect("a crystal");
-        assert_eq!(larger.spacing(), crystal.spacing(), "{arrangement:?}");
+        assert_eq!(larger.spacing(), crystal.spacing(), "{kind:?}");
     }
-    for arrangement in Arrangement::ALL {
-        match arrangement.dimension() {
-            1 => checked::<1>(arrangement, 1.7),
-            2 => checked::<2>(arrangement, 1.7),
-            _ => checked::<3>(arrangement, 1.7),
+    for kind in LatticeKind::ALL {
+        match kind.dimension() {
+            1 => checked::<1>(kind, 1.7),
+            2 => checked::<2>(kind, 1.7),
+            _ => checked::<3>(kind, 1.7),
         }
     }
     for mesh in ElementMesh::ALL {
@@ -150,7 +150,7 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
         [from[0], from[1]]
     });
     let told = crystal::<2>(&KernelMethodChoices {
-        arrangement: Arrangement::Square,
+        lattice: LatticeKind::Square,
         spacing: 2.1,
         basis: basis.collect(),
         ..KernelMethodChoices::default()
@@ -164,7 +164,7 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     assert_eq!(size(told), size(moved));
     // Of square and cubic cells it is the root of the volume of a particle.
     let centered = crystal::<3>(&KernelMethodChoices {
-        arrangement: Arrangement::SimpleCubic,
+        lattice: LatticeKind::SimpleCubic,
         basis: vec![0.45, 0.5, 0.52],
         ..KernelMethodChoices::default()
     });
@@ -174,14 +174,14 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
 #[test]
 fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
     let chain = crystal::<1>(&KernelMethodChoices {
-        arrangement: Arrangement::Chain,
+        lattice: LatticeKind::Chain,
         cells: 5,
         perturbation: 0.2,
         spacing: 0.7,
         ..KernelMethodChoices::default()
     });
     assert!(chain.nearest_distance() < 0.6);
-    // Bonds have no modes without energy, whose branches would lie below.
+    // Bonds have no zero-energy modes, whose branches would lie below.
     let choices = PeridynamicsChoices {
         model: BondModel::BondBased {
             calibration: Calibration::Discrete,
@@ -213,7 +213,7 @@ fn springs_at_the_horizon_remain_where_their_weight_vanishes() {
     // At half of a reciprocal vector a family sees no strain, and z = u_J - u_I: omega^2 rho = 4 gamma c sum e (x) e / r V over the
     // neighbors that move the other way.
     let gamma = 0.8;
-    let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0).expect("a lattice"));
+    let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0).expect("a lattice"));
     let material = ModifiedMooneyRivlin::default();
     let body = |influence| {
         let choices = PeridynamicsChoices {

@@ -10,7 +10,7 @@ use onset::approximation::Approximation;
 use onset::bloch::{WaveSystem, dynamical_matrix};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{KernelMethodChoices, Method, MethodError, SupportSize};
 use onset::quadrature::Quadrature;
@@ -31,8 +31,8 @@ const FORMS: [MomentumForm; 3] = [
 const DENSITIES: [DensityEvolution; 2] =
     [DensityEvolution::Summation, DensityEvolution::Continuity];
 
-pub fn crystal<const D: usize>(arrangement: Arrangement) -> Crystal<D> {
-    Crystal::of_lattice(arrangement.lattice(1.0).expect("a lattice"))
+pub fn crystal<const D: usize>(kind: LatticeKind) -> Crystal<D> {
+    Crystal::of_lattice(kind.lattice(1.0).expect("a lattice"))
 }
 
 pub fn stretched(stretches: [f64; 3]) -> DeformationGradient {
@@ -96,11 +96,11 @@ fn the_battery_accepts_total_lagrangian_sph() {
             };
             let f = stretched([1.1, 0.9, 1.05]);
             assert_scheme(
-                &total(crystal::<1>(Arrangement::Chain), choices.clone()),
+                &total(crystal::<1>(LatticeKind::Chain), choices.clone()),
                 &material,
                 &f,
             );
-            let square = crystal::<2>(Arrangement::Square);
+            let square = crystal::<2>(LatticeKind::Square);
             assert_scheme(&total(square, choices.clone()), &material, &sheared());
             let cubic = BravaisLattice::new(Matrix3::identity()).expect("a lattice");
             assert_scheme(&total(Crystal::of_lattice(cubic), choices), &material, &f);
@@ -114,13 +114,13 @@ fn the_battery_accepts_every_form_of_updated_sph() {
     for choices in all_updated(2.3) {
         let f = stretched([1.1, 0.9, 1.05]);
         assert_scheme(
-            &updated(crystal::<1>(Arrangement::Chain), choices),
+            &updated(crystal::<1>(LatticeKind::Chain), choices),
             &material,
             &f,
         );
     }
     for choices in all_updated(1.3) {
-        let hexagonal = crystal::<2>(Arrangement::Hexagonal);
+        let hexagonal = crystal::<2>(LatticeKind::Hexagonal);
         assert_scheme(&updated(hexagonal, choices), &material, &sheared());
     }
     let cubic = BravaisLattice::new(Matrix3::identity()).expect("a lattice");
@@ -137,7 +137,7 @@ fn the_battery_accepts_every_form_of_updated_sph() {
 #[test]
 fn particles_of_different_volumes_have_the_waves_of_their_patch() {
     let material = ModifiedMooneyRivlin::default();
-    let square = crystal::<2>(Arrangement::Square);
+    let square = crystal::<2>(LatticeKind::Square);
     let irregular = square
         .supercell([3, 1])
         .and_then(|large| large.perturbed(0.15, 4));
@@ -178,9 +178,9 @@ fn assert_same<const D: usize>(
 
 #[test]
 fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels() {
-    for arrangement in [Arrangement::Square, Arrangement::Hexagonal] {
+    for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let discretization = KernelMethodChoices {
-            arrangement,
+            lattice: kind,
             approximation: Approximation::Raw,
             quadrature: Quadrature::Nodal,
             support: 2.3,
@@ -194,7 +194,7 @@ fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels()
             radius: 2.3,
             ..TotalLagrangianChoices::default()
         };
-        let system = waves(&total(crystal::<2>(arrangement), choices), &sheared());
+        let system = waves(&total(crystal::<2>(kind), choices), &sheared());
         assert_same::<2>(
             |k| system.dynamical_matrix_at(k),
             |k| {
@@ -214,9 +214,9 @@ fn corrected_total_lagrangian_sph_has_the_long_waves_of_the_material_with_any_pe
             ..TotalLagrangianChoices::default()
         };
         let f = sheared();
-        let hexagonal = total(crystal::<2>(Arrangement::Hexagonal), choices.clone());
+        let hexagonal = total(crystal::<2>(LatticeKind::Hexagonal), choices.clone());
         assert_long_waves_are_those_of_the_material(&hexagonal, &material, &f, 1e-10);
-        let chain = total(crystal::<1>(Arrangement::Chain), choices);
+        let chain = total(crystal::<1>(LatticeKind::Chain), choices);
         let f = stretched([0.9, 1.0, 1.0]);
         assert_long_waves_are_those_of_the_material(&chain, &material, &f, 1e-10);
     }
@@ -230,7 +230,7 @@ fn free_of_stress_all_forms_are_one() {
         corrected: false,
         ..TotalLagrangianChoices::default()
     };
-    let square = crystal::<2>(Arrangement::Square);
+    let square = crystal::<2>(LatticeKind::Square);
     let reference = waves(&total(square.clone(), reference), &rest);
     for momentum in FORMS {
         let choices = UpdatedSphChoices {
@@ -283,7 +283,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
                     density_evolution,
                     ..UpdatedSphChoices::default()
                 };
-                let found = at_the_end(&updated(crystal::<1>(Arrangement::Chain), choices));
+                let found = at_the_end(&updated(crystal::<1>(LatticeKind::Chain), choices));
                 // A density by summation is that of the sum.
                 let ratio = match density_evolution {
                     DensityEvolution::Continuity => 1.0,
@@ -306,7 +306,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
             frame: onset::method::Frame::Eulerian,
             ..KernelChoices::default()
         };
-        let chain = crystal::<1>(Arrangement::Chain);
+        let chain = crystal::<1>(LatticeKind::Chain);
         let galerkin = KernelScheme::new(chain, CrystalQuadrature::Nodal, choices);
         let found = at_the_end(&galerkin.expect("a scheme"));
         assert!((found - 0.5 * expected).abs() < 1e-10 * (1.0 + expected.abs()));
@@ -331,7 +331,7 @@ fn alternating_particles_are_unstable_in_tension_at_any_support_and_stable_in_co
             radius,
             ..UpdatedSphChoices::default()
         };
-        let chain = updated(crystal::<1>(Arrangement::Chain), choices);
+        let chain = updated(crystal::<1>(LatticeKind::Chain), choices);
         for (stretch, is_stable) in [(1.02, false), (0.98, true)] {
             let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
             let found = system.omega_squared(&SVector::from_element(PI))[0].re;
@@ -351,13 +351,13 @@ fn an_artificial_stress_is_refused_with_differences_of_stress() {
         artificial_stress: Some(ArtificialStress::default()),
         ..UpdatedSphChoices::default()
     };
-    let refused = UpdatedSph::new(crystal::<1>(Arrangement::Chain), choices);
+    let refused = UpdatedSph::new(crystal::<1>(LatticeKind::Chain), choices);
     assert!(matches!(refused, Err(MethodError::Incompatible { .. })));
     let choices = TotalLagrangianChoices {
         penalty: -1.0,
         ..TotalLagrangianChoices::default()
     };
-    let refused = TotalLagrangianSph::new(crystal::<1>(Arrangement::Chain), choices);
+    let refused = TotalLagrangianSph::new(crystal::<1>(LatticeKind::Chain), choices);
     assert!(matches!(
         refused,
         Err(MethodError::Setting {

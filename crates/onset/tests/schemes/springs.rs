@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal, Particle};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle};
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::real::Real;
@@ -197,7 +197,7 @@ fn dashpots_beside_springs_damp_every_wave_like_an_oscillator() {
 
 #[test]
 fn a_consistent_mass_matrix_makes_bars_vibrate_at_most_with_the_root_of_twelve() {
-    let lattice = Arrangement::Chain.lattice::<1>(1.0).expect("a lattice");
+    let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
     let crystal = Crystal::of_lattice(lattice);
     let number = SMatrix::<f64, 1, 1>::from_element;
     let (home, next) = (Particle::home(0), Particle::home(0).moved(&[1]));

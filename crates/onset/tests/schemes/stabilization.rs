@@ -7,7 +7,7 @@ use onset::bloch::ZoneSearch;
 use onset::continuum::Stiffness;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Arrangement, BravaisLattice, Crystal};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::scheme::Discretization;
 use onset::scheme::sph::{
@@ -33,10 +33,10 @@ fn rest() -> DeformationGradient {
 }
 
 fn total<const D: usize>(
-    arrangement: Arrangement,
+    kind: LatticeKind,
     choices: TotalLagrangianChoices,
 ) -> TotalLagrangianSph<D> {
-    TotalLagrangianSph::new(crystal(arrangement), choices).expect("a scheme")
+    TotalLagrangianSph::new(crystal(kind), choices).expect("a scheme")
 }
 
 fn young_modulus(material: &dyn Hyperelastic) -> f64 {
@@ -58,7 +58,7 @@ fn the_penalty_lifts_alternating_particles_in_proportion_to_its_coefficient() {
             density: 1.3,
             ..TotalLagrangianChoices::default()
         };
-        let scheme = total::<1>(Arrangement::Chain, choices);
+        let scheme = total::<1>(LatticeKind::Chain, choices);
         let found = waves(&scheme, &rest()).omega_squared(&SVector::from_element(PI))[0].re;
         let sum = kernel(radius, 1.0)[0] + kernel(radius, 3.0)[0] / 9.0;
         let expected = 4.0 * alpha * modulus / 1.3 * sum;
@@ -72,24 +72,24 @@ fn the_penalty_lifts_alternating_particles_in_proportion_to_its_coefficient() {
 #[test]
 fn the_penalty_lifts_the_zero_energy_modes_of_the_square_and_the_hexagonal_lattice() {
     let corners = [
-        (Arrangement::Square, Vector2::new(PI, PI)),
-        (Arrangement::Square, Vector2::new(PI, 0.0)),
+        (LatticeKind::Square, Vector2::new(PI, PI)),
+        (LatticeKind::Square, Vector2::new(PI, 0.0)),
         (
-            Arrangement::Hexagonal,
+            LatticeKind::Hexagonal,
             Vector2::new(0.0, 2.0 * PI / 3.0_f64.sqrt()),
         ),
     ];
-    for (arrangement, k) in corners {
+    for (kind, k) in corners {
         let lowest = |penalty: f64| {
             let choices = TotalLagrangianChoices {
                 penalty,
                 ..TotalLagrangianChoices::default()
             };
-            waves(&total::<2>(arrangement, choices), &rest()).omega_squared(&k)[0].re
+            waves(&total::<2>(kind, choices), &rest()).omega_squared(&k)[0].re
         };
         assert!(lowest(0.0).abs() < 1e-10);
         let unit = lowest(1.0);
-        assert!(unit > 1e-3, "{arrangement:?}: {unit}");
+        assert!(unit > 1e-3, "{kind:?}: {unit}");
         for alpha in [0.1, 50.0] {
             assert!((lowest(alpha) - alpha * unit).abs() < 1e-10 * alpha.max(1.0));
         }
@@ -120,7 +120,7 @@ fn the_penalty_takes_youngs_modulus_along_each_bond_from_the_whole_compliance() 
             radius,
             ..TotalLagrangianChoices::default()
         };
-        let square = total::<2>(Arrangement::Square, choices);
+        let square = total::<2>(LatticeKind::Square, choices);
         let waves = square.waves(&*lamina(degrees), &rest()).expect("waves");
         for k in [[1, 0], [0, 1], [1, 1]] {
             let mut expected = Matrix2::zeros();
@@ -201,9 +201,9 @@ fn the_battery_accepts_artificial_stress() {
         let f = DeformationGradient::plane_strain([[1.1, 0.1], [-0.1, 0.9]], 1.0).expect("a state");
         let principal = material.response(&f).expect("a state").cauchy();
         assert!(principal.fixed_view::<2, 2>(0, 0).determinant() < 0.0);
-        let square = updated(crystal::<2>(Arrangement::Square), choices.clone());
+        let square = updated(crystal::<2>(LatticeKind::Square), choices.clone());
         assert_scheme(&square, &material, &f);
-        let chain = updated(crystal::<1>(Arrangement::Chain), choices);
+        let chain = updated(crystal::<1>(LatticeKind::Chain), choices);
         assert_scheme(&chain, &material, &stretched([1.1, 1.0, 1.0]));
     }
 }
@@ -215,7 +215,7 @@ fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
     let material = ModifiedMooneyRivlin::default();
     let at_the_end = |epsilon: f64, stretch: f64| {
         let chain = updated(
-            crystal::<1>(Arrangement::Chain),
+            crystal::<1>(LatticeKind::Chain),
             with_artificial_stress(radius, epsilon),
         );
         let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
@@ -237,7 +237,7 @@ fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
             "{found} {expected}"
         );
     }
-    // Near the undeformed state the smallest coefficient that helps is W'' / (W'' + n W'^2 / W).
+    // Near the reference state the smallest coefficient that helps is W'' / (W'' + n W'^2 / W).
     let [w, slope, curvature] = kernel(radius, 1.0);
     let critical = curvature / (curvature + 4.0 * slope * slope / w);
     assert!((critical - 9.0 / 73.0).abs() < 1e-12, "{critical}");
@@ -246,19 +246,19 @@ fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
     assert!(at_the_end(critical + 1e-3, slightly) > 0.0);
 }
 
-fn search(arrangement: Arrangement) -> ZoneSearch<2> {
+fn search(kind: LatticeKind) -> ZoneSearch<2> {
     let undeformed =
         Stiffness::<2>::at(&ModifiedMooneyRivlin::default(), &rest()).expect("a tangent");
-    let lattice = arrangement.lattice(1.0).expect("a lattice");
+    let lattice = kind.lattice(1.0).expect("a lattice");
     ZoneSearch::of_lattice(lattice, undeformed.maximum_eigenvalue())
 }
 
 #[test]
 fn the_published_artificial_stress_moves_the_tensile_onset_and_does_not_remove_it() {
-    let search = search(Arrangement::Hexagonal);
+    let search = search(LatticeKind::Hexagonal);
     let is_stable = |radius: f64, epsilon: f64, stretch: f64| {
         let choices = with_artificial_stress(radius, epsilon);
-        let hexagonal = updated(crystal::<2>(Arrangement::Hexagonal), choices);
+        let hexagonal = updated(crystal::<2>(LatticeKind::Hexagonal), choices);
         let f = stretched([stretch, stretch, 1.0]);
         search.summary_of(&waves(&hexagonal, &f)).is_stable()
     };
@@ -283,28 +283,28 @@ fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_
     };
     let material = ModifiedMooneyRivlin::default();
     let stiffness = Stiffness::<1>::at(&material, &rest()).expect("a tangent");
-    let lattice = Arrangement::Chain.lattice(1.0).expect("a lattice");
+    let lattice = LatticeKind::Chain.lattice(1.0).expect("a lattice");
     let along = ZoneSearch::<1>::of_lattice(lattice, stiffness.maximum_eigenvalue());
     let chain_is_stable = |epsilon: f64, stretch: f64| {
-        let chain = updated(crystal::<1>(Arrangement::Chain), choices(epsilon));
+        let chain = updated(crystal::<1>(LatticeKind::Chain), choices(epsilon));
         let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
         along.summary_of(&system).is_stable()
     };
     // W'' / (W'' + n W'^2 / W) = 0.0521 is enough near rest, over the whole zone.
     assert!(!chain_is_stable(0.0515, 1.0001) && chain_is_stable(0.0527, 1.0001));
     assert!(chain_is_stable(0.3, 1.1) && !chain_is_stable(0.3, 1.2));
-    let plane_is_stable = |arrangement: Arrangement, epsilon: f64, stretch: f64| {
-        let plane = updated(crystal::<2>(arrangement), choices(epsilon));
+    let plane_is_stable = |kind: LatticeKind, epsilon: f64, stretch: f64| {
+        let plane = updated(crystal::<2>(kind), choices(epsilon));
         let system = waves(&plane, &stretched([stretch, stretch, 1.0]));
-        search(arrangement).summary_of(&system).is_stable()
+        search(kind).summary_of(&system).is_stable()
     };
-    let hexagonal = Arrangement::Hexagonal;
+    let hexagonal = LatticeKind::Hexagonal;
     assert!(!plane_is_stable(hexagonal, 0.0, 1.001));
     assert!(plane_is_stable(hexagonal, 0.3, 1.001) && plane_is_stable(hexagonal, 0.3, 1.1));
     assert!(!plane_is_stable(hexagonal, 0.3, 1.2));
     for epsilon in [0.0, 0.1, 0.2, 0.3, 0.5] {
         assert!(
-            !plane_is_stable(Arrangement::Square, epsilon, 1.001),
+            !plane_is_stable(LatticeKind::Square, epsilon, 1.001),
             "{epsilon}"
         );
     }
@@ -314,11 +314,11 @@ fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_
 fn artificial_stress_leaves_compression_as_it_is() {
     let at = |epsilon: f64| {
         let hexagonal = updated(
-            crystal::<2>(Arrangement::Hexagonal),
+            crystal::<2>(LatticeKind::Hexagonal),
             with_artificial_stress(2.0, epsilon),
         );
         let system = waves(&hexagonal, &stretched([0.98, 0.98, 1.0]));
-        search(Arrangement::Hexagonal).summary_of(&system)
+        search(LatticeKind::Hexagonal).summary_of(&system)
     };
     let (without, with) = (at(0.0), at(0.3));
     assert!(!without.is_stable());
@@ -333,7 +333,7 @@ fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest
             velocity_smoothing: epsilon,
             ..UpdatedSphChoices::default()
         };
-        waves(&updated(crystal::<1>(Arrangement::Chain), choices), &rest())
+        waves(&updated(crystal::<1>(LatticeKind::Chain), choices), &rest())
     };
     let (plain, smooth) = (smoothed(0.0), smoothed(0.5));
     for k in [0.3, 1.7, 2.9] {
@@ -349,7 +349,7 @@ fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest
         );
         assert!((smooth - (1.0 - 0.5 * sum) * plain).abs() < 1e-12 * plain.abs());
     }
-    let lattice = Arrangement::Chain.lattice(1.0).expect("a lattice");
+    let lattice = LatticeKind::Chain.lattice(1.0).expect("a lattice");
     let search = ZoneSearch::<1>::of_lattice(lattice, 1.0);
     let largest = [&plain, &smooth].map(|system| search.summary_of(system).maximum_omega);
     assert!(largest[1] < 0.95 * largest[0], "{largest:?}");
@@ -381,11 +381,11 @@ fn viscosity_damps_a_chain_by_the_sum_over_its_bonds() {
         (ViscositySwitch::Averaged, 0.5),
     ] {
         let system = waves(
-            &updated(crystal::<1>(Arrangement::Chain), viscous(0.7, switch)),
+            &updated(crystal::<1>(LatticeKind::Chain), viscous(0.7, switch)),
             &rest(),
         );
         let total = total::<1>(
-            Arrangement::Chain,
+            LatticeKind::Chain,
             TotalLagrangianChoices {
                 density: 1.3,
                 radius: 2.6,
@@ -417,7 +417,7 @@ fn viscosity_damps_every_wave_of_a_stable_state_and_moves_no_onset() {
     };
     let viscous = viscous(0.5, ViscositySwitch::Always);
     let of = |choices: &UpdatedSphChoices| -> UpdatedSph<2> {
-        updated(crystal::<2>(Arrangement::Hexagonal), choices.clone())
+        updated(crystal::<2>(LatticeKind::Hexagonal), choices.clone())
     };
     let (plain, viscous) = (of(&plain), of(&viscous));
     for stretch in [0.96, 0.99, 1.01, 1.05] {
@@ -439,7 +439,7 @@ fn viscosity_damps_every_wave_of_a_stable_state_and_moves_no_onset() {
 fn the_battery_accepts_viscous_and_smoothed_particles() {
     let material = ModifiedMooneyRivlin::default();
     let chain = updated(
-        crystal::<1>(Arrangement::Chain),
+        crystal::<1>(LatticeKind::Chain),
         viscous(0.7, ViscositySwitch::Averaged),
     );
     assert_scheme(&chain, &material, &stretched([1.1, 1.0, 1.0]));

@@ -3,7 +3,7 @@
 use crate::{CUBIC, discretization, state};
 use nalgebra::{Matrix3, Vector3};
 use onset::bloch::dynamical_matrix;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
@@ -163,13 +163,9 @@ fn sheared() -> Matrix3<f64> {
 #[test]
 fn forces_on_displaced_particles_are_those_of_the_dynamical_matrix() {
     let k = Vector3::new(1.3, -0.7, 2.1);
-    for arrangement in CUBIC {
+    for kind in CUBIC {
         for frame in [Frame::Lagrangian, Frame::Eulerian] {
-            assert_agrees(
-                discretization(arrangement, frame, Quadrature::Nodal),
-                sheared(),
-                k,
-            );
+            assert_agrees(discretization(kind, frame, Quadrature::Nodal), sheared(), k);
         }
     }
 }
@@ -177,12 +173,12 @@ fn forces_on_displaced_particles_are_those_of_the_dynamical_matrix() {
 #[test]
 fn so_they_are_with_stress_points_in_the_holes() {
     let k = Vector3::new(-0.4, 1.9, 0.8);
-    for (arrangement, frame) in [
-        (Arrangement::SimpleCubic, Frame::Eulerian),
-        (Arrangement::FaceCenteredCubic, Frame::Lagrangian),
-        (Arrangement::BodyCenteredCubic, Frame::Lagrangian),
+    for (kind, frame) in [
+        (LatticeKind::SimpleCubic, Frame::Eulerian),
+        (LatticeKind::FaceCenteredCubic, Frame::Lagrangian),
+        (LatticeKind::BodyCenteredCubic, Frame::Lagrangian),
     ] {
-        let choices = discretization(arrangement, frame, Quadrature::StressPoints);
+        let choices = discretization(kind, frame, Quadrature::StressPoints);
         assert_agrees(
             KernelMethodChoices {
                 support: 1.3,

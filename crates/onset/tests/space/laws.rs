@@ -1,4 +1,4 @@
-//! What holds of every method on a lattice in space.
+//! What holds of every method on a three-dimensional lattice.
 
 use crate::{CUBIC, config, deformation, discretization, state, wave_vector};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -6,7 +6,7 @@ use onset::algebra::Complex;
 use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
 use onset::continuum::Stiffness;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
@@ -19,7 +19,7 @@ fn any() -> impl Strategy<Value = KernelMethodChoices> {
         prop::sample::select(vec![Frame::Lagrangian, Frame::Eulerian]),
         prop::sample::select(vec![Quadrature::Nodal, Quadrature::StressPoints]),
     )
-        .prop_map(|(arrangement, frame, quadrature)| discretization(arrangement, frame, quadrature))
+        .prop_map(|(kind, frame, quadrature)| discretization(kind, frame, quadrature))
 }
 
 /// The same lattice by other primitive vectors, given freely.
@@ -28,7 +28,7 @@ fn with_vectors(
     vectors: &Matrix3<f64>,
 ) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement: Arrangement::Triclinic,
+        lattice: LatticeKind::Triclinic,
         vectors: vectors.iter().copied().collect(),
         ..discretization.clone()
     }
@@ -63,12 +63,12 @@ proptest! {
 
     #[test]
     fn long_waves_of_linearly_complete_functions_are_those_of_the_material(
-        arrangement in prop::sample::select(CUBIC.to_vec()),
+        kind in prop::sample::select(CUBIC.to_vec()),
         f in deformation(),
         n in wave_vector(),
     ) {
         let law = ModifiedMooneyRivlin::default();
-        let choices = discretization(arrangement, Frame::Lagrangian, Quadrature::Nodal);
+        let choices = discretization(kind, Frame::Lagrangian, Quadrature::Nodal);
         let method = Method::<3>::new(KernelMethodChoices { approximation: Approximation::Mls, ..choices });
         let d = dynamical_matrix(&method.expect("a method"), &law, &state(&f)).expect("finite");
         let material = Stiffness::<3>::of(&law.response(&state(&f)).expect("finite"));
@@ -78,13 +78,13 @@ proptest! {
 
     #[test]
     fn lagrangian_particles_are_stable_exactly_where_the_material_is_elliptic(
-        arrangement in prop::sample::select(CUBIC.to_vec()),
+        kind in prop::sample::select(CUBIC.to_vec()),
         quadrature in prop::sample::select(vec![Quadrature::Nodal, Quadrature::StressPoints]),
         stretches in prop::array::uniform3(0.5..2.0_f64),
     ) {
         let law = ModifiedMooneyRivlin::default();
         let f = state(&Matrix3::from_diagonal(&Vector3::from(stretches)));
-        let choices = discretization(arrangement, Frame::Lagrangian, quadrature);
+        let choices = discretization(kind, Frame::Lagrangian, quadrature);
         let choices = KernelMethodChoices { approximation: Approximation::Mls, support: 1.7, ..choices };
         let method = Method::<3>::new(choices).expect("a method");
         let d = dynamical_matrix(&method, &law, &f).expect("finite");

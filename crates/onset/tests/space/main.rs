@@ -1,4 +1,4 @@
-//! Particles in space: dynamical matrices against the forces of displaced particles, and the search over the zone.
+//! Particles in three dimensions: dynamical matrices against the forces of displaced particles, and the search over the zone.
 
 mod forces;
 mod laws;
@@ -6,16 +6,16 @@ mod search;
 
 use nalgebra::{Matrix3, Vector3};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence};
 
-const CUBIC: [Arrangement; 3] = [
-    Arrangement::SimpleCubic,
-    Arrangement::BodyCenteredCubic,
-    Arrangement::FaceCenteredCubic,
+const CUBIC: [LatticeKind; 3] = [
+    LatticeKind::SimpleCubic,
+    LatticeKind::BodyCenteredCubic,
+    LatticeKind::FaceCenteredCubic,
 ];
 
 fn config(cases: u32) -> Config {
@@ -32,13 +32,9 @@ fn state(components: &Matrix3<f64>) -> DeformationGradient {
 }
 
 /// Methods on the cubic lattices; supports at which no shell of neighbors lies on the boundary.
-fn discretization(
-    arrangement: Arrangement,
-    frame: Frame,
-    quadrature: Quadrature,
-) -> KernelMethodChoices {
+fn discretization(kind: LatticeKind, frame: Frame, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
-        arrangement,
+        lattice: kind,
         frame,
         quadrature,
         support: 1.65,

@@ -4,7 +4,7 @@ use crate::{CUBIC, config, deformation, discretization, state};
 use nalgebra::{Matrix3, Vector3};
 use onset::bloch::{Stability, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::Arrangement;
+use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Linearization, Method};
 use onset::quadrature::{Quadrature, QuadraturePoint};
@@ -104,18 +104,18 @@ proptest! {
 
     #[test]
     fn extremes_are_those_of_a_dense_grid_or_beyond(
-        arrangement in prop::sample::select(CUBIC.to_vec()),
+        kind in prop::sample::select(CUBIC.to_vec()),
         frame in prop::sample::select(vec![Frame::Lagrangian, Frame::Eulerian, Frame::Eulerian]),
         f in deformation(),
     ) {
-        let choices = discretization(arrangement, frame, Quadrature::Nodal);
+        let choices = discretization(kind, frame, Quadrature::Nodal);
         compared(&Method::new(choices).expect("a method"), &state(&f))?;
     }
 
     #[test]
     fn so_they_are_without_inversion_center(f in deformation(), place in prop::array::uniform3(0.1..0.4_f64)) {
         // One stress point off the centers: D is complex, and modes flutter.
-        let choices = discretization(Arrangement::SimpleCubic, Frame::Eulerian, Quadrature::StressPointsOnly);
+        let choices = discretization(LatticeKind::SimpleCubic, Frame::Eulerian, Quadrature::StressPointsOnly);
         let method = Method::<3>::new(choices).expect("a method");
         let volume = method.lattice().cell_volume();
         let points = vec![QuadraturePoint::new(Vector3::from(place), volume)];
@@ -129,7 +129,7 @@ fn flutter_in_space_is_found_and_its_mode_grows_as_it_says() {
     let choices = KernelMethodChoices {
         linearization: Linearization::Paper,
         ..discretization(
-            Arrangement::FaceCenteredCubic,
+            LatticeKind::FaceCenteredCubic,
             Frame::Eulerian,
             Quadrature::Nodal,
         )

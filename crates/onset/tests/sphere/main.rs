@@ -1,4 +1,4 @@
-//! The smallest acoustic eigenvalue over all directions in space: what is found, what bounds it, what is proved.
+//! The smallest acoustic eigenvalue over all directions in three dimensions: what is found, what bounds it, what is proved.
 
 mod crystals;
 mod forms;

@@ -1,7 +1,7 @@
-//! What is proved over all directions in space is true, and what is true is proved.
+//! What is proved over all directions in three dimensions is true, and what is true is proved.
 
 use crate::forms::{Quadratic, Random, choi, delta, raised, scale, turned};
-use onset::certificate::{Certainty, Reason, SpaceCertificate, certify_in_space};
+use onset::certificate::{Certainty, Reason, SpaceCertificate, certify_3d};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::{
@@ -89,11 +89,11 @@ fn both_sides_of_knowles_and_sternbergs_limit_are_proved_at_a_distance_of_a_bill
     let limit = 2.0 + 3.0_f64.sqrt();
     let state =
         |ratio: f64| DeformationGradient::from_stretches([1.0, ratio, 1.3]).expect("a state");
-    let before = certify_in_space(&law, &state(limit * (1.0 - 1e-9)), 1e-12).expect("a law");
+    let before = certify_3d(&law, &state(limit * (1.0 - 1e-9)), 1e-12).expect("a law");
     assert_eq!(before.certainty.name(), "proved-stable");
-    let after = certify_in_space(&law, &state(limit * (1.0 + 1e-9)), 1e-12).expect("a law");
+    let after = certify_3d(&law, &state(limit * (1.0 + 1e-9)), 1e-12).expect("a law");
     assert_eq!(after.certainty.name(), "proved-unstable");
-    let at = certify_in_space(&law, &state(limit), 1e-6).expect("a law");
+    let at = certify_3d(&law, &state(limit), 1e-6).expect("a law");
     if let Certainty::Undecided { reason, .. } = at.certainty {
         assert_eq!(reason, Reason::WithinTolerance);
     }
@@ -125,7 +125,7 @@ impl Hyperelastic for Foreign {
 #[test]
 fn nothing_is_proved_of_a_law_without_bounds() {
     let f = DeformationGradient::identity();
-    let proof = certify_in_space(&Foreign, &f, 1e-6).expect("a law");
+    let proof = certify_3d(&Foreign, &f, 1e-6).expect("a law");
     assert!(matches!(
         proof.certainty,
         Certainty::Undecided { reason: Reason::NotFinite, measure } if measure.is_nan()

@@ -1,4 +1,4 @@
-//! `model = "formula"`: an energy of one's own, written out.
+//! `model = "formula"`: a user-defined energy, written out.
 
 use super::super::error::SettingError;
 use super::super::key::key;

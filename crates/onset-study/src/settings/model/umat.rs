@@ -1,4 +1,4 @@
-//! `model = "umat"`: a material of one's own in a shared library with Abaqus's interface.
+//! `model = "umat"`: a user-defined material in a shared library with Abaqus's interface.
 
 use super::super::error::SettingError;
 use super::super::key::key;
@@ -31,7 +31,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
         key(
             "material.increments",
             Kind::Whole(1, 100_000),
-            "increments in which the subroutine reaches a state from the undeformed one",
+            "increments in which the subroutine reaches a state from the reference state",
         ),
         key(
             "material.time-limit",

@@ -135,7 +135,7 @@ impl Study {
         }
         let (name, other) = match self.settings.method.method {
             Family::FiniteElements => ("mesh of bars", "mesh = \"quadrilaterals\""),
-            _ => ("chain", "arrangement = \"hexagonal\""),
+            _ => ("chain", "lattice = \"hexagonal\""),
         };
         let refused = |origin: &Origin, what: &str| {
             let message = format!("{what} needs two dimensions; a {name} has one");
@@ -246,7 +246,7 @@ impl Study {
             MethodError::Lattice(LatticeError::Vectors { .. }) => {
                 let set = self.origin("discretization.vectors");
                 set.cloned()
-                    .unwrap_or_else(|| self.origin_of("discretization.arrangement"))
+                    .unwrap_or_else(|| self.origin_of("discretization.lattice"))
             }
             MethodError::Lattice(LatticeError::Dependent { .. }) => {
                 self.origin_of("discretization.vectors")

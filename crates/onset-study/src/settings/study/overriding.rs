@@ -133,7 +133,7 @@ impl Study {
         varied.extend(follows);
         let (of_material, of_discretization): (Vec<&Key>, Vec<&Key>) =
             KEYS.iter().partition(|key| key.parts().0 == "material");
-        // Parameters of one's own are in no table.
+        // User-defined parameters are in no table.
         let entries = self.settings.material.entries();
         let own = entries.iter().filter_map(|(name, _)| {
             let key = Key::named(&format!("material.{name}"))?;

@@ -312,7 +312,7 @@ fn an_axis_changes_something() {
 
 #[test]
 fn a_chain_has_one_dimension() {
-    let chain = "discretization.arrangement = \"chain\"\n";
+    let chain = "discretization.lattice = \"chain\"\n";
     study(&with_axis(chain, "discretization.support", "[1.5, 2]"));
     for quantity in ["stretch-2", "stretch-3", "shear", "rotation"] {
         let text = with_axis(chain, quantity, "[0.5, 1]");
@@ -363,9 +363,9 @@ fn the_stride_of_refinement_fits_into_a_tile() {
 #[test]
 fn keys_that_have_no_effect_are_refused_with_their_place_and_their_readers() {
     assert_refused(
-        &format!("discretization.lattice = \"regular\"\n{PLANE}"),
+        &format!("discretization.current-lattice = \"regular\"\n{PLANE}"),
         &[
-            "s.toml:1:26: `discretization.lattice` has no effect: discretization.frame is lagrangian",
+            "s.toml:1:34: `discretization.current-lattice` has no effect: discretization.frame is lagrangian",
             "it is read with discretization.method = kernel and discretization.frame = eulerian",
         ],
     );
@@ -442,7 +442,7 @@ fn assignments_override_a_study_but_not_its_axes() {
             "did you mean `discretization.support`?",
         ),
         ("discretization.support=0", "expected a positive number"),
-        ("discretization.arrangement=chain", "needs two dimensions"),
+        ("discretization.lattice=chain", "needs two dimensions"),
         ("axes.states=3", "in the study file only"),
         ("map.tile", "is not an assignment"),
         ("map.adaptive=yes", "true | false"),

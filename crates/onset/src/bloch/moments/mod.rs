@@ -51,7 +51,7 @@ pub struct GradientMoments<const D: usize> {
     sums: Sums,
     /// Extreme points of `H(k) / |k|_h^2`.
     scaled: Wells<D>,
-    /// Where the method is nearly rank deficient.
+    /// Where the method is nearly rank-deficient.
     valley: Option<Valley<D>>,
     /// Extreme points of `H(k)`.
     plain: Wells<D>,

@@ -174,9 +174,9 @@ impl<const D: usize> ZoneSearch<D> {
             (false, true) => self.grids.folded_grid(resolution),
             (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
         };
-        let in_space = || matrix.spatial_spectra(&waves);
+        let in_3d = || matrix.spatial_spectra(&waves);
         let mut spectrum = match matrix.planar_entries(&waves) {
-            None => match in_space() {
+            None => match in_3d() {
                 Some(spectra) => {
                     GridSpectrum::of_spatial(&spectra, waves.laplacian(), self.speed_squared)
                 }

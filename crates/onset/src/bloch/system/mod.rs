@@ -76,7 +76,7 @@ impl<const D: usize> WaveSystem<D> {
         self
     }
 
-    /// The arrangement of the particles in the reference state.
+    /// The lattice of the particles in the reference state.
     pub fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }

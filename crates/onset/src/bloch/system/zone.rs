@@ -574,7 +574,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|index| (values[index], relief(index), index))
             .collect();
         wells.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Wells of the same depth are images of each other under the symmetry of the arrangement.
+        // Wells of the same depth are images of each other under the symmetry of the lattice.
         wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
         wells.truncate(self.effort.wells);
         wells

@@ -39,7 +39,7 @@ pub enum SmoothingDomain {
     Voronoi,
     /// Over boxes along the axes with the volumes of the Voronoi cells, which overlap and leave gaps where the particles are not
     /// a square or cubic lattice: stabilized non-conforming nodal integration (SNNI; Guan et al. 2009). On irregular
-    /// arrangements the homogeneous state is then not in equilibrium.
+    /// lattices the homogeneous state is then not in equilibrium.
     Boxes,
 }
 
@@ -90,11 +90,11 @@ impl Default for ConformingChoices {
 /// ```
 /// use nalgebra::Vector1;
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::Discretization;
 /// use onset::scheme::conforming::{ConformingChoices, ConformingIntegration};
-/// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
+/// let chain = Crystal::of_lattice(LatticeKind::Chain.lattice::<1>(1.0)?);
 /// let scheme = ConformingIntegration::new(chain, &ConformingChoices::default())?;
 /// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
 /// // The shortest wave of the chain is the same on both sides of each node: no mean gradient, no stiffness.

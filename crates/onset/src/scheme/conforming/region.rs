@@ -242,7 +242,7 @@ fn triangle<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Region;
-    use crate::lattice::{Arrangement, BravaisLattice, Crystal};
+    use crate::lattice::{BravaisLattice, Crystal, LatticeKind};
     use nalgebra::{SMatrix, SVector};
 
     fn assert_sound<const D: usize>(crystal: &Crystal<D>, facets: &[usize]) {
@@ -283,14 +283,14 @@ mod tests {
 
     #[test]
     fn cells_boxes_and_their_pyramids_are_closed_and_fill_space() {
-        let chain = Arrangement::Chain.lattice::<1>(0.7).expect("a lattice");
+        let chain = LatticeKind::Chain.lattice::<1>(0.7).expect("a lattice");
         assert_sound(&Crystal::of_lattice(chain), &[2]);
-        let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.1).expect("a lattice"));
+        let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.1).expect("a lattice"));
         assert_sound(&square, &[4]);
-        let hexagonal = Arrangement::Hexagonal.lattice::<2>(1.1).expect("a lattice");
+        let hexagonal = LatticeKind::Hexagonal.lattice::<2>(1.1).expect("a lattice");
         assert_sound(&Crystal::of_lattice(hexagonal), &[6]);
         assert_sound(
-            &Crystal::<2>::of(Arrangement::Honeycomb, 1.0).expect("a crystal"),
+            &Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal"),
             &[3, 3],
         );
         let large = square.supercell([3, 3]).expect("a crystal");

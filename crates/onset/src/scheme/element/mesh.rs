@@ -84,9 +84,9 @@ impl<const D: usize> Mesh<D> {
     /// The parallelepiped that is spanned by the primitive vectors of a lattice: bars, quadrilaterals, bricks.
     ///
     /// ```
-    /// use onset::lattice::Arrangement;
+    /// use onset::lattice::LatticeKind;
     /// use onset::scheme::element::Mesh;
-    /// let squares = Mesh::parallelepipeds(Arrangement::Square.lattice::<2>(1.0)?);
+    /// let squares = Mesh::parallelepipeds(LatticeKind::Square.lattice::<2>(1.0)?);
     /// assert_eq!(squares.elements().len(), 1);
     /// # Ok::<(), onset::lattice::LatticeError>(())
     /// ```

@@ -2,7 +2,7 @@
 //!
 //! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`. Multilinear
 //! elements are integrated fully (two Gauss points along each axis) or with one point, at which the gradients are their means
-//! over the element; that leaves hourglass modes without energy, which a control resists.
+//! over the element; that leaves zero-energy hourglass modes, which a control resists.
 
 mod hourglass;
 mod mesh;
@@ -75,7 +75,7 @@ pub enum HourglassScale {
 /// How elements become equations of motion. The default: full integration, lumped masses.
 ///
 /// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force
-/// `gamma_a (kappa M V b^2 q + epsilon rho c V b dq/dt)`, or with that of another [`HourglassScale`], where `M = rho c^2` is the modulus of the fastest wave in the undeformed material, `b^2 = sum_a |b_a|^2` with the mean gradients
+/// `gamma_a (kappa M V b^2 q + epsilon rho c V b dq/dt)`, or with that of another [`HourglassScale`], where `M = rho c^2` is the modulus of the fastest wave in the material in the reference state, `b^2 = sum_a |b_a|^2` with the mean gradients
 /// `b_a`. Both parts are objective: `q` vanishes for every linear field, and turns with the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -117,7 +117,7 @@ impl Default for Formulation {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct ElementChoices {
-    /// Arrangement of the elements.
+    /// Lattice of the elements.
     pub mesh: ElementMesh,
     /// The distance of neighboring nodes; length.
     pub spacing: f64,

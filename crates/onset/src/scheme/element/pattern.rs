@@ -24,7 +24,7 @@ pub enum ElementMesh {
     TrianglesAlternating,
     /// Squares split in four by both diagonals, with a node where they cross; two nodes in a cell.
     TrianglesCrossed,
-    /// Equilateral triangles on the hexagonal arrangement.
+    /// Equilateral triangles on the hexagonal lattice.
     TrianglesEquilateral,
     /// Three dimensions: cubes of eight nodes (H8).
     Bricks,
@@ -32,7 +32,7 @@ pub enum ElementMesh {
     Tetrahedra,
     /// Cubes split in five, one way and its mirror image by turns; two nodes in a cell.
     TetrahedraAlternating,
-    /// Tetrahedra of two long and four short edges on the body-centered cubic arrangement.
+    /// Tetrahedra of two long and four short edges on the body-centered cubic lattice.
     TetrahedraBodyCentered,
 }
 
@@ -90,7 +90,7 @@ impl ElementMesh {
     pub fn mesh<const D: usize>(self, spacing: f64) -> Result<Mesh<D>, MethodError> {
         if self.dimension() != D {
             return Err(MethodError::Lattice(LatticeError::Dimension {
-                arrangement: self.name(),
+                lattice: self.name(),
                 actual: self.dimension(),
                 requested: D,
             }));

@@ -29,7 +29,7 @@ use shape::{Shape, ShapeValues};
 /// Points closer to a particle than this, in lattice coordinates, are that particle.
 const SAME_PLACE: f64 = 1e-12;
 
-/// The choices that define a kernel Galerkin method, arrangement and quadrature apart.
+/// The choices that define a kernel Galerkin method, lattice and quadrature apart.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -78,10 +78,10 @@ pub enum CrystalQuadrature<const D: usize> {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Discretization, kernel::{CrystalQuadrature, KernelChoices, KernelScheme}};
-/// let honeycomb = Crystal::<2>::of(Arrangement::Honeycomb, 1.0)?;
+/// let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0)?;
 /// let choices = KernelChoices { radius: 2.5, ..KernelChoices::default() };
 /// let scheme = KernelScheme::new(honeycomb, CrystalQuadrature::Nodal, choices)?;
 /// let waves = scheme.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;

@@ -158,7 +158,7 @@ pub enum BondModel {
     },
 }
 
-/// Every choice that defines a peridynamic discretization, apart from the arrangement. The default is bond-based with the
+/// Every choice that defines a peridynamic discretization, apart from the lattice. The default is bond-based with the
 /// horizon of three spacings that is usual, whole volumes, and the constants of the continuum.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -197,10 +197,10 @@ impl Default for PeridynamicsChoices {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Peridynamics, PeridynamicsChoices, Discretization};
-/// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0)?);
+/// let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0)?);
 /// let body = Peridynamics::new(square, PeridynamicsChoices::default())?;
 /// assert_eq!(body.neighbors(), 29.0);
 /// let waves = body.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;

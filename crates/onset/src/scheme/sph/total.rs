@@ -67,10 +67,10 @@ impl Default for TotalLagrangianChoices {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Discretization, sph::{TotalLagrangianChoices, TotalLagrangianSph}};
-/// let square = Crystal::of_lattice(Arrangement::Square.lattice::<2>(1.0)?);
+/// let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0)?);
 /// let sph = TotalLagrangianSph::new(square, TotalLagrangianChoices::default())?;
 /// let waves = sph.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
 /// // Nodes that alternate strain no particle.

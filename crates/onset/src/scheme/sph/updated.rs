@@ -114,10 +114,10 @@ impl Default for UpdatedSphChoices {
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
-/// use onset::lattice::{Arrangement, Crystal};
+/// use onset::lattice::{LatticeKind, Crystal};
 /// use onset::material::ModifiedMooneyRivlin;
 /// use onset::scheme::{Discretization, sph::{UpdatedSph, UpdatedSphChoices}};
-/// let chain = Crystal::of_lattice(Arrangement::Chain.lattice::<1>(1.0)?);
+/// let chain = Crystal::of_lattice(LatticeKind::Chain.lattice::<1>(1.0)?);
 /// let sph = UpdatedSph::new(chain, UpdatedSphChoices { radius: 1.5, ..UpdatedSphChoices::default() })?;
 /// // Beyond the inflection of the kernel tension is unstable.
 /// let stretched = DeformationGradient::from_stretches([1.05, 1.0, 1.0])?;

@@ -77,7 +77,7 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
     }
 }
 
-/// The compliance of the undeformed material, `S = C^-1` with six strains and six stresses.
+/// The compliance of the material in the reference state, `S = C^-1` with six strains and six stresses.
 pub(in super::super) struct Compliance(Matrix6<f64>);
 
 /// Pairs of indices in the order of Voigt.

@@ -34,7 +34,7 @@ pub enum ViscositySwitch {
 
 /// Monaghan's artificial viscosity: the force `-m_I m_J Pi_IJ grad W_IJ` on particle `I` with
 /// `Pi = (-alpha c mu + beta |mu| mu_-) / rho`, `mu = h v_IJ.x_IJ / (|x_IJ|^2 + 0.01 h^2)`. `rho` is the mean density of the two in the
-/// homogeneous state, `c` the largest speed of sound of the undeformed material, `h` the smoothing length of the kernel,
+/// homogeneous state, `c` the largest speed of sound of the material in the reference state, `h` the smoothing length of the kernel,
 /// [`Kernel::nominal_smoothing_length`].
 ///
 /// Near rest the quadratic term vanishes; what remains is the damping of a linear dashpot along each bond.

@@ -13,7 +13,7 @@ pub struct Areas {
     /// Where the material is strongly elliptic, but the particles are unstable.
     pub false_instability: f64,
     /// Where the material is not strongly elliptic, but the particles are stable.
-    pub missed_instability: f64,
+    pub suppressed_instability: f64,
     /// Where the discretization is not defined.
     pub undefined: f64,
 }
@@ -25,8 +25,8 @@ impl Areas {
     }
 
     /// The area of missed instability as a share of the elliptic area; NaN without one.
-    pub fn missed_share(&self) -> f64 {
-        self.missed_instability / self.elliptic
+    pub fn suppressed_share(&self) -> f64 {
+        self.suppressed_instability / self.elliptic
     }
 
     fn add(&mut self, area: f64, [material, particles]: [Phase; 2]) {
@@ -37,7 +37,9 @@ impl Areas {
         match (material, particles) {
             (_, Phase::Undefined) => self.undefined += area,
             (Phase::Stable, other) if other.is_unstable() => self.false_instability += area,
-            (Phase::Unstable | Phase::Flutter, Phase::Stable) => self.missed_instability += area,
+            (Phase::Unstable | Phase::Flutter, Phase::Stable) => {
+                self.suppressed_instability += area
+            }
             _ => {}
         }
     }
@@ -93,7 +95,7 @@ impl Piece {
 /// let phases = |at| Ok::<_, std::convert::Infallible>([material(at)?.0, particles(at)?.0]);
 /// let areas = areas(window, [&boundaries[0], &boundaries[1]], &phases)?;
 /// assert!((areas.false_share() - 1.25 / 2.25).abs() < 1e-4);
-/// assert_eq!(areas.missed_instability, 0.0);
+/// assert_eq!(areas.suppressed_instability, 0.0);
 /// # Ok::<(), std::convert::Infallible>(())
 /// ```
 ///

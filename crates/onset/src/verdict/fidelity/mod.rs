@@ -2,7 +2,7 @@
 //!
 //! *False instability* is where the material is strongly elliptic and the particles are not stable; *missed instability*
 //! where the material is not and the particles are. How far the boundaries are apart is measured as the Hausdorff distance
-//! and, as the paper does, along rays from the undeformed state.
+//! and, as the paper does, along rays from the reference state.
 
 mod area;
 mod distance;

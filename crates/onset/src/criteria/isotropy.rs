@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-9;
 ///
 /// ```
 /// use onset::material::BlatzKo;
-/// assert!(onset::notions::is_isotropic(&BlatzKo::default()));
+/// assert!(onset::criteria::is_isotropic(&BlatzKo::default()));
 /// ```
 pub fn is_isotropic(material: &dyn Hyperelastic) -> bool {
     let axes = [

@@ -1,10 +1,10 @@
-//! The arrangements that have a name.
+//! The lattices that have a name.
 
 use super::reduction::ELONGATED;
 use super::{BravaisLattice, Fractional, LatticeError, Reduced};
 use nalgebra::{SMatrix, SVector};
 
-/// How the particles are arranged: on a Bravais lattice, one or two in each cell. The centers of the
+/// Which lattice the particles are on: a Bravais lattice with one or two of them in each cell. The centers of the
 /// Delaunay cells are the places at which stress points may sit, see [`super::delaunay_centers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "kebab-case")
 )]
-pub enum Arrangement {
+pub enum LatticeKind {
     /// One dimension: particles at equal distances.
     Chain,
     /// Two dimensions: squares with sides along the axes.
@@ -44,7 +44,7 @@ pub enum Arrangement {
 /// Corners of a path through the zone: names, and wave vectors in units of the reciprocal vectors.
 type Corners = &'static [(&'static str, [f64; 3])];
 
-impl Arrangement {
+impl LatticeKind {
     /// All of them, by dimension.
     pub const ALL: [Self; 12] = [
         Self::Chain,
@@ -116,29 +116,29 @@ impl Arrangement {
         matches!(self, Self::Oblique | Self::Triclinic)
     }
 
-    /// The lattice of an arrangement without parameters, with the given distance between nearest particles.
+    /// The Bravais lattice of a kind without parameters, with the given distance between nearest particles.
     ///
     /// ```
-    /// use onset::lattice::Arrangement;
+    /// use onset::lattice::LatticeKind;
     /// // Closest packing: a ball in each cell of spacing^3 / sqrt(2).
-    /// let lattice = Arrangement::FaceCenteredCubic.lattice::<3>(2.0)?;
+    /// let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(2.0)?;
     /// assert!((lattice.cell_volume() - 32.0_f64.sqrt()).abs() < 1e-14);
     /// # Ok::<(), onset::lattice::LatticeError>(())
     /// ```
     ///
     /// # Errors
-    /// [`LatticeError`] when the spacing is not positive and finite, `D` is not the arrangement's, or primitive vectors
+    /// [`LatticeError`] when the spacing is not positive and finite, `D` is not the lattice's, or primitive vectors
     /// must be given.
     pub fn lattice<const D: usize>(self, spacing: f64) -> Result<BravaisLattice<D>, LatticeError> {
         self.lattice_with(spacing, 1.0, &[])
     }
 
     /// The lattice with the given distance between nearest particles. Rectangles have the sides `spacing` and
-    /// `aspect spacing`; `vectors` are the components of the primitive vectors of [`Arrangement::Oblique`] and
-    /// [`Arrangement::Triclinic`] in units of the spacing, one vector after the other. Others ignore what they do not need.
+    /// `aspect spacing`; `vectors` are the components of the primitive vectors of [`LatticeKind::Oblique`] and
+    /// [`LatticeKind::Triclinic`] in units of the spacing, one vector after the other. Others ignore what they do not need.
     ///
     /// # Errors
-    /// [`LatticeError`] when spacing or aspect ratio are not positive and finite, `D` is not the arrangement's, or the
+    /// [`LatticeError`] when spacing or aspect ratio are not positive and finite, `D` is not the lattice's, or the
     /// primitive vectors are of another number or do not span space.
     pub fn lattice_with<const D: usize>(
         self,
@@ -146,10 +146,10 @@ impl Arrangement {
         aspect: f64,
         vectors: &[f64],
     ) -> Result<BravaisLattice<D>, LatticeError> {
-        let arrangement = self.name();
+        let lattice = self.name();
         if self.dimension() != D {
             return Err(LatticeError::Dimension {
-                arrangement,
+                lattice,
                 actual: self.dimension(),
                 requested: D,
             });
@@ -163,7 +163,7 @@ impl Arrangement {
         if self.takes_vectors() {
             if vectors.len() != D * D {
                 return Err(LatticeError::Vectors {
-                    arrangement,
+                    lattice,
                     expected: D * D,
                     given: vectors.len(),
                 });

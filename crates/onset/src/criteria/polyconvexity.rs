@@ -63,7 +63,7 @@ const UNKNOWN: Polyconvexity = Polyconvexity {
 /// What is known about a law by its name, with its parameters by name; unknown where nothing is recorded.
 ///
 /// ```
-/// use onset::notions::{Knowledge, polyconvexity};
+/// use onset::criteria::{Knowledge, polyconvexity};
 /// assert_eq!(polyconvexity("blatz-ko", &[("mu", 32.0)]).knowledge, Knowledge::NotPolyconvex);
 /// assert_eq!(polyconvexity("my-own", &[]).knowledge, Knowledge::Unknown);
 /// ```

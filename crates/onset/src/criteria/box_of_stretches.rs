@@ -1,7 +1,7 @@
 //! The largest box of principal stretches in which a law is strongly elliptic.
 
 use super::root::bracket_zero;
-use super::{Measure, Notion, Range, State, Witness, is_isotropic};
+use super::{Criterion, Measure, Range, State, Witness, is_isotropic};
 use crate::algebra::GoldenSection;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
@@ -90,7 +90,7 @@ const AT_END: f64 = 1e-7;
 ///
 /// ```
 /// use onset::material::BlatzKo;
-/// use onset::notions::{Range, safe_box};
+/// use onset::criteria::{Range, safe_box};
 /// // Blatz-Ko: elliptic while all ratios of stretches are below 2 + sqrt 3.
 /// let safe = safe_box(&BlatzKo::default(), 1.0, &Range::default()).ok_or("not elliptic")?;
 /// assert!((safe.high - (2.0 + 3.0_f64.sqrt()).sqrt()).abs() < 1e-10);
@@ -183,7 +183,7 @@ impl<'a> Field<'a> {
     fn measure(&self, logarithms: [f64; 3]) -> Option<Measure> {
         let f = DeformationGradient::from_stretches(logarithms.map(f64::exp)).ok()?;
         let response = self.material.response(&f).ok()?;
-        Notion::StrongEllipticity.measure(&State::of_response(response, self.isotropic))
+        Criterion::StrongEllipticity.measure(&State::of_response(response, self.isotropic))
     }
 
     /// A state that is not elliptic, or at which the law is not defined, has no positive value.

@@ -1,4 +1,4 @@
-//! Notions of stability of a law side by side: along which loading is which one lost, and where do they disagree?
+//! Stability criteria of a law side by side: along which loading is which one lost, and where do they disagree?
 
 mod card;
 mod figure;
@@ -6,15 +6,15 @@ mod html;
 mod sentence;
 
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
-pub use onset::notions::{Lateral, Mode, Range};
+pub use onset::criteria::{Lateral, Mode, Range};
 
 use crate::answers::notes_on_law;
 use crate::settings::{MaterialSettings, Value};
-use onset::material::{Hyperelastic, MaterialError};
-use onset::notions::{
-    Change, Event, Knowledge, Loading, LoadingError, LoadingPath, Notion, PathEnd, PathState,
+use onset::criteria::{
+    Change, Criterion, Event, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
     Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
 };
+use onset::material::{Hyperelastic, MaterialError};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ use thiserror::Error;
 
 /// Why a law cannot be asked.
 #[derive(Debug, Error)]
-pub enum NotionsError {
+pub enum CriteriaError {
     /// The law.
     #[error("{0}")]
     Material(#[from] MaterialError),
@@ -68,35 +68,35 @@ pub struct PolyconvexityAnswer {
     pub source: String,
 }
 
-/// A notion as asked.
+/// A criterion as asked.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Definition {
     /// Its name.
-    pub notion: Notion,
+    pub criterion: Criterion,
     /// What it demands.
     pub definition: &'static str,
     /// Where it is from.
     pub source: &'static str,
 }
 
-/// The answer: every notion along every loading.
+/// The answer: every criterion along every loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NotionsAnswer {
+pub struct CriteriaAnswer {
     /// The law.
     pub material: LawAnswer,
     /// The smallest and the largest stretch looked at.
     pub range: [f64; 2],
     /// What is known about polyconvexity.
     pub polyconvexity: PolyconvexityAnswer,
-    /// What the notions demand.
-    pub notions: Vec<Definition>,
+    /// What the criteria demand.
+    pub criteria: Vec<Definition>,
     /// The loadings.
     pub loadings: Vec<LoadingAnswer>,
-    /// Where notions disagree, in words.
+    /// Where criteria disagree, in words.
     pub disagreements: Vec<String>,
 }
 
-/// Every notion along a loading.
+/// Every criterion along a loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadingAnswer {
     /// What is imposed.
@@ -111,8 +111,8 @@ pub struct LoadingAnswer {
     pub tension_end: EndAnswer,
     /// States with the same imposed stretch and other free stretches, where some were met.
     pub other_states: Vec<OtherState>,
-    /// The notions.
-    pub notions: Vec<NotionAnswer>,
+    /// The criteria.
+    pub criteria: Vec<CriterionAnswer>,
 }
 
 /// The end of a path.
@@ -133,11 +133,11 @@ pub struct OtherState {
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
-/// A notion along a loading.
+/// A criterion along a loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NotionAnswer {
+pub struct CriterionAnswer {
     /// Which one.
-    pub notion: Notion,
+    pub criterion: Criterion,
     /// Whether it is defined for this law.
     pub defined: bool,
     /// Whether it holds in the reference.
@@ -148,7 +148,7 @@ pub struct NotionAnswer {
     pub tension: SideAnswer,
 }
 
-/// A notion on one side of the reference.
+/// A criterion on one side of the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SideAnswer {
     /// The stretch at which it is lost, counted from the reference; `null` when it is not.
@@ -157,7 +157,7 @@ pub struct SideAnswer {
     pub changes: Vec<ChangeAnswer>,
 }
 
-/// A change of a notion.
+/// A change of a criterion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChangeAnswer {
     /// Lost or regained.
@@ -184,12 +184,12 @@ impl Question {
     /// A law over a range of stretches, in some modes; all of them when none is named.
     ///
     /// # Errors
-    /// [`NotionsError`] when a parameter is out of range.
+    /// [`CriteriaError`] when a parameter is out of range.
     pub fn new(
         settings: &MaterialSettings,
         range: Range,
         modes: &[Mode],
-    ) -> Result<Self, NotionsError> {
+    ) -> Result<Self, CriteriaError> {
         let material = settings.build()?;
         let parameters = settings.entries().into_iter();
         let asked = |loading: &Loading| modes.is_empty() || modes.contains(&loading.mode);
@@ -208,26 +208,26 @@ impl Question {
         })
     }
 
-    /// Every notion along every loading.
+    /// Every criterion along every loading.
     ///
     /// # Errors
-    /// [`NotionsError`] when the law has no state in the reference.
-    pub fn answer(&self) -> Result<NotionsAnswer, NotionsError> {
+    /// [`CriteriaError`] when the law has no state in the reference.
+    pub fn answer(&self) -> Result<CriteriaAnswer, CriteriaError> {
         let loadings: Vec<LoadingAnswer> = self
             .loadings
             .par_iter()
-            .map(|loading| self.along(*loading, &Notion::ALL))
+            .map(|loading| self.along(*loading, &Criterion::ALL))
             .collect::<Result<_, _>>()?;
-        let definition = |notion: Notion| Definition {
-            notion,
-            definition: notion.definition(),
-            source: notion.source(),
+        let definition = |criterion: Criterion| Definition {
+            criterion,
+            definition: criterion.definition(),
+            source: criterion.source(),
         };
-        Ok(NotionsAnswer {
+        Ok(CriteriaAnswer {
             material: self.law.clone(),
             range: [self.range.low(), self.range.high()],
             polyconvexity: self.polyconvexity(&loadings),
-            notions: Notion::ALL.map(definition).to_vec(),
+            criteria: Criterion::ALL.map(definition).to_vec(),
             disagreements: sentence::disagreements(&loadings),
             loadings,
         })
@@ -258,9 +258,13 @@ impl Question {
         }
     }
 
-    fn along(&self, loading: Loading, notions: &[Notion]) -> Result<LoadingAnswer, NotionsError> {
+    fn along(
+        &self,
+        loading: Loading,
+        criteria: &[Criterion],
+    ) -> Result<LoadingAnswer, CriteriaError> {
         let path = LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range)
-            .map_err(|source| NotionsError::Loading {
+            .map_err(|source| CriteriaError::Loading {
                 title: loading.title(),
                 source,
                 notes: self.law.notes.clone(),
@@ -268,20 +272,20 @@ impl Question {
         let has_energy = has_energy(&*self.material);
         let reach = (self.range.low(), self.range.high());
         let tracks = |tension: bool| -> Vec<Option<Track>> {
-            let of = |notion: &Notion| match notion {
-                Notion::RankOneConvexity if !has_energy => None,
-                Notion::RankOneConvexity => follow(&path, Notion::StrongEllipticity, tension)
+            let of = |criterion: &Criterion| match criterion {
+                Criterion::RankOneConvexity if !has_energy => None,
+                Criterion::RankOneConvexity => follow(&path, Criterion::StrongEllipticity, tension)
                     .map(|elliptic| follow_jumps(&path, &elliptic, reach, tension)),
                 other => follow(&path, *other, tension),
             };
-            notions.iter().map(of).collect()
+            criteria.iter().map(of).collect()
         };
         let (compression, tension) = (tracks(false), tracks(true));
-        let notions = notions
+        let criteria = criteria
             .iter()
             .zip(compression.iter().zip(&tension))
-            .map(|(notion, (compression, tension))| NotionAnswer {
-                notion: *notion,
+            .map(|(criterion, (compression, tension))| CriterionAnswer {
+                criterion: *criterion,
                 defined: tension.is_some(),
                 holds_in_reference: tension.as_ref().is_some_and(|track| track.holds_at_start),
                 compression: side(&path, compression.as_ref()),
@@ -296,7 +300,7 @@ impl Question {
             compression_end: EndAnswer::of(&path.compression_end, limits[0]),
             tension_end: EndAnswer::of(&path.tension_end, limits[1]),
             other_states: other_states(&path),
-            notions,
+            criteria,
         })
     }
 }
@@ -304,11 +308,14 @@ impl Question {
 impl LoadingAnswer {
     /// A stretch at which the law is not rank-one convex.
     fn refutes_polyconvexity(&self) -> Option<f64> {
-        let lost = |notion: Notion| {
-            let found = self.notions.iter().find(|answer| answer.notion == notion)?;
+        let lost = |criterion: Criterion| {
+            let found = self
+                .criteria
+                .iter()
+                .find(|answer| answer.criterion == criterion)?;
             found.tension.limit.or(found.compression.limit)
         };
-        lost(Notion::StrongEllipticity).or_else(|| lost(Notion::RankOneConvexity))
+        lost(Criterion::StrongEllipticity).or_else(|| lost(Criterion::RankOneConvexity))
     }
 }
 

@@ -1,13 +1,13 @@
 //! Limits that are known in closed form, or published.
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
-use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, library};
-use onset::notions::{
-    Change, Knowledge, Lateral, Loading, LoadingPath, Mode, Notion, Range, Witness, follow_jumps,
-    is_isotropic, polyconvexity,
+use onset::criteria::{
+    Change, Criterion, Knowledge, Lateral, Loading, LoadingPath, Mode, Range, Witness,
+    follow_jumps, is_isotropic, polyconvexity,
 };
+use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, library};
 
-const ELLIPTIC: Notion = Notion::StrongEllipticity;
+const ELLIPTIC: Criterion = Criterion::StrongEllipticity;
 
 /// Knowles and Sternberg (1975): elliptic while all ratios of principal stretches are below `2 + sqrt 3`.
 #[test]
@@ -49,16 +49,16 @@ fn blatz_ko_satisfies_baker_ericksen_and_drucker_everywhere_although_it_loses_el
         (Mode::SimpleShear, Lateral::PlaneStrain),
     ] {
         let path = path(&law, mode, lateral);
-        for notion in [
-            Notion::BakerEricksen,
-            Notion::Drucker,
-            Notion::PrincipalDrucker,
+        for criterion in [
+            Criterion::BakerEricksen,
+            Criterion::Drucker,
+            Criterion::DruckerAbaqus,
         ] {
             for tension in [true, false] {
-                let track = track(&path, notion, tension);
+                let track = track(&path, criterion, tension);
                 assert!(
                     track.holds_at_start && track.events.is_empty(),
-                    "{notion:?}"
+                    "{criterion:?}"
                 );
             }
         }
@@ -108,7 +108,7 @@ fn neo_hooke_under_equal_stretches_is_elliptic_up_to_its_closed_forms() {
     let all = (0.5 * (1.0 + 2.0 * mu / lambda)).exp();
     assert_close(limit(&plane, ELLIPTIC, true).expect("lost"), all, 1e-12);
     let within = zero(|l| mu + g(l * l) / (l * l), 1.0, 5.0);
-    let found = limit(&plane, Notion::PlaneEllipticity, true).expect("lost");
+    let found = limit(&plane, Criterion::PlaneEllipticity, true).expect("lost");
     assert_close(found, within, 1e-12);
     assert!(within > all + 0.01);
 }
@@ -117,10 +117,10 @@ fn neo_hooke_under_equal_stretches_is_elliptic_up_to_its_closed_forms() {
 fn equation_5_loses_ellipticity_in_the_plane_where_paths_say() {
     let law = ModifiedMooneyRivlin::default();
     let equal = path(&law, Mode::Equibiaxial, Lateral::PlaneStrain);
-    let found = limit(&equal, Notion::PlaneEllipticity, true).expect("lost");
+    let found = limit(&equal, Criterion::PlaneEllipticity, true).expect("lost");
     assert_close(found, 1.669770460567, 1e-11);
     let uniaxial = path(&law, Mode::Uniaxial, Lateral::Held);
-    let found = limit(&uniaxial, Notion::PlaneEllipticity, true).expect("lost");
+    let found = limit(&uniaxial, Criterion::PlaneEllipticity, true).expect("lost");
     assert_close(found, 2.754613297216, 1e-11);
 }
 
@@ -129,7 +129,7 @@ fn equation_5_loses_ellipticity_in_the_plane_where_paths_say() {
 fn equation_5_is_elliptic_again_at_large_volumes() {
     let law = ModifiedMooneyRivlin::default();
     let equal = path(&law, Mode::Equibiaxial, Lateral::PlaneStrain);
-    let changes: Vec<Change> = track(&equal, Notion::PlaneEllipticity, true)
+    let changes: Vec<Change> = track(&equal, Criterion::PlaneEllipticity, true)
         .events
         .iter()
         .map(|event| event.change)
@@ -142,9 +142,9 @@ fn equation_5_is_elliptic_again_at_large_volumes() {
 fn a_bar_of_blatz_ko_reaches_its_largest_load_before_it_loses_ellipticity() {
     let law = BlatzKo::default();
     let bar = path(&law, Mode::Uniaxial, Lateral::Free);
-    let load = limit(&bar, Notion::LoadMaximum, true).expect("a largest load");
+    let load = limit(&bar, Criterion::LoadMaximum, true).expect("a largest load");
     assert_close(load, 6.0_f64.powf(0.4), 1e-12);
-    assert_eq!(limit(&bar, Notion::LoadMaximum, false), None);
+    assert_eq!(limit(&bar, Criterion::LoadMaximum, false), None);
 }
 
 #[test]
@@ -152,10 +152,10 @@ fn loads_of_blatz_ko_that_rise_in_closed_form_have_no_maximum() {
     let law = BlatzKo::default();
     // P = mu (lambda^2 - lambda^-3) rises always.
     let all = path(&law, Mode::Hydrostatic, Lateral::Held);
-    assert_eq!(limit(&all, Notion::LoadMaximum, true), None);
+    assert_eq!(limit(&all, Criterion::LoadMaximum, true), None);
     // Held laterally P = mu (1 - lambda^-3) rises always.
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
-    assert_eq!(limit(&held, Notion::LoadMaximum, true), None);
+    assert_eq!(limit(&held, Criterion::LoadMaximum, true), None);
 }
 
 /// The energy is a positive definite quadratic form of the logarithms.
@@ -166,17 +166,17 @@ fn hencky_satisfies_drucker_everywhere_and_loses_ellipticity_in_a_bar() {
         .build(&[("mu", 1.0), ("kappa", 5.0)])
         .expect("admissible");
     let bar = path(&*law, Mode::Uniaxial, Lateral::Free);
-    for notion in [
-        Notion::PrincipalDrucker,
-        Notion::Drucker,
-        Notion::BakerEricksen,
+    for criterion in [
+        Criterion::DruckerAbaqus,
+        Criterion::Drucker,
+        Criterion::BakerEricksen,
     ] {
         for tension in [true, false] {
-            assert_eq!(limit(&bar, notion, tension), None, "{notion:?}");
+            assert_eq!(limit(&bar, criterion, tension), None, "{criterion:?}");
         }
     }
     // With free faces tau = E ln(lambda), so the load tau / lambda is largest at e.
-    let load = limit(&bar, Notion::LoadMaximum, true).expect("a largest load");
+    let load = limit(&bar, Criterion::LoadMaximum, true).expect("a largest load");
     assert_close(load, std::f64::consts::E, 1e-12);
     assert!(limit(&bar, ELLIPTIC, true).expect("lost") > load);
 }

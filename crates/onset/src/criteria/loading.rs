@@ -384,12 +384,12 @@ impl<'a> LoadingPath<'a> {
         continued(self.material, self.loading, nearest, s).ok()
     }
 
-    /// The state at `s` as notions ask it.
+    /// The state at `s` as criteria ask it.
     pub fn state(&self, s: f64) -> Option<State> {
         self.at(s).map(|state| self.ask(&state))
     }
 
-    /// A state of this path as notions ask it.
+    /// A state of this path as criteria ask it.
     pub fn ask(&self, state: &PathState) -> State {
         State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate)
     }
@@ -429,7 +429,7 @@ impl<'a> LoadingPath<'a> {
 /// ```
 /// use onset::kinematics::DeformationPath;
 /// use onset::material::Law;
-/// use onset::notions::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range};
+/// use onset::criteria::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range};
 /// let law = Law::named("neo-hooke").ok_or("no such law")?.build(&[])?;
 /// let loading = Loading { mode: Mode::Uniaxial, lateral: Lateral::Free };
 /// let path = LoadingPath::new(&*law, true, loading, &Range::new(0.5, 2.0)?)?;

@@ -1,21 +1,21 @@
-//! Ranges of notions as horizontal bars, a panel for each loading.
+//! Ranges of criteria as horizontal bars, a panel for each loading.
 
-use super::{LoadingAnswer, NotionAnswer, NotionsAnswer};
+use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
-use onset::notions::Notion;
+use onset::criteria::Criterion;
 
 /// Width of a bar, in pixels.
 const BAR: f64 = 8.0;
 
-impl NotionsAnswer {
-    /// The ranges in which notions hold, as bars.
+impl CriteriaAnswer {
+    /// The ranges in which criteria hold, as bars.
     pub fn figure(&self) -> Figure {
         let figure = Figure::new(format!(
-            "Where notions of stability hold: {}",
+            "Where stability criteria hold: {}",
             super::sentence::heading(&self.material)
         ))
         .caption(
-            "Bars: stretches at which the notion holds. Grey: it does not. Nothing: there is no state, or the notion is not \
+            "Bars: stretches at which the criterion holds. Grey: it does not. Nothing: there is no state, or the criterion is not \
              defined for the law.",
         );
         self.loadings
@@ -25,19 +25,19 @@ impl NotionsAnswer {
 
     fn panel(&self, loading: &LoadingAnswer) -> Panel {
         let [low, high] = self.range;
-        let rows = loading.notions.len() as f64;
+        let rows = loading.criteria.len() as f64;
         let names = loading
-            .notions
+            .criteria
             .iter()
             .enumerate()
-            .map(|(n, answer)| (rows - n as f64, answer.notion.name()));
+            .map(|(n, answer)| (rows - n as f64, answer.criterion.name()));
         let mut panel = Panel::new(
             loading.title,
             stretches(low, high),
             Axis::linear("", (0.4, rows + 0.6)).ticks(names),
         );
         panel = panel.with(Rule::vertical(1.0));
-        for (n, answer) in loading.notions.iter().enumerate() {
+        for (n, answer) in loading.criteria.iter().enumerate() {
             if !answer.defined {
                 continue;
             }
@@ -45,7 +45,7 @@ impl NotionsAnswer {
             let ends = [loading.compression_end.stretch, loading.tension_end.stretch];
             let all = Line::new(vec![(ends[0], y), (ends[1], y)]);
             panel = panel.with(all.width(2.0).color(Color::hex(0xbbbbbb)));
-            let (color, kind) = kind(answer.notion);
+            let (color, kind) = kind(answer.criterion);
             for (from, to) in held(answer, ends) {
                 let bar = Line::new(vec![(from, y), (to, y)]);
                 panel = panel.with(bar.width(BAR).color(color).named(kind));
@@ -69,23 +69,25 @@ pub(super) fn stretches(low: f64, high: f64) -> Axis {
     Axis::log("stretch λ (−)", (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
 }
 
-/// Color and word of what a notion perturbs with.
-fn kind(notion: Notion) -> (Color, &'static str) {
-    match notion {
-        Notion::StrongEllipticity | Notion::PlaneEllipticity | Notion::BakerEricksen => {
+/// Color and word of what a criterion perturbs with.
+fn kind(criterion: Criterion) -> (Color, &'static str) {
+    match criterion {
+        Criterion::StrongEllipticity | Criterion::PlaneEllipticity | Criterion::BakerEricksen => {
             (palette::BLUE, "waves")
         }
-        Notion::RankOneConvexity => (palette::SKY, "finite jumps"),
-        Notion::Hill | Notion::PureStrain => (palette::ORANGE, "rates under dead loads"),
-        Notion::Drucker | Notion::PrincipalDrucker => {
+        Criterion::RankOneConvexity => (palette::SKY, "finite jumps"),
+        Criterion::Hill | Criterion::HillRotationFree => {
+            (palette::ORANGE, "rates under dead loads")
+        }
+        Criterion::Drucker | Criterion::DruckerAbaqus => {
             (palette::GREEN, "stress work in logarithmic strain")
         }
-        Notion::LoadMaximum => (palette::VERMILION, "the loading itself"),
+        Criterion::LoadMaximum => (palette::VERMILION, "the loading itself"),
     }
 }
 
-/// The stretches at which a notion holds, between the ends of a path.
-pub(super) fn held(answer: &NotionAnswer, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
+/// The stretches at which a criterion holds, between the ends of a path.
+pub(super) fn held(answer: &CriterionAnswer, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
     let mut intervals = Vec::new();
     for (side, end) in [(&answer.compression, low), (&answer.tension, high)] {
         let mut from = answer.holds_in_reference.then_some(1.0);

@@ -1,23 +1,26 @@
-//! `onset notions` and `onset card`: where a law is stable, and in which sense.
+//! `onset criteria` and `onset card`: where a law is stable, and in which sense.
 
 use super::{Failure, law, with_energy, with_files};
-use crate::arguments::{CardArguments, LawArguments, NotionsArguments};
+use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
 use crate::printing::print;
-use onset_study::notions::Question;
+use onset_study::criteria::Question;
 use onset_study::output::Output;
 use onset_study::settings::MaterialSettings;
 use std::process::ExitCode;
 
-/// Notions side by side.
-pub fn notions(arguments: &NotionsArguments) -> Result<ExitCode, Failure> {
+/// Criteria side by side.
+pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law, &arguments.modes)?;
     let output = arguments.out.as_deref();
-    let names = ["notions.svg", "notions.png"];
+    let names = ["criteria.svg", "criteria.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = question.answer().map_err(Failure::input)?;
     let written = match output {
         Some(output) => {
-            let files = answer.figure().files("notions").map_err(Failure::machine)?;
+            let files = answer
+                .figure()
+                .files("criteria")
+                .map_err(Failure::machine)?;
             output.write(&files)?
         }
         None => Vec::new(),
@@ -41,7 +44,7 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
 
 fn question(
     arguments: &LawArguments,
-    modes: &[onset_study::notions::Mode],
+    modes: &[onset_study::criteria::Mode],
 ) -> Result<Question, Failure> {
     let material = material(arguments)?;
     Question::new(&material, arguments.range, modes).map_err(Failure::input)

@@ -2,11 +2,11 @@
 
 use super::figure::{held, stretches};
 use super::sentence::{heading, opening, witness};
-use super::{EndAnswer, LawAnswer, LoadingAnswer, NotionsError, Question};
+use super::{CriteriaError, EndAnswer, LawAnswer, LoadingAnswer, Question};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
 use crate::output::{Files, text};
-use onset::notions::{BoxEnd, Notion, SafeBox, Witness, safe_box, widest_safe_box};
+use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::{Display, Formatter};
@@ -85,16 +85,16 @@ impl Question {
     /// The card.
     ///
     /// # Errors
-    /// [`NotionsError`] when the law has no state in the reference.
-    pub fn card(&self) -> Result<CardAnswer, NotionsError> {
+    /// [`CriteriaError`] when the law has no state in the reference.
+    pub fn card(&self) -> Result<CardAnswer, CriteriaError> {
         let loadings: Vec<Limits> = self
             .loadings
             .par_iter()
             .map(|loading| {
-                let answer = self.along(*loading, &[Notion::StrongEllipticity])?;
+                let answer = self.along(*loading, &[Criterion::StrongEllipticity])?;
                 Ok(Limits::of(&answer))
             })
-            .collect::<Result<_, NotionsError>>()?;
+            .collect::<Result<_, CriteriaError>>()?;
         let (symmetric, widest) = rayon::join(
             || safe_box(&*self.material, 1.0, &self.range),
             || match self.law.isotropic {
@@ -154,7 +154,7 @@ impl BoxAnswer {
 impl Limits {
     fn of(answer: &LoadingAnswer) -> Self {
         let ends = [answer.compression_end.stretch, answer.tension_end.stretch];
-        let own = answer.notions.first();
+        let own = answer.criteria.first();
         let [compression, tension] = [
             own.map(|own| own.compression.clone()).unwrap_or_default(),
             own.map(|own| own.tension.clone()).unwrap_or_default(),

@@ -1,4 +1,4 @@
-//! Claims about notions of stability: closed forms, and independent ways to the same numbers.
+//! Claims about stability criteria: closed forms, and independent ways to the same numbers.
 
 mod boxes;
 mod forms;
@@ -6,9 +6,9 @@ mod jumps;
 mod known;
 mod loadings;
 
+use onset::criteria::{Criterion, Lateral, Loading, LoadingPath, Mode, Range, Track, follow};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, StrainEnergy};
-use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, Range, Track, follow};
 use onset::real::Real;
 
 /// `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2`.
@@ -30,13 +30,13 @@ fn path<'a>(law: &'a dyn Hyperelastic, mode: Mode, lateral: Lateral) -> LoadingP
     LoadingPath::new(law, true, loading, &Range::default()).expect("a state in the reference")
 }
 
-fn track(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Track {
-    follow(path, notion, tension).expect("the notion is defined")
+fn track(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Track {
+    follow(path, criterion, tension).expect("the criterion is defined")
 }
 
-/// The stretch at which a notion is lost in tension, or in compression.
-fn limit(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<f64> {
-    track(path, notion, tension).limit()
+/// The stretch at which a criterion is lost in tension, or in compression.
+fn limit(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Option<f64> {
+    track(path, criterion, tension).limit()
 }
 
 #[track_caller]

@@ -3,7 +3,7 @@
 use super::card::{CardAnswer, Limits};
 use super::sentence::{heading, witness};
 use crate::html::{embedded, escaped};
-use onset::notions::Notion;
+use onset::criteria::Criterion;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
 h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}table{border-collapse:collapse;width:100%}\
@@ -23,7 +23,7 @@ impl CardAnswer {
              <h1>Safe range of a law</h1>\n<p>{title}</p>\n\
              <p>Within these ranges the law is strongly elliptic: <code>{}</code>. Every plane wave travels, and no band can form \
              because of the law. Stretches from {low} to {high} were looked at.</p>\n",
-            escaped(Notion::StrongEllipticity.definition())
+            escaped(Criterion::StrongEllipticity.definition())
         );
         page.push_str("<h2>All principal stretches within a box</h2>\n");
         if self.symmetric_box.is_none() {

@@ -1,13 +1,13 @@
-//! Notions in words: a table for people, and where notions disagree.
+//! Criteria in words: a table for people, and where criteria disagree.
 
-use super::{LoadingAnswer, NotionAnswer, NotionsAnswer, SideAnswer, told};
-use onset::notions::{Change, Knowledge, Notion, Witness};
+use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, SideAnswer, told};
+use onset::criteria::{Change, Criterion, Knowledge, Witness};
 use std::fmt::{Display, Formatter, Result};
 
 /// Limits closer than this, relative, count as the same.
 const SAME: f64 = 1e-6;
 
-impl Display for NotionsAnswer {
+impl Display for CriteriaAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
         writeln!(formatter, "{}", opening(&self.material))?;
         let [low, high] = self.range;
@@ -20,11 +20,11 @@ impl Display for NotionsAnswer {
                 "  {:<20} {:>16} {:>16}   at the loss",
                 "", "compression", "tension"
             )?;
-            for answer in &loading.notions {
+            for answer in &loading.criteria {
                 writeln!(
                     formatter,
                     "  {:<20} {:>16} {:>16}   {}",
-                    answer.notion.name(),
+                    answer.criterion.name(),
                     cell(answer, &answer.compression),
                     cell(answer, &answer.tension),
                     witnesses(answer)
@@ -52,7 +52,7 @@ impl Display for NotionsAnswer {
             }
         }
         if !self.disagreements.is_empty() {
-            writeln!(formatter, "\nWhere notions disagree")?;
+            writeln!(formatter, "\nWhere criteria disagree")?;
         }
         for sentence in &self.disagreements {
             writeln!(formatter, "- {sentence}")?;
@@ -101,7 +101,7 @@ pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
     }
 }
 
-fn cell(answer: &NotionAnswer, side: &SideAnswer) -> String {
+fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
     match side.limit {
         _ if !answer.defined => "not defined".to_owned(),
         None => "never".to_owned(),
@@ -118,7 +118,7 @@ fn cell(answer: &NotionAnswer, side: &SideAnswer) -> String {
 }
 
 /// The perturbation at the loss in tension, or else in compression.
-fn witnesses(answer: &NotionAnswer) -> String {
+fn witnesses(answer: &CriterionAnswer) -> String {
     let first = |side: &SideAnswer| side.changes.first().map(|change| witness(&change.witness));
     let mut text = first(&answer.tension)
         .or_else(|| first(&answer.compression))
@@ -180,42 +180,45 @@ fn number(x: f64, digits: usize) -> String {
     }
 }
 
-/// Where the notions disagree with strong ellipticity: a sentence or two for each notion.
+/// Where the criteria disagree with strong ellipticity: a sentence or two for each criterion.
 pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     let mut sentences = Vec::new();
-    for notion in Notion::ALL {
+    for criterion in Criterion::ALL {
         let (mut sooner, mut later) = (Vec::new(), Vec::new());
         for loading in loadings {
             for tension in [true, false] {
-                match comparison(loading, notion, tension) {
+                match comparison(loading, criterion, tension) {
                     Some(Comparison::Sooner(text)) => sooner.push(text),
                     Some(Comparison::Later(text)) => later.push(text),
                     None => {}
                 }
             }
         }
-        let title = capitalized(notion.title());
+        let title = capitalized(criterion.title());
         if !sooner.is_empty() {
             let list = sooner.join("; ");
-            sentences.push(match notion {
-                Notion::LoadMaximum => {
+            sentences.push(match criterion {
+                Criterion::LoadMaximum => {
                     format!("The load falls although waves still travel: {list}.")
                 }
-                Notion::RankOneConvexity => {
+                Criterion::RankOneConvexity => {
                     format!("Finite jumps gain energy although waves still travel: {list}.")
                 }
                 _ => format!("{title} calls unstable, although waves still travel: {list}."),
             });
         }
         // What follows from strong ellipticity holds on of necessity.
-        let implied = matches!(notion, Notion::BakerEricksen | Notion::RankOneConvexity);
+        let implied = matches!(
+            criterion,
+            Criterion::BakerEricksen | Criterion::RankOneConvexity
+        );
         if !later.is_empty() && !implied {
             let list = later.join("; ");
-            sentences.push(match notion {
-                Notion::PlaneEllipticity => {
+            sentences.push(match criterion {
+                Criterion::PlaneEllipticity => {
                     format!("Waves out of the plane stop before those within it: {list}.")
                 }
-                Notion::LoadMaximum => {
+                Criterion::LoadMaximum => {
                     format!("The load still rises where waves have stopped: {list}.")
                 }
                 _ => format!("{title} does not see that waves stop: {list}."),
@@ -224,39 +227,39 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     }
     let hill = |loading: &&LoadingAnswer| {
         let found = loading
-            .notions
+            .criteria
             .iter()
-            .find(|answer| answer.notion == Notion::Hill);
+            .find(|answer| answer.criterion == Criterion::Hill);
         found.is_some_and(|hill| hill.compression.limit == Some(1.0))
     };
     if loadings.iter().any(|loading| hill(&loading)) {
         sentences.push(
             "Hill's condition for dead loads is lost with the first compression: a body under dead pressure gains energy by a \
-             rotation, whatever its law. With rotations held it is the line `pure-strain` that counts."
+             rotation, whatever its law. With rotations held it is the line `hill-rotation-free` that counts."
                 .to_owned(),
         );
     }
     sentences
 }
 
-/// How a notion compares with strong ellipticity in a loading, in words.
+/// How a criterion compares with strong ellipticity in a loading, in words.
 enum Comparison {
     Sooner(String),
     Later(String),
 }
 
-fn comparison(loading: &LoadingAnswer, notion: Notion, tension: bool) -> Option<Comparison> {
-    let limit = |notion: Notion| -> Option<Option<f64>> {
+fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> Option<Comparison> {
+    let limit = |criterion: Criterion| -> Option<Option<f64>> {
         let found = loading
-            .notions
+            .criteria
             .iter()
-            .find(|answer| answer.notion == notion && answer.defined)?;
+            .find(|answer| answer.criterion == criterion && answer.defined)?;
         Some(match tension {
             true => found.tension.limit,
             false => found.compression.limit,
         })
     };
-    let (own, waves) = (limit(notion)?, limit(Notion::StrongEllipticity)?);
+    let (own, waves) = (limit(criterion)?, limit(Criterion::StrongEllipticity)?);
     let distance = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| limit.ln().abs());
     let (near, far) = (distance(own), distance(waves));
     let what = format!(
@@ -268,7 +271,7 @@ fn comparison(loading: &LoadingAnswer, notion: Notion, tension: bool) -> Option<
         limit.map_or("throughout".to_owned(), |limit| format!("to {limit:.6}"))
     };
     match own {
-        Some(1.0) if notion == Notion::Hill => None,
+        Some(1.0) if criterion == Criterion::Hill => None,
         Some(own) if near < far * (1.0 - SAME) => Some(Comparison::Sooner(format!(
             "{what} from {own:.6} (waves {})",
             until(waves)

@@ -1,29 +1,29 @@
-//! Notions of stability side by side: each a quantity with a sign and a witness, by its own name.
+//! Stability criteria side by side: each a quantity with a sign and a witness, by its own name.
 //!
 //! "Stable" means many things. A wave, a dead load, a machine that stretches a specimen, a code that fits a law to tests: each
-//! asks another question, and a law can pass one and fail the next at the same state. A [`Notion`] names the question; its
+//! asks another question, and a law can pass one and fail the next at the same state. A [`Criterion`] names the question; its
 //! [`Measure`] at a [`State`] is positive where the answer is yes, and comes with the perturbation that makes it smallest.
-//! [`Loading`] leads to states, with traction-free faces solved for; [`follow`] tells where along it a notion is lost.
+//! [`Loading`] leads to states, with traction-free faces solved for; [`follow`] tells where along it a criterion is lost.
 //! [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
 //!
 //! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches
 //! `lambda_i`:
 //!
-//! | notion | demands |
+//! | criterion | demands |
 //! |---|---|
-//! | [`StrongEllipticity`](Notion::StrongEllipticity) | `A_iJkL g_i N_J g_k N_L > 0` for all `g`, `N` |
-//! | [`PlaneEllipticity`](Notion::PlaneEllipticity) | the same for `g`, `N` in the plane of the first two axes |
-//! | [`RankOneConvexity`](Notion::RankOneConvexity) | `W(F + a (x) N) > W(F) + P : a (x) N` for finite `a` |
-//! | [`BakerEricksen`](Notion::BakerEricksen) | `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0` |
-//! | [`Hill`](Notion::Hill) | `Fdot : A : Fdot > 0` for all `Fdot` (dead loads; rotations included) |
-//! | [`PureStrain`](Notion::PureStrain) | the same for `Fdot = R S`, `S` symmetric (rotations held) |
-//! | [`Drucker`](Notion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
-//! | [`PrincipalDrucker`](Notion::PrincipalDrucker) | `dtau_i dln(lambda_i) > 0` with principal axes held |
-//! | [`LoadMaximum`](Notion::LoadMaximum) | the load rises along the loading itself |
+//! | [`StrongEllipticity`](Criterion::StrongEllipticity) | `A_iJkL g_i N_J g_k N_L > 0` for all `g`, `N` |
+//! | [`PlaneEllipticity`](Criterion::PlaneEllipticity) | the same for `g`, `N` in the plane of the first two axes |
+//! | [`RankOneConvexity`](Criterion::RankOneConvexity) | `W(F + a (x) N) > W(F) + P : a (x) N` for finite `a` |
+//! | [`BakerEricksen`](Criterion::BakerEricksen) | `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0` |
+//! | [`Hill`](Criterion::Hill) | `Fdot : A : Fdot > 0` for all `Fdot` (dead loads; rotations included) |
+//! | [`HillRotationFree`](Criterion::HillRotationFree) | the same for `Fdot = R S`, `S` symmetric (rotations held) |
+//! | [`Drucker`](Criterion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
+//! | [`DruckerAbaqus`](Criterion::DruckerAbaqus) | `dtau_i dln(lambda_i) > 0` with principal axes held |
+//! | [`LoadMaximum`](Criterion::LoadMaximum) | the load rises along the loading itself |
 //!
-//! What follows from what: [`RankOneConvexity`](Notion::RankOneConvexity) at a state implies ellipticity (not strict) there; strong
-//! ellipticity of an isotropic law implies the Baker-Ericksen inequalities; [`Hill`](Notion::Hill) implies strong ellipticity,
-//! [`PureStrain`](Notion::PureStrain) and that the load rises. [`Drucker`](Notion::Drucker)'s inequality and strong ellipticity
+//! What follows from what: [`RankOneConvexity`](Criterion::RankOneConvexity) at a state implies ellipticity (not strict) there; strong
+//! ellipticity of an isotropic law implies the Baker-Ericksen inequalities; [`Hill`](Criterion::Hill) implies strong ellipticity,
+//! [`HillRotationFree`](Criterion::HillRotationFree) and that the load rises. [`Drucker`](Criterion::Drucker)'s inequality and strong ellipticity
 //! imply nothing for each other.
 
 mod box_of_stretches;
@@ -52,14 +52,14 @@ use forms::QuadraticForm;
 use isotropy::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 
-/// A notion of stability.
+/// A stability criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "kebab-case")
 )]
-pub enum Notion {
+pub enum Criterion {
     /// Every plane wave travels: `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
     ///
     /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965),
@@ -74,7 +74,7 @@ pub enum Notion {
     /// Every plane wave within the plane of the first two axes travels: what a simulation in plane strain can see.
     ///
     /// The measure is the smallest eigenvalue of the acoustic tensors in the plane, exact. Units of stress. Source: as
-    /// [`Notion::StrongEllipticity`].
+    /// [`Criterion::StrongEllipticity`].
     PlaneEllipticity,
     /// No layering with finite jumps costs less energy: `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
@@ -86,7 +86,7 @@ pub enum Notion {
     ///
     /// Source: Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33; for isotropic laws. The measure is the smallest
     /// `(tau_i - tau_j) / (lambda_i^2 - lambda_j^2)`, which is the component `A_ijij` of the tangent in principal axes and so has its
-    /// limit at equal stretches. Units of stress.
+    /// limit at equibiaxial stretches. Units of stress.
     BakerEricksen,
     /// No rate gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot`.
     ///
@@ -101,7 +101,7 @@ pub enum Notion {
     /// The energy is convex in the right stretch tensor `U` to second order. Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4
     /// (1959) 97; in rates Hill, J. Mech. Phys. Solids 16 (1968) 229, with Biot stress and `U` as conjugate measures. The measure is the
     /// smallest eigenvalue on these six rates. Units of stress.
-    PureStrain,
+    HillRotationFree,
     /// Stress work of second order is positive: `tau° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Kirchhoff
     /// stress.
     ///
@@ -113,7 +113,7 @@ pub enum Notion {
     ///
     /// The matrix `dtau_i / dln(lambda_j)` is positive definite. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike
     /// materials, "Material stability" (checked there for stretches 0.1 to 10). The measure is its smallest eigenvalue. Units of stress.
-    PrincipalDrucker,
+    DruckerAbaqus,
     /// The load rises along the loading: `Pdot : Fdot > 0` along the path itself, with its traction-free faces.
     ///
     /// Under a prescribed load the specimen runs away where this ends (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars); under a
@@ -122,12 +122,12 @@ pub enum Notion {
     LoadMaximum,
 }
 
-/// The value of a notion at a state; positive where it holds.
+/// The value of a criterion at a state; positive where it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
     /// The smallest value found; units of stress.
     pub value: f64,
-    /// Values above `-neutral` count as held; zero but for notions that are neutral at whole sets of states.
+    /// Values above `-neutral` count as held; zero but for criteria that are neutral at whole sets of states.
     pub neutral: f64,
     /// Values up to this are zero to rounding, which is not positive; as of [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
     pub zero: f64,
@@ -138,12 +138,12 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// A number with the sign of the notion: negative where it does not hold.
+    /// A number with the sign of the criterion: negative where it does not hold.
     pub fn signed(&self) -> f64 {
         self.value + self.neutral
     }
 
-    /// Whether the notion holds, beyond rounding.
+    /// Whether the criterion holds, beyond rounding.
     pub fn holds(&self) -> bool {
         if self.neutral > 0.0 {
             self.signed() > 0.0
@@ -189,7 +189,7 @@ pub enum Witness {
     },
 }
 
-impl Notion {
+impl Criterion {
     /// All of them, in the order of tables.
     pub const ALL: [Self; 9] = [
         Self::StrongEllipticity,
@@ -197,9 +197,9 @@ impl Notion {
         Self::RankOneConvexity,
         Self::BakerEricksen,
         Self::Hill,
-        Self::PureStrain,
+        Self::HillRotationFree,
         Self::Drucker,
-        Self::PrincipalDrucker,
+        Self::DruckerAbaqus,
         Self::LoadMaximum,
     ];
 
@@ -211,9 +211,9 @@ impl Notion {
             Self::RankOneConvexity => "rank-one-convexity",
             Self::BakerEricksen => "baker-ericksen",
             Self::Hill => "hill",
-            Self::PureStrain => "pure-strain",
+            Self::HillRotationFree => "hill-rotation-free",
             Self::Drucker => "drucker",
-            Self::PrincipalDrucker => "principal-drucker",
+            Self::DruckerAbaqus => "drucker-abaqus",
             Self::LoadMaximum => "load-maximum",
         }
     }
@@ -226,9 +226,9 @@ impl Notion {
             Self::RankOneConvexity => "rank-one convexity",
             Self::BakerEricksen => "the Baker-Ericksen inequality",
             Self::Hill => "Hill's condition for dead loads",
-            Self::PureStrain => "Hill's condition with rotations held",
+            Self::HillRotationFree => "Hill's condition with rotations held",
             Self::Drucker => "Drucker's condition",
-            Self::PrincipalDrucker => "Drucker's check in principal axes",
+            Self::DruckerAbaqus => "Drucker's check in principal axes",
             Self::LoadMaximum => "a rising load",
         }
     }
@@ -241,9 +241,9 @@ impl Notion {
             Self::RankOneConvexity => "W(F + a (x) N) > W(F) + P : a (x) N for all a, N",
             Self::BakerEricksen => "(sigma_i - sigma_j)(lambda_i - lambda_j) > 0",
             Self::Hill => "Fdot : A : Fdot > 0 for all Fdot",
-            Self::PureStrain => "Fdot : A : Fdot > 0 for all Fdot = R S, S symmetric",
+            Self::HillRotationFree => "Fdot : A : Fdot > 0 for all Fdot = R S, S symmetric",
             Self::Drucker => "tau° : D > 0 for all D, tau° the Jaumann rate of Kirchhoff stress",
-            Self::PrincipalDrucker => "dtau_i dln(lambda_i) > 0 with principal axes held",
+            Self::DruckerAbaqus => "dtau_i dln(lambda_i) > 0 with principal axes held",
             Self::LoadMaximum => "Pdot : Fdot > 0 along the loading",
         }
     }
@@ -257,34 +257,36 @@ impl Notion {
             Self::RankOneConvexity => "Ball, Arch. Ration. Mech. Anal. 63 (1977) 337",
             Self::BakerEricksen => "Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33",
             Self::Hill => "Hill, J. Mech. Phys. Solids 6 (1958) 236",
-            Self::PureStrain => {
+            Self::HillRotationFree => {
                 "Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Hill, J. Mech. Phys. Solids 16 (1968) 229"
             }
             Self::Drucker => {
                 "Drucker, J. Appl. Mech. 26 (1959) 101; Leblond, Eur. J. Mech. A 11 (1992) 447"
             }
-            Self::PrincipalDrucker => "Abaqus Analysis Guide, hyperelasticity, material stability",
+            Self::DruckerAbaqus => "Abaqus Analysis Guide, hyperelasticity, material stability",
             Self::LoadMaximum => "Considère, Ann. Ponts Chaussées 9 (1885) 574",
         }
     }
 
-    /// The notion with a name.
+    /// The criterion with a name.
     pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|notion| notion.name() == name)
+        Self::ALL
+            .into_iter()
+            .find(|criterion| criterion.name() == name)
     }
 
-    /// The measure at a state. `None` where the notion is not defined: Baker-Ericksen for laws that are not isotropic, the load maximum
+    /// The measure at a state. `None` where the criterion is not defined: Baker-Ericksen for laws that are not isotropic, the load maximum
     /// at a state without a loading, and rank-one convexity always, since its search needs the law: see [`JumpSearch`].
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
     /// use onset::material::BlatzKo;
-    /// use onset::notions::{Notion, State};
+    /// use onset::criteria::{Criterion, State};
     /// // Uniaxial strain 4 is beyond 2 + sqrt 3: not elliptic, but Drucker-stable.
     /// let f = DeformationGradient::from_stretches([4.0, 1.0, 1.0])?;
     /// let state = State::new(&BlatzKo::default(), &f)?;
-    /// assert!(!Notion::StrongEllipticity.measure(&state).is_some_and(|measure| measure.holds()));
-    /// assert!(Notion::Drucker.measure(&state).is_some_and(|measure| measure.holds()));
+    /// assert!(!Criterion::StrongEllipticity.measure(&state).is_some_and(|measure| measure.holds()));
+    /// assert!(Criterion::Drucker.measure(&state).is_some_and(|measure| measure.holds()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn measure(self, state: &State) -> Option<Measure> {
@@ -297,9 +299,9 @@ impl Notion {
                 state.of(value, wave)
             }),
             Self::Hill => Some(state.hill()),
-            Self::PureStrain => Some(state.pure_strain()),
+            Self::HillRotationFree => Some(state.hill_rotation_free()),
             Self::Drucker => Some(state.drucker()),
-            Self::PrincipalDrucker => Some(state.principal_drucker()),
+            Self::DruckerAbaqus => Some(state.drucker_abaqus()),
             Self::LoadMaximum => state.rate.map(|rate| state.load_maximum(&rate)),
         }
     }
@@ -320,7 +322,7 @@ fn ratio_of_stretches(response: &Response) -> f64 {
     largest / smallest
 }
 
-/// A state at which notions are asked: the response of a law, its principal axes, and the loading that led there.
+/// A state at which criteria are asked: the response of a law, its principal axes, and the loading that led there.
 #[derive(Clone, Debug)]
 pub struct State {
     response: Response,
@@ -413,7 +415,7 @@ impl State {
         }
     }
 
-    fn pure_strain(&self) -> Measure {
+    fn hill_rotation_free(&self) -> Measure {
         let rotation = self.left * self.right.transpose();
         let rates = forms::symmetric_rates().map(|s| rotation * s);
         let (value, rate) = self.form.smallest(&rates);
@@ -424,7 +426,7 @@ impl State {
         self.jaumann(&forms::symmetric_rates())
     }
 
-    fn principal_drucker(&self) -> Measure {
+    fn drucker_abaqus(&self) -> Measure {
         let axis = |i: usize| self.left.column(i) * self.left.column(i).transpose();
         self.jaumann(&[axis(0), axis(1), axis(2)])
     }

@@ -1,11 +1,11 @@
 //! The largest boxes of principal stretches.
 
 use super::{NeoHooke, assert_close, zero};
+use onset::criteria::{BoxEnd, Criterion, Range, SafeBox, State, safe_box, widest_safe_box};
 use onset::formula::Formula;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::material::{BlatzKo, Law};
-use onset::notions::{BoxEnd, Notion, Range, SafeBox, State, safe_box, widest_safe_box};
 
 #[test]
 fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
@@ -54,7 +54,7 @@ fn a_box_without_a_loss_is_as_large_as_the_range() {
 }
 
 /// Bruhns, Xiao and Meyers (2001): for all Lamé constants that are not negative, elliptic for stretches from 0.21162 to 1.39561. The bounds are
-/// those of the two extreme laws: lambda = 0, where a ratio of two stretches ends the box, and an incompressible one, where equal
+/// those of the two extreme laws: lambda = 0, where a ratio of two stretches ends the box, and an incompressible one, where equibiaxial
 /// stretches do, at `exp(1/3)`.
 #[test]
 fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one() {
@@ -92,7 +92,7 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
     for stretches in states.chain(known.iter().copied()) {
         let f = DeformationGradient::from_stretches(stretches).expect("a state");
         let response = law.response(&f).expect("a state of the law");
-        let measure = Notion::StrongEllipticity
+        let measure = Criterion::StrongEllipticity
             .measure(&State::of_response(response, true))
             .expect("defined");
         assert!(
@@ -205,29 +205,29 @@ fn the_widest_box_may_end_at_the_reference() {
     let elliptic = |l: f64| {
         let f = DeformationGradient::from_stretches([l, 1.0, 1.0]).expect("a state");
         let state = State::new(&*hencky, &f).expect("finite");
-        let measure = Notion::StrongEllipticity.measure(&state);
+        let measure = Criterion::StrongEllipticity.measure(&state);
         measure.expect("defined").holds()
     };
     assert!(elliptic(widest.low * (1.0 + 1e-9)) && !elliptic(widest.low * (1.0 - 1e-9)));
 }
 
 #[test]
-fn a_fluid_has_no_box_and_holds_no_notion_of_waves() {
+fn a_fluid_has_no_box_and_satisfies_no_criterion_of_waves() {
     let fluid = Formula::parse("50*(J - 1)^2").expect("a formula");
     let fluid = fluid.with(&[]).expect("a law");
     assert!(safe_box(&fluid, 1.0, &Range::default()).is_none());
     for stretches in [[1.0; 3], [1.2, 0.9, 1.0], [0.7, 1.3, 1.1]] {
         let f = DeformationGradient::from_stretches(stretches).expect("a state");
         let state = State::new(&fluid, &f).expect("finite");
-        for notion in [
-            Notion::StrongEllipticity,
-            Notion::PlaneEllipticity,
-            Notion::BakerEricksen,
+        for criterion in [
+            Criterion::StrongEllipticity,
+            Criterion::PlaneEllipticity,
+            Criterion::BakerEricksen,
         ] {
-            let holds = notion
+            let holds = criterion
                 .measure(&state)
                 .is_some_and(|measure| measure.holds());
-            assert!(!holds, "{notion:?} at {stretches:?}");
+            assert!(!holds, "{criterion:?} at {stretches:?}");
         }
     }
 }

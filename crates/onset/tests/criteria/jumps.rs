@@ -2,9 +2,9 @@
 
 use super::{NeoHooke, path, track, zero};
 use nalgebra::Matrix3;
+use onset::criteria::{Criterion, JumpSearch, Lateral, Mode, Witness, follow_jumps};
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic};
-use onset::notions::{JumpSearch, Lateral, Mode, Notion, Witness, follow_jumps};
 
 const REACH: (f64, f64) = (0.1, 10.0);
 
@@ -59,7 +59,7 @@ fn finite_jumps_gain_energy_before_waves_stop() {
     let (mu, lambda) = (1.0, 6.0);
     let law = NeoHooke { mu, lambda };
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
-    let elliptic = track(&held, Notion::StrongEllipticity, true);
+    let elliptic = track(&held, Criterion::StrongEllipticity, true);
     let jumps = follow_jumps(&held, &elliptic, REACH, true);
     let excess = |stretch: f64| {
         let log = stretch.ln();

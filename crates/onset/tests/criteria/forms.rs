@@ -3,9 +3,9 @@
 use super::{NeoHooke, assert_close};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::continuum::Stiffness;
+use onset::criteria::{Criterion, State, Witness, is_isotropic};
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
-use onset::notions::{Notion, State, Witness, is_isotropic};
 
 fn laws() -> [Box<dyn Hyperelastic>; 3] {
     [
@@ -52,7 +52,9 @@ fn the_algebraic_criterion_has_the_sign_of_a_search_over_the_sphere() {
             let scale = (0..3).map(|i| tangent[(i, i, i, i)]).fold(1.0, f64::max);
             let searched = Stiffness::<3>::of(&response).minimum().eigenvalue.re;
             let state = State::of_response(response.clone(), true);
-            let measure = Notion::StrongEllipticity.measure(&state).expect("defined");
+            let measure = Criterion::StrongEllipticity
+                .measure(&state)
+                .expect("defined");
             assert_eq!(
                 measure.value > 0.0,
                 searched > 0.0,
@@ -93,11 +95,14 @@ fn rotations_of_state_and_reference_move_no_measure() {
                 let response = law.response(&gradient(&f)).expect("finite");
                 State::of_response(response, true)
             });
-            for notion in Notion::ALL {
-                if matches!(notion, Notion::PlaneEllipticity | Notion::LoadMaximum) {
+            for criterion in Criterion::ALL {
+                if matches!(
+                    criterion,
+                    Criterion::PlaneEllipticity | Criterion::LoadMaximum
+                ) {
                     continue;
                 }
-                let [a, b] = [0, 1].map(|n| notion.measure(&states[n]).map(|m| m.value));
+                let [a, b] = [0, 1].map(|n| criterion.measure(&states[n]).map(|m| m.value));
                 if let (Some(a), Some(b)) = (a, b) {
                     let scale = states[0].response().tangent.clone();
                     let scale = (0..3)
@@ -134,7 +139,7 @@ fn drucker_is_the_hessian_in_logarithms_and_the_jaumann_shear_moduli() {
             let expected = hessian.symmetric_eigenvalues().min();
             let f = DeformationGradient::from_stretches(stretches).expect("stretches");
             let state = State::new(&**law, &f).expect("finite");
-            let found = Notion::PrincipalDrucker
+            let found = Criterion::DruckerAbaqus
                 .measure(&state)
                 .expect("defined")
                 .value;
@@ -148,21 +153,23 @@ fn drucker_is_the_hessian_in_logarithms_and_the_jaumann_shear_moduli() {
                 // D = (e_i e_j + e_j e_i)/sqrt 2 has D : tau° = that modulus.
                 lowest = f64::min(lowest, (tau[(i, i)] - tau[(j, j)]) * (a + b) / (a - b));
             }
-            let full = Notion::Drucker.measure(&state).expect("defined").value;
+            let full = Criterion::Drucker.measure(&state).expect("defined").value;
             assert_close(full / scale, lowest / scale, 1e-7);
         }
     }
 }
 
 #[test]
-fn pure_strain_is_the_curvature_of_the_energy_in_the_right_stretch_tensor() {
+fn hill_rotation_free_is_the_curvature_of_the_energy_in_the_right_stretch_tensor() {
     let rotation = Rotation3::from_scaled_axis(Vector3::new(0.7, 0.4, -0.5)).into_inner();
     for law in &laws() {
         for stretches in states(8) {
             let axes = Rotation3::from_scaled_axis(Vector3::new(0.3, -0.2, 0.6)).into_inner();
             let u = axes * Matrix3::from_diagonal(&Vector3::from(stretches)) * axes.transpose();
             let state = State::new(&**law, &gradient(&(rotation * u))).expect("finite");
-            let measure = Notion::PureStrain.measure(&state).expect("defined");
+            let measure = Criterion::HillRotationFree
+                .measure(&state)
+                .expect("defined");
             let Witness::DeformationRate { rate } = measure.witness else {
                 panic!("a rate is the witness");
             };
@@ -173,7 +180,7 @@ fn pure_strain_is_the_curvature_of_the_energy_in_the_right_stretch_tensor() {
                 let w = |t: f64| energy(&**law, &(u + s * t));
                 (16.0 * (w(h) + w(-h)) - w(2.0 * h) - w(-2.0 * h) - 30.0 * w(0.0)) / (12.0 * h * h)
             };
-            let scale = Notion::Hill.measure(&state).expect("defined").neutral / 3e-14;
+            let scale = Criterion::Hill.measure(&state).expect("defined").neutral / 3e-14;
             assert!((second(&s) - measure.value).abs() < 1e-6 * scale);
             // No symmetric rate of a handful has less.
             for n in 0..20 {
@@ -212,7 +219,7 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
         let tau = state.response().first_piola * f.matrix();
         let sums = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| tau[(i, i)] + tau[(j, j)]);
         assert_eq!(sums.iter().all(|sum| *sum > 0.0), holds);
-        let measure = Notion::Hill.measure(&state).expect("defined");
+        let measure = Criterion::Hill.measure(&state).expect("defined");
         assert_eq!(measure.holds(), holds);
         // A rotation rate e_3 x F has the form tau_1 + tau_2 and the length (l1^2 + l2^2)^(1/2).
         let rotation = sums[0] / (stretches[0].powi(2) + stretches[1].powi(2));
@@ -220,9 +227,15 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
     }
     // Neutral in the reference: rotations cost nothing, all else costs.
     let state = State::new(&law, &DeformationGradient::identity()).expect("finite");
-    let measure = Notion::Hill.measure(&state).expect("defined");
+    let measure = Criterion::Hill.measure(&state).expect("defined");
     assert!(measure.holds() && measure.value.abs() < 1e-12);
-    assert!(Notion::PureStrain.measure(&state).expect("defined").value > 1.0);
+    assert!(
+        Criterion::HillRotationFree
+            .measure(&state)
+            .expect("defined")
+            .value
+            > 1.0
+    );
 }
 
 /// A law with one direction that is stiffer.
@@ -248,9 +261,9 @@ fn isotropy_is_found_out() {
     }
     assert!(!is_isotropic(&Fibers));
     let state = State::new(&Fibers, &DeformationGradient::identity()).expect("finite");
-    assert_eq!(Notion::BakerEricksen.measure(&state), None);
+    assert_eq!(Criterion::BakerEricksen.measure(&state), None);
     assert!(
-        Notion::StrongEllipticity
+        Criterion::StrongEllipticity
             .measure(&state)
             .expect("defined")
             .holds()

@@ -1,32 +1,32 @@
-//! `onset notions` and `onset card`.
+//! `onset criteria` and `onset card`.
 
 use super::{assert_close, document, fresh_place, number, onset};
 use serde_json::Value;
 
 const BLATZ_KO: &str = "--set material.model=blatz-ko";
 
-fn notion<'a>(loading: &'a Value, name: &str) -> &'a Value {
-    let notions = loading["notions"].as_array().expect("a list");
-    let found = notions.iter().find(|answer| answer["notion"] == name);
-    found.unwrap_or_else(|| panic!("no notion {name}"))
+fn criterion<'a>(loading: &'a Value, name: &str) -> &'a Value {
+    let criteria = loading["criteria"].as_array().expect("a list");
+    let found = criteria.iter().find(|answer| answer["criterion"] == name);
+    found.unwrap_or_else(|| panic!("no criterion {name}"))
 }
 
 #[test]
-fn notions_of_a_bar_are_told_with_their_limits_and_waves() {
-    let answer = document(&format!("notions {BLATZ_KO} --mode uniaxial"));
+fn criteria_of_a_bar_are_told_with_their_limits_and_waves() {
+    let answer = document(&format!("criteria {BLATZ_KO} --mode uniaxial"));
     assert_eq!(answer["loadings"].as_array().expect("a list").len(), 3);
     let bar = &answer["loadings"][0];
     assert_eq!(bar["lateral"], "free");
-    let load = number(notion(bar, "load-maximum"), "/tension/limit");
+    let load = number(criterion(bar, "load-maximum"), "/tension/limit");
     assert_close(load, 6.0_f64.powf(0.4), 1e-10);
-    let waves = notion(bar, "strong-ellipticity");
+    let waves = criterion(bar, "strong-ellipticity");
     assert_close(
         number(waves, "/tension/limit"),
         (2.0 + 3.0_f64.sqrt()).powf(0.8),
         1e-10,
     );
     assert_eq!(waves["tension"]["changes"][0]["witness"]["kind"], "wave");
-    assert!(notion(bar, "drucker")["tension"]["limit"].is_null());
+    assert!(criterion(bar, "drucker")["tension"]["limit"].is_null());
     assert_eq!(answer["polyconvexity"]["knowledge"], "not-polyconvex");
     let sentences = answer["disagreements"].to_string();
     assert!(
@@ -41,11 +41,11 @@ fn notions_of_a_bar_are_told_with_their_limits_and_waves() {
 }
 
 #[test]
-fn notions_draw_a_figure_where_it_is_asked_for() {
-    let folder = fresh_place("notions");
+fn criteria_draw_a_figure_where_it_is_asked_for() {
+    let folder = fresh_place("criteria");
     let place = folder.display().to_string();
     let answer = onset(&[
-        "notions",
+        "criteria",
         "--set",
         "material.model=blatz-ko",
         "--mode",
@@ -54,10 +54,10 @@ fn notions_draw_a_figure_where_it_is_asked_for() {
         &place,
     ]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
-    assert!(answer.stdout.contains("notions.svg"), "{}", answer.stdout);
-    let svg = std::fs::read_to_string(folder.join("notions.svg")).expect("a figure");
+    assert!(answer.stdout.contains("criteria.svg"), "{}", answer.stdout);
+    let svg = std::fs::read_to_string(folder.join("criteria.svg")).expect("a figure");
     assert!(svg.contains("hydrostatic") && svg.contains("load-maximum"));
-    assert!(folder.join("notions.png").is_file());
+    assert!(folder.join("criteria.png").is_file());
 }
 
 #[test]
@@ -85,12 +85,12 @@ fn a_card_is_one_page_without_references_to_anything_else() {
 #[test]
 fn wrong_ranges_modes_and_laws_are_refused() {
     for (arguments, fact) in [
-        (vec!["notions", "--range", "2,3"], "around 1"),
-        (vec!["notions", "--range", "2"], "0.1,10"),
+        (vec!["criteria", "--range", "2,3"], "around 1"),
+        (vec!["criteria", "--range", "2"], "0.1,10"),
         (vec!["card", "--range", "0.1,1e9"], "around 1"),
-        (vec!["notions", "--mode", "torsion"], "simple-shear"),
+        (vec!["criteria", "--mode", "torsion"], "simple-shear"),
         (
-            vec!["notions", "--set", "material.modl=blatz-ko"],
+            vec!["criteria", "--set", "material.modl=blatz-ko"],
             "did you mean",
         ),
         (vec!["card", "nowhere.toml"], "cannot read nowhere.toml"),

@@ -1,9 +1,9 @@
 //! Loadings: traction-free faces are solved for, and paths end where they must.
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
+use onset::criteria::{Criterion, Lateral, Loading, LoadingPath, Mode, PathEnd, Range};
 use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, StrainEnergy};
-use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, PathEnd, Range};
 use onset::real::Real;
 
 #[test]
@@ -60,8 +60,8 @@ fn nearly_incompressible_bars_approach_the_incompressible_ones() {
             assert_close(jacobian, 1.0, tolerance);
         }
         // Incompressible neo-Hooke is elliptic at all these states.
-        assert_eq!(limit(&bar, Notion::StrongEllipticity, true), None);
-        assert_eq!(limit(&bar, Notion::Drucker, true), None);
+        assert_eq!(limit(&bar, Criterion::StrongEllipticity, true), None);
+        assert_eq!(limit(&bar, Criterion::Drucker, true), None);
     }
 }
 
@@ -75,7 +75,7 @@ fn the_load_maximum_is_where_the_load_is_largest() {
         (Mode::Hydrostatic, Lateral::Held),
     ] {
         let path = path(&law, mode, lateral);
-        let found = limit(&path, Notion::LoadMaximum, true).expect("a largest load");
+        let found = limit(&path, Criterion::LoadMaximum, true).expect("a largest load");
         let load = |s: f64| path.at(s).expect("a state").response.first_piola[(0, 0)];
         let slope = |s: f64| {
             let h = 1e-3;
@@ -141,7 +141,7 @@ fn a_path_ends_where_the_law_does() {
     };
     // lambda^2 - 1 = 10
     assert_close(stretch, 11.0_f64.sqrt(), 1e-9);
-    assert!(track(&held, Notion::StrongEllipticity, true).holds_at_start);
+    assert!(track(&held, Criterion::StrongEllipticity, true).holds_at_start);
 }
 
 #[test]

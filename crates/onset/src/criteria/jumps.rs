@@ -45,7 +45,7 @@ impl Jump {
 /// ```
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::{Hyperelastic, BlatzKo};
-/// use onset::notions::JumpSearch;
+/// use onset::criteria::JumpSearch;
 /// let law = BlatzKo::default();
 /// let search = JumpSearch::new(&law, (0.1, 10.0));
 /// // In uniaxial strain 3.5 waves travel still (they do up to 3.732), but a large jump gains energy.

@@ -1,12 +1,12 @@
-//! Where along a loading a notion is lost, and regained.
+//! Where along a loading a criterion is lost, and regained.
 
 use super::root::{bracket_zero, dip};
 use super::{
-    Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, Notion, PathState, Witness,
+    Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
     ratio_of_stretches,
 };
 
-/// A change of a notion.
+/// A change of a criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -29,11 +29,11 @@ pub struct Event {
     pub stretch: f64,
     /// Half of the width of the bracket of `ln lambda`.
     pub tolerance: f64,
-    /// The perturbation on the side where the notion does not hold.
+    /// The perturbation on the side where the criterion does not hold.
     pub witness: Witness,
 }
 
-/// A notion on one side of the reference: in tension or in compression.
+/// A criterion on one side of the reference: in tension or in compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Whether it holds in the reference.
@@ -43,7 +43,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// The stretch up to which the notion holds from the reference on; `None` when it is not lost.
+    /// The stretch up to which the criterion holds from the reference on; `None` when it is not lost.
     pub fn limit(&self) -> Option<f64> {
         match self.holds_at_start {
             true => self.events.first().map(|event| event.stretch),
@@ -64,37 +64,37 @@ const AT_REFERENCE: f64 = 1e-9;
 /// Evaluations spent on the bottom of a dip.
 const DIP_STEPS: usize = 48;
 
-/// A notion along one side of a path, in tension or in compression. `None` where it is not defined.
+/// A criterion along one side of a path, in tension or in compression. `None` where it is not defined.
 ///
 /// The states of the path are looked at, dips of the measure between them are followed, and each change of sign is refined to
-/// rounding. Where principal stretches differ by a factor above 1e4 nothing is told. A notion that is lost and regained between two states without a dip that shows is overlooked.
+/// rounding. Where principal stretches differ by a factor above 1e4 nothing is told. A criterion that is lost and regained between two states without a dip that shows is overlooked.
 ///
 /// ```
 /// use onset::material::BlatzKo;
-/// use onset::notions::{Lateral, Loading, LoadingPath, Mode, Notion, Range, follow};
+/// use onset::criteria::{Lateral, Loading, LoadingPath, Mode, Criterion, Range, follow};
 /// let law = BlatzKo::default();
 /// let loading = Loading { mode: Mode::Uniaxial, lateral: Lateral::Free };
 /// let path = LoadingPath::new(&law, true, loading, &Range::default())?;
-/// let load = follow(&path, Notion::LoadMaximum, true).and_then(|track| track.limit());
-/// let waves = follow(&path, Notion::StrongEllipticity, true).and_then(|track| track.limit());
+/// let load = follow(&path, Criterion::LoadMaximum, true).and_then(|track| track.limit());
+/// let waves = follow(&path, Criterion::StrongEllipticity, true).and_then(|track| track.limit());
 /// // P = mu (lambda^(-1/2) - lambda^-3) is largest at 6^(2/5); stretches are lambda and lambda^(-1/4), so waves
 /// // travel up to (2 + sqrt 3)^(4/5).
 /// assert!((load.unwrap_or(0.0) - 6.0_f64.powf(0.4)).abs() < 1e-12);
 /// assert!((waves.unwrap_or(0.0) - (2.0 + 3.0_f64.sqrt()).powf(0.8)).abs() < 1e-12);
-/// # Ok::<(), onset::notions::LoadingError>(())
+/// # Ok::<(), onset::criteria::LoadingError>(())
 /// ```
-pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<Track> {
+pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Option<Track> {
     let states = side(path, tension);
     let measures: Vec<Measure> = states
         .iter()
-        .map(|state| notion.measure(&path.ask(state)))
+        .map(|state| criterion.measure(&path.ask(state)))
         .collect::<Option<_>>()?;
     let values: Vec<f64> = measures.iter().map(Measure::signed).collect();
-    let mut value = |s: f64| Some(notion.measure(&path.state(s)?)?.signed());
+    let mut value = |s: f64| Some(criterion.measure(&path.state(s)?)?.signed());
     let parameter = |n: usize| states[n].parameter;
     let mut knots: Vec<(f64, f64)> = Vec::with_capacity(values.len());
     for n in 0..values.len() {
-        // Where the sign can be rounding the notion counts as before.
+        // Where the sign can be rounding the criterion counts as before.
         if n == 0 {
             // Zero to rounding is not positive.
             let holds = measures[0].holds();
@@ -141,7 +141,12 @@ pub fn follow(path: &LoadingPath<'_>, notion: Notion, tension: bool) -> Option<T
             (before, pair[0].0)
         };
         let state = path.state(place).or_else(|| path.state(knot))?;
-        events.push(event(lost, before, behind, notion.measure(&state)?.witness));
+        events.push(event(
+            lost,
+            before,
+            behind,
+            criterion.measure(&state)?.witness,
+        ));
     }
     Some(Track {
         holds_at_start,
