@@ -6,6 +6,7 @@ use crate::printing::{only_text, print, print_text};
 use clap::{ColorChoice, Command, CommandFactory, FromArgMatches};
 use clap_complete::Shell;
 use onset_study::output::{Output, text};
+use onset_study::settings::renamed_command;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
@@ -72,13 +73,24 @@ pub fn command(is_long: bool) -> Command {
 
 /// Parses the command line; ends the process where help is asked for, or an argument is wrong.
 pub fn parse() -> Arguments {
-    let typed: Vec<OsString> = std::env::args_os().collect();
+    let typed = words();
     let is_long = typed
         .get(1)
         .is_some_and(|first| first == "--help" || first == "help");
     let command = command(is_long).color(color(&typed));
     Arguments::from_arg_matches(&command.get_matches_from(typed))
         .unwrap_or_else(|error| error.exit())
+}
+
+/// The words of the command line, with the name that a command has now in the place of an earlier one.
+fn words() -> Vec<OsString> {
+    let mut words: Vec<OsString> = std::env::args_os().collect();
+    if let Some(command) = words.get_mut(1)
+        && let Some(now) = command.to_str().and_then(renamed_command)
+    {
+        *command = now.into();
+    }
+    words
 }
 
 /// Whether help and errors of arguments are colored: what `--color` says, and else what the terminal has.

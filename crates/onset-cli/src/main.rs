@@ -14,6 +14,7 @@ mod patience;
 mod printing;
 mod threads;
 
+use onset_study::settings::notes_on_names;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -27,7 +28,11 @@ fn main() -> ExitCode {
         printing::tell(format_args!("error: cannot listen for interrupts: {error}"));
         return ExitCode::from(1);
     }
-    let ended = match threads::check().and_then(|()| commands::run(arguments)) {
+    let outcome = threads::check().and_then(|()| commands::run(arguments));
+    for note in notes_on_names() {
+        printing::tell(format_args!("note: {note}"));
+    }
+    let ended = match outcome {
         Ok(code) => code,
         Err(failure) => {
             printing::tell(format_args!("error: {}", failure.message));

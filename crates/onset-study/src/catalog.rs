@@ -698,6 +698,7 @@ fn language() -> Topic {
 /// # Errors
 /// The names of all topics, when none is called so.
 pub fn topic(name: &str) -> Result<Topic, Vec<&'static str>> {
+    let name = crate::settings::renamed_topic(name);
     let all = topics();
     let names = all.iter().map(|topic| topic.name).collect();
     all.into_iter()

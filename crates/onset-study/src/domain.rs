@@ -31,7 +31,15 @@ impl Class {
         Self::Undefined,
     ];
 
-    /// The word of the legend.
+    /// The entry of the legend.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Verdict(verdict) => verdict.title(),
+            other => other.name(),
+        }
+    }
+
+    /// The word used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Verdict(verdict) => verdict.name(),
@@ -102,7 +110,7 @@ impl Domain {
                 .position(|other| other == class)
                 .unwrap_or(0) as u8
         };
-        let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
+        let key = Class::ALL.map(|class| (class.title().to_owned(), class.color()));
         let [first, second] = self.study.plane();
         Regions::new(
             first.range,

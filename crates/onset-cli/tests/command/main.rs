@@ -33,6 +33,7 @@ mod printing;
 #[cfg(unix)]
 mod readme;
 mod refusals;
+mod renamed;
 mod settings;
 mod space;
 #[cfg(target_os = "linux")]

@@ -376,7 +376,7 @@ fn a_store_of_another_format_is_not_read() {
     edit(
         &place,
         "a.zarr",
-        "\"onset_format\": 2",
+        "\"onset_format\": 3",
         "\"onset_format\": 1",
     );
     assert_kept(

@@ -10,7 +10,7 @@ use onset::bloch::Stability;
 use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
-use onset::verdict::{Assessment, Verdict};
+use onset::verdict::{Assessment, Mechanism, Verdict};
 
 /// A gradient norm below which a discretization that is not deficient is called weak.
 const WEAK: f64 = 0.05;
@@ -51,11 +51,6 @@ pub(super) fn of(
     let k = analysis.spatial(f, &finite_wave_vector(mode));
     let wave = wave(&k, along, units);
     let growth = growth(spectrum.growth_rate(), units);
-    let tension = if assessment.material.mean_stress >= 0.0 {
-        "tensile"
-    } else {
-        "compressive"
-    };
     match assessment.verdict {
         Verdict::Stable => {
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
@@ -120,25 +115,36 @@ pub(super) fn of(
                 "Not usable as it is although the material is stable: it has zero-energy modes. {unseen}"
             )
         }
-        Verdict::Numerical if spectrum.flutters && spectrum.lowest.omega_squared.re >= 0.0 => {
-            format!(
-                "Unstable although the material is stable: flutter of the {} ({tension} mean stress), {wave}, {growth}.",
-                culprit(family)
-            )
+        Verdict::Numerical => {
+            let instability = instability(assessment, culprit(family));
+            match assessment.material.ellipticity().is_lost() {
+                true => format!(
+                    "Unstable, but not as the material is: the material has lost ellipticity, while the discretization is stable at \
+                     long wavelengths; numerical instability: {instability}, {wave}, {growth}."
+                ),
+                false => format!(
+                    "Unstable although the material is stable: {instability}, {wave}, {growth}."
+                ),
+            }
         }
-        Verdict::Numerical if assessment.material.ellipticity().is_lost() => format!(
-            "Unstable, but not as the material is: the material has lost ellipticity, while the particles are stable \
-             for long waves and unstable by the method's own {tension} instability, {wave}, {growth}."
-        ),
-        Verdict::Numerical => format!(
-            "Unstable although the material is stable: {tension} instability of the {}, {wave}, {growth}.",
-            culprit(family)
-        ),
         Verdict::Suppressed => format!(
             "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
              do not show it.",
             along(&assessment.material.minimum.direction)
         ),
+    }
+}
+
+/// A numerical instability by its mechanism, and what it originates from.
+fn instability(assessment: &Assessment<3>, culprit: &str) -> String {
+    let sign = Mechanism::of(
+        Stability::Divergence,
+        false,
+        assessment.material.mean_stress,
+    );
+    match assessment.mechanism().unwrap_or(sign) {
+        Mechanism::Flutter => format!("flutter of the {culprit} ({} mean stress)", sign.name()),
+        mechanism => format!("{} instability of the {culprit}", mechanism.name()),
     }
 }
 

@@ -17,7 +17,7 @@ use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
-use onset::verdict::{Assessment, SurveyedState, Verdict};
+use onset::verdict::{Assessment, Mechanism, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -44,6 +44,8 @@ impl From<Complex> for ComplexNumber {
 pub struct StateAnswer {
     /// The origin of the first instability.
     pub verdict: Verdict,
+    /// The mechanism of a numerical instability; `null` for other verdicts.
+    pub mechanism: Option<Mechanism>,
     /// The verdict in plain English.
     pub sentence: String,
     /// What a reader must know of law and method.
@@ -216,7 +218,8 @@ fn answer(
     let analysis = &*problem.analysis;
     let assessment = analysis.assess(f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
-    let (mut verdict, mut certificate) = (searched.0, None);
+    let (mut verdict, mut mechanism) = (searched.0, assessment.mechanism());
+    let mut certificate = None;
     let in_3d = SpaceAnswer::new(&assessment.material.response);
     let mut sentence = sentence::of(
         problem,
@@ -231,6 +234,9 @@ fn answer(
         let corrected = proved.corrected(&SurveyedState::from(&assessment));
         verdict = corrected.0;
         if corrected != searched {
+            // Of what the search has not seen no wave is known.
+            mechanism = (verdict == Verdict::Numerical)
+                .then(|| Mechanism::of(corrected.1, false, assessment.material.mean_stress));
             sentence = sentence::of_correction(searched, corrected);
         }
         certificate = Some(CertificateAnswer::new(
@@ -243,6 +249,7 @@ fn answer(
     }
     Ok(StateAnswer {
         verdict,
+        mechanism,
         sentence,
         notes: notes(&problem.settings, &*problem.material),
         next: next(&problem.settings, verdict),
@@ -348,6 +355,17 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
 }
 
+impl StateAnswer {
+    /// The verdict with its mechanism.
+    fn named_verdict(&self) -> String {
+        let verdict = self.verdict.title();
+        match self.mechanism {
+            Some(mechanism) => format!("{verdict} ({})", mechanism.name()),
+            None => verdict.to_owned(),
+        }
+    }
+}
+
 impl std::fmt::Display for StateAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (material, d) = (&self.material, &self.discretization);
@@ -358,7 +376,7 @@ impl std::fmt::Display for StateAnswer {
         let in_3d = &self.material_3d;
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
         let of = |name: &str| format!("  {name}");
-        line("verdict", self.verdict.name().to_owned())?;
+        line("verdict", self.named_verdict())?;
         let (chosen, defaults) = self.settings.material();
         line("material", chosen)?;
         if !defaults.is_empty() {

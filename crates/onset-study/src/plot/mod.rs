@@ -260,7 +260,7 @@ fn panel(
             let place = Class::ALL.iter().position(|other| Some(*other) == *class);
             place.map_or(u8::MAX, |place| place as u8)
         };
-        let key = Class::ALL.map(|class| (class.name().to_owned(), class.color()));
+        let key = Class::ALL.map(|class| (class.title().to_owned(), class.color()));
         panel.with(Regions::new(
             first.range,
             second.range,

@@ -54,6 +54,8 @@ impl StoredMap {
             path: path.to_owned(),
             source,
         })?;
+        // A store of the format before has earlier names, which are not the user's.
+        drop(crate::settings::notes_on_names());
         let mut study = study.allowing(trust);
         if study.settings.material.permitted().is_ok() {
             study

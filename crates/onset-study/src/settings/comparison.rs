@@ -1,6 +1,7 @@
 //! A comparison: several methods for one material, from TOML.
 
 use super::key::key;
+use super::renamed;
 use super::study;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Trust, Value, unknown_key};
@@ -355,7 +356,7 @@ impl Comparison {
                 }
                 (own, _) => {
                     let full = format!("discretization.{own}");
-                    let Some(known) = Key::named(&full) else {
+                    let Some(known) = Key::named(renamed::key(&full)) else {
                         let names = KEYS.iter().filter_map(|key| {
                             let (section, name) = key.parts();
                             (section == "discretization").then_some(name)
@@ -363,6 +364,7 @@ impl Comparison {
                         return Err(unknown_key(own, names, file.of(key)));
                     };
                     let typed = typed(known, value, file)?;
+                    let known = renamed::of_word(known, &typed);
                     settings.set(known.name, &typed, file.of(value))?;
                     own_keys.push((known, file.of(key)));
                 }

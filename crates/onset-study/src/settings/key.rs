@@ -5,6 +5,7 @@ use super::method::{
 };
 use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
+use super::renamed;
 use super::{MapSettings, Model, OUTPUTS, StateSettings, Value, aliases};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
@@ -488,6 +489,7 @@ impl Key {
 
     /// The key with a name that is about to be set: a name that no table has is one's own only for a number.
     pub(super) fn for_setting(name: &str, is_number: bool) -> Option<&'static Self> {
+        let name = renamed::key(name);
         Self::named(name).filter(|key| is_number || !key.is_free())
     }
 

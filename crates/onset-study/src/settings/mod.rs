@@ -17,6 +17,7 @@ mod moduli;
 mod needs;
 #[cfg(test)]
 mod readers;
+mod renamed;
 mod schema;
 mod state;
 mod study;
@@ -35,6 +36,8 @@ pub use material::MaterialSettings;
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns};
 pub use model::{Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
+pub(crate) use renamed::topic as renamed_topic;
+pub use renamed::{notes_on_names, renamed_command};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
@@ -300,6 +303,7 @@ impl Settings {
             }
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };
+        let key = renamed::of_word(key, value);
         let (name, typed) = (key.name, value);
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{name}` cannot be {typed}"))

@@ -59,7 +59,7 @@ pub struct Layout {
 const COMPONENT: &str = "component";
 /// The attribute by which a store of ours is known; its value is the version of this layout of files.
 pub(super) const FORMAT: &str = "onset_format";
-pub(super) const FORMAT_VERSION: u32 = 2;
+pub(super) const FORMAT_VERSION: u32 = 3;
 /// The attribute that tells what the numbers are of.
 pub(super) const IDENTITY: &str = "onset_identity";
 /// What it means that an attribute is another one.

@@ -5,6 +5,7 @@
 //! tile is done. [`ZarrStore`] is one in Zarr v3, a folder that xarray opens.
 
 mod chunk;
+mod earlier;
 mod error;
 mod folder;
 mod layout;

@@ -3,6 +3,7 @@
 //! What is read is not trusted: metadata must be what onset writes, and chunks say themselves where they belong.
 
 use super::chunk::{self, Label};
+use super::earlier;
 use super::folder::{self, Folder};
 use super::layout::{self, FORMAT, FORMAT_VERSION, IDENTITY};
 use super::occupancy::{Claim, Occupancy};
@@ -199,7 +200,7 @@ impl ZarrStore {
     /// [`StoreError`] when there is none, or it is damaged.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         place(path)?;
-        let group = examine(path)?.ok_or_else(|| StoreError::Missing {
+        let group = examine_to_read(path)?.ok_or_else(|| StoreError::Missing {
             path: path.to_owned(),
         })?;
         Self::of_group(path, &group)
@@ -237,10 +238,17 @@ impl ZarrStore {
     /// # Errors
     /// [`StoreError::Damaged`] where it does not.
     pub fn check(&self, layout: &Layout) -> Result<(), StoreError> {
-        let group = examine(&self.path)?.unwrap_or_default();
+        let group = examine_to_read(&self.path)?.unwrap_or_default();
         let expected = layout.group();
-        let arrays = |group: &Value| group["consolidated_metadata"].clone();
-        if arrays(&group) != arrays(&expected) || self.identity != layout.identity {
+        let is_other = match earlier::is_of(&group) {
+            // The names of keys are among what makes the identity.
+            true => earlier::arrays(&group) != earlier::arrays(&expected),
+            false => {
+                group["consolidated_metadata"] != expected["consolidated_metadata"]
+                    || self.identity != layout.identity
+            }
+        };
+        if is_other {
             let reason = "its arrays are not those of its study".to_owned();
             return Err(self.damaged(METADATA, reason));
         }
@@ -557,13 +565,28 @@ fn recover(place: &Path) {
 /// The metadata of the store at a place; `None` where there is nothing, or an empty folder.
 fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
     let group = examine_any(path)?;
+    of_format(path, &group)?;
+    Ok(group)
+}
+
+/// The same for a store that is read, which may be of the format before.
+fn examine_to_read(path: &Path) -> Result<Option<Value>, StoreError> {
+    let group = examine_any(path)?;
+    if !group.as_ref().is_some_and(earlier::is_of) {
+        of_format(path, &group)?;
+    }
+    Ok(group)
+}
+
+/// That a store is of this format.
+fn of_format(path: &Path, group: &Option<Value>) -> Result<(), StoreError> {
     match group.as_ref().map(|group| &group["attributes"][FORMAT]) {
         Some(format) if *format != FORMAT_VERSION => Err(StoreError::Format {
             path: path.to_owned(),
             found: format.to_string().chars().take(20).collect(),
             expected: FORMAT_VERSION,
         }),
-        _ => Ok(group),
+        _ => Ok(()),
     }
 }
 

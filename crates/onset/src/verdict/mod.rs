@@ -6,10 +6,12 @@
 pub mod boundary;
 pub mod fidelity;
 
+mod mechanism;
 mod path;
 mod probe;
 mod survey;
 
+pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
 pub use survey::{Ground, StateWaves, Survey, SurveyedState};
@@ -53,6 +55,14 @@ impl Verdict {
         Self::Numerical,
         Self::Suppressed,
     ];
+
+    /// The verdict in words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::ZeroEnergy => "zero-energy modes",
+            other => other.name(),
+        }
+    }
 
     /// The word used in files, on the command line and in legends.
     pub fn name(self) -> &'static str {

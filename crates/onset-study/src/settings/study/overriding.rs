@@ -1,5 +1,6 @@
 //! Changing a study from the command line, and writing it out in full.
 
+use super::super::renamed;
 use super::super::{
     Axis, KEYS, Key, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Value, aliases,
     study_keys, units, unknown_key,
@@ -68,6 +69,7 @@ impl Study {
         value: &Value,
         origin: Origin,
     ) -> Result<(), SettingError> {
+        let key = renamed::of_word(key, value);
         let wrong = |origin: Origin| {
             SettingError::new(origin, format!("`{}` cannot be {value}", key.name))
                 .hint(format!("expected {} ({})", key.expects(), key.meaning))

@@ -1,0 +1,145 @@
+//! Names that keys, values, commands and topics had in earlier versions: still read, with a note that names the new one.
+
+use super::{Key, Value};
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
+
+/// Keys with their earlier names first.
+const KEYS: &[(&str, &str)] = &[("discretization.arrangement", "discretization.lattice")];
+
+/// Words of a key whose earlier name is that of another key now: `lattice` was where the particles are in the current configuration.
+const WORDS: &[(&str, &[&str], &str)] = &[(
+    "discretization.lattice",
+    &["convected", "regular"],
+    "discretization.current-lattice",
+)];
+
+/// Commands with their earlier names first.
+const COMMANDS: &[(&str, &str)] = &[("notions", "criteria")];
+
+/// Topics of `onset list` with their earlier names first.
+const TOPICS: &[(&str, &str)] = &[("arrangements", "lattices")];
+
+/// What is to be told.
+static NOTES: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// What is to be told of earlier names that have been read since this was asked last, each once.
+pub fn notes_on_names() -> Vec<String> {
+    let mut notes = NOTES.lock().unwrap_or_else(PoisonError::into_inner);
+    std::mem::take(&mut *notes).into_iter().collect()
+}
+
+fn note(note: String) {
+    let mut notes = NOTES.lock().unwrap_or_else(PoisonError::into_inner);
+    notes.insert(note);
+}
+
+/// The name that a key has now.
+pub(super) fn key(name: &str) -> &str {
+    match KEYS.iter().find(|(earlier, _)| *earlier == name) {
+        Some((_, now)) => {
+            note(format!("`{name}` is now called `{now}`"));
+            now
+        }
+        None => name,
+    }
+}
+
+/// The key whose word a value is: another one where an earlier key of the same name took this word.
+pub(super) fn of_word(key: &'static Key, value: &Value) -> &'static Key {
+    let Value::Word(word) = value else {
+        return key;
+    };
+    let is_earlier = |(name, words, _): &&(&str, &[&str], &str)| {
+        *name == key.name && words.contains(&word.as_str())
+    };
+    let now = WORDS.iter().find(is_earlier);
+    match now.and_then(|(_, _, now)| Key::named(now)) {
+        Some(now) => {
+            note(format!(
+                "`{} = {word}` is now written `{} = {word}`; `{}` is {}",
+                key.name, now.name, key.name, key.meaning
+            ));
+            now
+        }
+        None => key,
+    }
+}
+
+/// The name that a command has now; `None` where it is not an earlier one.
+pub fn renamed_command(name: &str) -> Option<&'static str> {
+    let (_, now) = COMMANDS.iter().find(|(earlier, _)| *earlier == name)?;
+    note(format!("`onset {name}` is now called `onset {now}`"));
+    Some(now)
+}
+
+/// The name that a topic of `onset list` has now.
+pub(crate) fn topic(name: &str) -> &str {
+    match TOPICS.iter().find(|(earlier, _)| *earlier == name) {
+        Some((_, now)) => {
+            note(format!("the topic `{name}` is now called `{now}`"));
+            now
+        }
+        None => name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{KEYS, TOPICS, WORDS};
+    use crate::settings::{Key, Settings, Study, study_keys};
+
+    fn is_key(name: &str) -> bool {
+        study_keys().any(|key| key.name == name)
+    }
+
+    #[test]
+    fn earlier_names_are_free_and_new_ones_are_taken() {
+        for (earlier, now) in KEYS {
+            assert!(!is_key(earlier) && is_key(now), "{earlier}, {now}");
+        }
+        for (earlier, words, now) in WORDS {
+            let (here, there) = [earlier, now]
+                .map(|name| Key::named(name).expect("a key").words())
+                .into();
+            assert!(words.iter().all(|word| !here.contains(word)), "{earlier}");
+            assert!(words.iter().all(|word| there.contains(word)), "{now}");
+        }
+        for (earlier, now) in TOPICS {
+            let is_topic = |name| {
+                crate::catalog::topics()
+                    .iter()
+                    .any(|topic| topic.name == name)
+            };
+            assert!(!is_topic(*earlier) && is_topic(*now), "{earlier}, {now}");
+        }
+    }
+
+    #[test]
+    fn a_study_in_earlier_names_is_the_same_study() {
+        let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.0]\nstates = 4\n\
+                    [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 4\n";
+        let earlier = format!(
+            "[discretization]\nframe = \"eulerian\"\narrangement = \"square\"\nlattice = \"regular\"\n{axes}"
+        );
+        let now = format!(
+            "[discretization]\nframe = \"eulerian\"\nlattice = \"square\"\ncurrent-lattice = \"regular\"\n{axes}"
+        );
+        let [earlier, now] = [earlier, now].map(|text| Study::parse("s.toml", &text));
+        let (earlier, now) = (earlier.expect("a study"), now.expect("a study"));
+        assert_eq!(earlier.document(), now.document());
+        let set = [
+            "discretization.arrangement=chain",
+            "discretization.frame=eulerian",
+            "discretization.lattice=regular",
+        ];
+        let now = [
+            "discretization.lattice=chain",
+            "discretization.frame=eulerian",
+            "discretization.current-lattice=regular",
+        ];
+        let [set, now] =
+            [set, now].map(|words| Settings::from_assignments(&words).expect("settings"));
+        assert_eq!(set.discretization, now.discretization);
+    }
+}

@@ -1,0 +1,60 @@
+//! Stores of the format before this one, which has other words for the same: they are read, and not written to.
+
+use super::layout::FORMAT;
+use serde_json::{Value, json};
+
+/// The version of that format.
+pub(super) const VERSION: u32 = 2;
+
+/// Its words for flags, and those of this format.
+const WORDS: [(&str, &str); 5] = [
+    ("material", "physical"),
+    ("kernel", "numerical"),
+    ("rank-deficient", "zero-energy"),
+    ("missed", "suppressed"),
+    ("proved-rank-deficient", "proved-zero-energy"),
+];
+
+/// Whether the metadata of a store are of that format.
+pub(super) fn is_of(group: &Value) -> bool {
+    group["attributes"][FORMAT] == VERSION
+}
+
+/// The metadata of the arrays of a store as they can be compared with those of a layout: the flags in the words of this format, without the
+/// names for people.
+pub(super) fn arrays(group: &Value) -> Value {
+    let mut arrays = group["consolidated_metadata"].clone();
+    let metadata = arrays.get_mut("metadata").and_then(Value::as_object_mut);
+    for array in metadata.into_iter().flat_map(|arrays| arrays.values_mut()) {
+        let Some(attributes) = array.get_mut("attributes").and_then(Value::as_object_mut) else {
+            continue;
+        };
+        attributes.remove("long_name");
+        if let Some(words) = attributes.get_mut("flag_meanings") {
+            *words = json!(in_words(words.as_str().unwrap_or_default()));
+        }
+    }
+    arrays
+}
+
+fn in_words(meanings: &str) -> String {
+    let now = |word: &str| {
+        let mut words = WORDS.iter();
+        let found = words.find(|(earlier, _)| *earlier == word);
+        found.map_or(word.to_owned(), |(_, now)| (*now).to_owned())
+    };
+    meanings.split(' ').map(now).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn earlier_flags_are_read_in_present_words() {
+        let earlier = "stable material rank-deficient kernel missed undefined";
+        let now = "stable physical zero-energy numerical suppressed undefined";
+        assert_eq!(in_words(earlier), now);
+        assert_eq!(in_words(now), now);
+    }
+}
