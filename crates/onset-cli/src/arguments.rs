@@ -150,8 +150,8 @@ fn plastic_parameters() -> String {
     )
 }
 
-/// Tells where your material and your particle discretization are stable, and whether the first instability
-/// belongs to the material or to the method.
+/// Tells where your material and your particle discretization are stable, and whether the first
+/// instability is physical or numerical.
 #[derive(Debug, Parser)]
 #[command(
     name = "onset",
@@ -282,7 +282,7 @@ pub enum Command {
     },
     /// Where in the plane of a study do material and particles lose stability?
     ///
-    /// With the distance of the two boundaries, and the areas of false and missed instability.
+    /// With the distance of the two boundaries, and the areas of false and suppressed instability.
     Boundary {
         /// A study file with two axes, - for standard input.
         file: PathBuf,
@@ -309,12 +309,12 @@ pub enum Command {
     /// Methods ranked by rules that are printed, with what other limits in them would change.
     #[command(after_help = RECOMMEND_EXAMPLES, after_long_help = with_keys(RECOMMEND_EXAMPLES, &comparison_keys()))]
     Recommend(RecommendArguments),
-    /// Zero-energy and weak modes of a method, drawn, animated, exported
+    /// Zero-energy and weakly controlled modes of a method, drawn, animated, exported
     #[command(after_help = MODES_EXAMPLES, after_long_help = with_keys(MODES_EXAMPLES, &keys()))]
     Modes(ModesArguments),
     /// The smallest coefficient of a stabilization that is sufficient
     ///
-    /// It removes the spurious modes and does not hide the instability of the material.
+    /// It removes the spurious modes and does not mask the instability of the material.
     #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
@@ -390,7 +390,7 @@ pub struct FailingArguments {
 /// Limits of what counts as wrong.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ThresholdArguments {
-    /// A wave with less than this share of the frequency of the material's slowest wave is too weak.
+    /// A wave with less than this share of the frequency of the material's slowest wave is too weakly controlled.
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, help_heading = "Limits")]
     pub weak: f64,
     /// Verdicts may be wrong on this share of the window of states.
@@ -558,7 +558,7 @@ pub struct ModesArguments {
     /// Cells of the patch that is drawn and exported, along each primitive vector.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub cells: u16,
-    /// Largest displacement of the exported fields, in spacings of the particles.
+    /// Largest displacement of the exported fields, in particle spacings.
     #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share)]
     pub amplitude: f64,
     /// Folder for modes.svg, modes.png, modes.html (moving), and mode-1.csv, mode-1.vtk, ...; nothing is written without it.
@@ -583,7 +583,7 @@ pub struct TuneArguments {
     /// Limits of what counts as sufficient.
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
-    /// The instability is hidden where the method's onset comes later than the material's by more than this share of its strain.
+    /// The instability is masked where the method's onset comes later than the material's by more than this share of its strain.
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share, help_heading = "Limits")]
     pub later: f64,
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
@@ -630,7 +630,7 @@ fn window(text: &str) -> Result<(f64, f64), String> {
 /// A question for a method.
 #[derive(Debug, Args)]
 pub struct RecommendArguments {
-    /// The methods to choose from, as for `compare` [default: those that the program knows for the dimension].
+    /// The available methods, as for `compare` [default: those that the program knows for the dimension].
     pub file: Option<PathBuf>,
     /// Number of space dimensions, where no file says it.
     #[arg(long, value_name = "D", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "file")]
@@ -644,7 +644,7 @@ pub struct RecommendArguments {
     /// Long waves may feel a stiffness that is wrong by this share.
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, help_heading = "Limits")]
     pub long_waves: f64,
-    /// Wavelength at which frequencies are compared, in spacings of the particles: 4, 8 or 16.
+    /// Wavelength at which frequencies are compared, in particle spacings: 4, 8 or 16.
     #[arg(long, value_name = "N", default_value_t = 8.0, value_parser = wavelength, help_heading = "Limits")]
     pub wavelength: f64,
     /// The energy of a user-defined material; short for material.model=formula and material.energy.
@@ -673,7 +673,7 @@ pub struct MapArguments {
     /// are kept.
     #[arg(long, value_name = "A..B", value_parser = tiles)]
     pub tiles: Option<Range<usize>>,
-    /// Go on with a store of the same study; make it where there is none.
+    /// Resume a store of the same study; create it where there is none.
     #[arg(long)]
     pub resume: bool,
     /// Verdicts with which the command fails.

@@ -288,7 +288,7 @@ fn permitted(mut material: MaterialSettings, trust: &Trust) -> Result<MaterialSe
     Ok(material)
 }
 
-/// The assignments with those that `--energy` is short for; an error where `--set` says otherwise.
+/// The assignments with those that `--energy` is short for; an error where `--set` contradicts.
 fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<String>, Failure> {
     let Some(energy) = energy else {
         return Ok(assignments.to_vec());
@@ -371,7 +371,7 @@ fn diagram(
     let written = match output {
         Some(output) => {
             let mut files = diagram
-                .figure("Waves in the particles and in the continuum")
+                .figure("Dispersion of the discretization and of the continuum")
                 .files("dispersion")
                 .map_err(Failure::machine)?;
             files.push(text("dispersion.csv", diagram.csv()));

@@ -454,7 +454,7 @@ const ROWS: &[Row] = &[
             (
                 "points",
                 "points and weights: discretization.points = [u1, u2, weight, ...]",
-                "one's own",
+                "user-defined",
             ),
         ],
     ),

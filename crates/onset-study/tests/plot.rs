@@ -97,7 +97,7 @@ fn a_map_shows_its_verdicts_in_words_and_both_boundaries() {
             "stable",
             "numerical",
             "boundary of the material",
-            "boundary of the particles",
+            "boundary of the discretization",
         ] {
             assert!(names.iter().any(|found| found == name), "{name}: {names:?}");
         }
@@ -262,7 +262,7 @@ fn the_boundaries_of_a_map_that_varies_the_method_are_taken_from_its_cells() {
     assert!(
         names(&figure)
             .iter()
-            .any(|name| name == "boundary of the particles")
+            .any(|name| name == "boundary of the discretization")
     );
     // Those of a method at stretches are traced.
     let store = place.store("b", &study("one", ""), 100);

@@ -114,7 +114,7 @@ pub enum UmatError {
     /// The library is another than at first.
     #[error(
         "{path} is another library than at first: its SHA-256 was {wanted} and is {found}\n  hint: a library must not be \
-         compiled anew while it is used; to go on with a map, put the first one back, otherwise begin anew",
+         compiled anew while it is used; to resume a map, put the first one back; without it, start afresh",
         path = path.display()
     )]
     Changed {

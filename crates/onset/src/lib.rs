@@ -1,5 +1,5 @@
-//! Where a material and its particle discretization are stable, and to which of the two the first
-//! instability belongs.
+//! Where a material and its particle discretization are stable, and whether the first instability is physical
+//! or numerical.
 //!
 //! The crate is read the way the theory is: *material → continuum → particles → waves → verdict*.
 //!

@@ -1,4 +1,4 @@
-//! `onset modes`: waves that a method does not resist.
+//! `onset modes`: zero-energy and weakly controlled modes.
 
 use super::{Failure, with_files};
 use crate::arguments::ModesArguments;

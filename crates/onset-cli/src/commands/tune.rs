@@ -1,4 +1,4 @@
-//! `onset tune`: the smallest coefficient that cures a method and hides nothing.
+//! `onset tune`: the smallest coefficient that is sufficient and masks nothing.
 
 use super::{Failure, progress, with_files};
 use crate::arguments::TuneArguments;

@@ -35,7 +35,9 @@ fn criteria_of_a_bar_are_told_with_their_limits_and_waves() {
         "{sentences}"
     );
     assert!(
-        sentences.contains("Drucker's condition does not see that waves stop: uniaxial, lateral"),
+        sentences.contains(
+            "Drucker's criterion still holds where ellipticity is lost: uniaxial, lateral"
+        ),
         "{sentences}"
     );
 }

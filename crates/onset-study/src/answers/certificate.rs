@@ -31,7 +31,7 @@ pub struct ProofAnswer {
     pub bound: Option<f64>,
     /// Of what is unstable: a wave that grows.
     pub witness: Option<WitnessAnswer>,
-    /// Of what is rank-deficient: the reference wave vector of a wave without energy.
+    /// Of zero-energy modes: the reference wave vector of one.
     pub zero_energy_wave_vector: Option<Vec<f64>>,
     /// Of what is undecided: why.
     pub reason: Option<&'static str>,
@@ -126,7 +126,7 @@ impl ProofAnswer {
             )
         } else if let Some(wave_vector) = &self.zero_energy_wave_vector {
             format!(
-                "{certainty}: no wave grows, the {wave} {} has no energy",
+                "{certainty}: all omega^2 >= 0; the {wave} {} is a zero-energy mode",
                 vector(wave_vector)
             )
         } else {

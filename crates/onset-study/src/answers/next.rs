@@ -1,10 +1,10 @@
-//! Which command goes on from a verdict, with the settings at hand.
+//! Which commands to run after a verdict, with the settings at hand.
 
 use crate::settings::{Choice, Family, Key, Settings, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
-/// Commands that go on from a verdict.
+/// Commands to run after a verdict.
 pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
     let coefficient = coefficient(settings);
     let modes = format!("onset modes{}", assignments(settings, None));

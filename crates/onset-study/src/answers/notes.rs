@@ -33,8 +33,8 @@ pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
         })
         .collect();
     vec![format!(
-        "the law has stress at F = 1 ({}): its reference state is stressed, so F = 1 is a loaded body, and stretches do not count \
-         from an unstressed one",
+        "the law has stress at F = 1 ({}): its reference state is stressed, F = 1 is not an unstressed reference configuration, and stretches are \
+         not measured from one",
         told.join(", ")
     )]
 }

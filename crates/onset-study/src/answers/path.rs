@@ -304,7 +304,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None if self.is_marginal => writeln!(
                 formatter,
-                "No wave of the material grows along the path, but at an end its smallest acoustic eigenvalue is zero to rounding, as that of a \
+                "Ellipticity is not lost along the path, but at an end the smallest acoustic eigenvalue of the material is zero to rounding, as that of a \
                  fluid."
             )?,
             None => writeln!(
@@ -320,34 +320,34 @@ impl std::fmt::Display for PathAnswer {
         match &self.discretization_onset {
             Some(onset) if onset.long_wave => writeln!(
                 formatter,
-                "The particles become unstable at {} for long waves along {}.",
+                "The discretization becomes unstable at {} for long waves along {}.",
                 at(&onset.place, units),
                 vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
                 formatter,
-                "The particles {} at {} with the wave vector {} (reference).",
+                "The discretization {} at {} with the wave vector {} (reference).",
                 if onset.phase == Phase::Flutter {
-                    "begin to flutter"
+                    "begins to flutter"
                 } else {
-                    "become unstable"
+                    "becomes unstable"
                 },
                 at(&onset.place, units),
                 units.of(vector(&onset.wave_vector), "1/m")
             )?,
             None => writeln!(
                 formatter,
-                "The particles are not unstable anywhere on the path."
+                "The discretization is stable along the whole path."
             )?,
         }
         for (name, crossings) in [
             ("material", &self.material_crossings),
-            ("particles", &self.discretization_crossings),
+            ("discretization", &self.discretization_crossings),
         ] {
             for crossing in crossings {
                 writeln!(
                     formatter,
-                    "  {name:<9} {:<9} -> {:<9} at {} (s = {})",
+                    "  {name:<14} {:<9} -> {:<9} at {} (s = {})",
                     phase(crossing.from),
                     phase(crossing.to),
                     vector(&crossing.stretch),

@@ -12,7 +12,7 @@ use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
 use onset::verdict::{Assessment, Mechanism, Verdict};
 
-/// A gradient norm below which a discretization that is not deficient is called weak.
+/// The squared ratio of gradient norms below which a mode is called weakly controlled.
 const WEAK: f64 = 0.05;
 
 /// A gradient norm, or a squared relative frequency, that is zero to rounding.
@@ -57,12 +57,12 @@ pub(super) fn of(
                 let share = assessment.gradient_norm.max(0.0).sqrt();
                 match assessment.is_gradient {
                     true => format!(
-                        " The softest mode, {wave}, is weak: its discrete gradient has {} % of the norm of the exact one.",
-                        told(100.0 * share)
+                        " The softest mode, {wave}, is weakly controlled: the ratio of the discrete to the exact gradient norm is {}.",
+                        told(share)
                     ),
                     false => format!(
-                        " The softest mode, {wave}, is weak: unloaded it has {} % of the frequency of the material's slowest wave.",
-                        told(100.0 * share)
+                        " The softest mode, {wave}, is weakly controlled: in the reference configuration the ratio of its frequency to that of the material's slowest wave is {}.",
+                        told(share)
                     ),
                 }
             } else {
@@ -70,18 +70,18 @@ pub(super) fn of(
             };
             match assessment.material.ellipticity() {
                 Ellipticity::Undecided => format!(
-                    "Stable as far as the particles go: none of their plane waves grows. Of the material it is undecided: its smallest \
-                     acoustic eigenvalue is zero to rounding, as that of a fluid, which bears no shear.{weak}"
+                    "Stable: all omega^2 of the discretization are real and nonnegative. The material is undecided: its smallest acoustic eigenvalue is \
+                     zero to rounding, as that of a fluid, which has no shear stiffness.{weak}"
                 ),
                 _ => format!(
-                    "Stable: the material is strongly elliptic{} and no plane wave of the particles grows.{weak}",
+                    "Stable: the material is strongly elliptic{}, and all omega^2 of the discretization are real and nonnegative.{weak}",
                     in_plane(in_3d)
                 ),
             }
         }
         Verdict::Physical => format!(
-            "Unstable, and rightly so: the material itself has lost ellipticity, for waves along N = {}, and the \
-             particles follow it; their fastest mode, {wave}, {growth}.",
+            "Unstable, as the material is: it has lost strong ellipticity, for waves along N = {}, and \
+             the discretization follows; fastest mode: {wave}, {growth}.",
             along(&assessment.material.minimum.direction)
         ),
         Verdict::ZeroEnergy => {
@@ -128,8 +128,8 @@ pub(super) fn of(
             }
         }
         Verdict::Suppressed => format!(
-            "Stable although the material is not: it has lost ellipticity for waves along N = {}, and the particles \
-             do not show it.",
+            "Stable although the material is not: it has lost ellipticity for waves along N = {}, which \
+             the discretization suppresses.",
             along(&assessment.material.minimum.direction)
         ),
     }
@@ -148,7 +148,7 @@ fn instability(assessment: &Assessment<3>, culprit: &str) -> String {
     }
 }
 
-/// What an instability of the method's own belongs to.
+/// What a numerical instability originates from.
 fn culprit(family: Family) -> &'static str {
     match family {
         Family::Kernel | Family::TotalLagrangianSph | Family::UpdatedSph => "kernel",
@@ -163,8 +163,8 @@ fn culprit(family: Family) -> &'static str {
 fn in_plane(in_3d: Ellipticity) -> &'static str {
     match in_3d {
         Ellipticity::Elliptic => "",
-        Ellipticity::Undecided => " for waves in the plane (undecided for waves out of it)",
-        Ellipticity::Lost => " for waves in the plane (not for waves out of it)",
+        Ellipticity::Undecided => " for in-plane perturbations (undecided for out-of-plane ones)",
+        Ellipticity::Lost => " for in-plane perturbations (not for out-of-plane ones)",
     }
 }
 
@@ -183,12 +183,12 @@ fn wave(k: &SVector<f64, 3>, along: impl Fn(&SVector<f64, 3>) -> String, units: 
 
 fn growth(rate: f64, units: Units) -> String {
     if rate > 0.0 {
-        let time = match units {
-            Units::Own => format!("{} time units", told(1.0 / rate)),
-            Units::Si => format!("{} s", told(1.0 / rate)),
-        };
-        format!("grows e-fold in {time}")
+        format!(
+            "growth rate {}, e-folding time {}",
+            units.of(told(rate), "1/s"),
+            units.of(told(1.0 / rate), "s")
+        )
     } else {
-        "grows the faster the shorter the wave".to_owned()
+        "growth rate unbounded as the wavelength tends to zero".to_owned()
     }
 }

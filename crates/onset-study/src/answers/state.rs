@@ -1,4 +1,4 @@
-//! The answer to: is this state stable, and if not, whose instability is it?
+//! The answer to: is this state stable, and if not, is the instability physical or numerical?
 
 use super::certificate::CertificateAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
@@ -50,7 +50,7 @@ pub struct StateAnswer {
     pub sentence: String,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
-    /// Commands that go on from here.
+    /// Commands to run next.
     pub next: Vec<String>,
     /// Every choice in effect.
     pub settings: Effective,
@@ -102,7 +102,7 @@ pub struct MaterialAnswer {
     pub polarization: Vec<f64>,
 }
 
-/// The slowest plane wave of the continuum in space. A state of plane strain can lose ellipticity out of the plane first.
+/// The slowest plane wave of the continuum in three dimensions. A state of plane strain can lose ellipticity for out-of-plane perturbations first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SpaceAnswer {
     /// Whether the state is strongly elliptic.
@@ -389,10 +389,10 @@ impl std::fmt::Display for StateAnswer {
             match (material.ellipticity, in_3d.ellipticity) {
                 (Ellipticity::Elliptic, Ellipticity::Elliptic) => "yes".to_owned(),
                 (Ellipticity::Elliptic, Ellipticity::Lost) => {
-                    "for waves in the plane, not for waves out of it".to_owned()
+                    "for in-plane perturbations, not for out-of-plane ones".to_owned()
                 }
                 (Ellipticity::Elliptic, Ellipticity::Undecided) => format!(
-                    "for waves in the plane; undecided for waves out of it, zero to rounding ({:.1e})",
+                    "for in-plane perturbations; undecided for out-of-plane ones, zero to rounding ({:.1e})",
                     in_3d.rounding
                 ),
                 (Ellipticity::Undecided, _) => format!(
@@ -413,7 +413,7 @@ impl std::fmt::Display for StateAnswer {
             ),
         )?;
         line(
-            &of("in space"),
+            &of("in 3D"),
             format!(
                 "{} along N = {}, polarized along {}; nowhere below {}",
                 eigenvalue(in_3d.minimum_acoustic_eigenvalue),

@@ -279,7 +279,7 @@ impl std::fmt::Display for Fidelity {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             formatter,
-            "False instability: area {:.6} ({}). Missed instability: area {:.6} ({}).",
+            "False instability: area {:.6} ({}). Suppressed instability: area {:.6} ({}).",
             self.false_instability_area,
             percent(self.false_instability_share),
             self.suppressed_instability_area,
@@ -295,7 +295,7 @@ impl std::fmt::Display for Fidelity {
         if let Some(apart) = &self.hausdorff {
             writeln!(
                 formatter,
-                "Hausdorff distance of the boundaries: {:.3e}{} (from the material {:.3e}, from the particles {:.3e}).",
+                "Hausdorff distance of the boundaries: {:.3e}{} (from the material {:.3e}, from the discretization {:.3e}).",
                 apart.distance,
                 if apart.unit == "window" {
                     " of the window"
@@ -327,7 +327,7 @@ impl std::fmt::Display for Fidelity {
         if rays.only_material + rays.only_discretization > 0 {
             writeln!(
                 formatter,
-                "Along {} rays only the material is lost within the window, along {} only the particles.",
+                "Along {} rays only the material loses stability within the window, along {} only the discretization.",
                 rays.only_material, rays.only_discretization
             )?;
         }

@@ -118,7 +118,7 @@ impl Table {
             .filter(|load| load.is_possible(self.dimension))
             .filter_map(|load| {
                 let (place, is_lost) = match self.material_onset_of(load)? {
-                    StretchOnset::AtRest => ("at rest".to_owned(), true),
+                    StretchOnset::AtRest => ("at F = 1".to_owned(), true),
                     StretchOnset::At(stretch) => (format!("at {stretch:.4}"), true),
                     StretchOnset::NotBefore(end) => (format!("up to {end}"), false),
                     StretchOnset::Undefined(stretch) => {

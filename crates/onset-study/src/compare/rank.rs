@@ -19,15 +19,15 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
              material's slowest wave, which are nearly such."
         ),
         format!(
-            "3. Nor one that is unstable where the material is elliptic, on more than {wrong} of the window of states: it shows fracture \
-             that is not there."
+            "3. Nor one that is unstable where the material is elliptic, on more than {wrong} of the window of states: a \
+             numerical instability."
         ),
         format!(
-            "4. Nor one that is stable where the material is not elliptic, on more than {wrong} of the window: it hides fracture that is \
-             there."
+            "4. Nor one that is stable where the material is not elliptic, on more than {wrong} of the window: it suppresses a physical \
+             instability."
         ),
         format!(
-            "5. Nor one whose long waves feel a stiffness that is wrong by more than {}: it does not converge to the material.",
+            "5. Nor one whose long-wavelength moduli are wrong by more than {}: it is not consistent, and does not converge to the material.",
             percent(limits.long_waves)
         ),
         format!(

@@ -11,7 +11,7 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
-/// Wavelengths, in spacings of the particles, at which frequencies are compared.
+/// Wavelengths, in particle spacings, at which frequencies are compared.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 
 /// A method of a comparison.
@@ -55,7 +55,7 @@ pub struct Measured {
     pub weakest: f64,
     /// Errors of frequencies.
     pub dispersion: Vec<DispersionError>,
-    /// The largest error of a component of the stiffness that long waves feel.
+    /// The largest error of a component of the long-wavelength moduli.
     pub long_wave_error: f64,
     /// Where stability ends.
     pub onsets: Vec<OnsetPair>,
@@ -63,7 +63,7 @@ pub struct Measured {
     pub fidelity: Fidelity,
     /// The critical time step; time.
     pub critical_time_step: f64,
-    /// The same times the speed of sound over the spacing of the particles.
+    /// The same times the speed of sound over the particle spacing.
     pub courant: f64,
     /// Particles that an evaluation of the forces on one particle looks at.
     pub neighbors: f64,

@@ -91,7 +91,7 @@ impl Table {
         columns.push(column(
             "long waves",
             "long_wave_error",
-            "largest error of the stiffness that long waves feel",
+            "consistency error: largest error of the long-wavelength moduli",
             |m| m.long_wave_error,
             percent,
         ));
@@ -126,8 +126,7 @@ impl Table {
                 percent,
             ),
             column(
-                "missed",
-                "suppressed_instability",
+                "suppressed", "suppressed_instability",
                 "share of the window that is stable though the material is not elliptic",
                 |m| m.fidelity.suppressed_instability,
                 percent,
@@ -142,14 +141,14 @@ impl Table {
             column(
                 "Courant",
                 "courant",
-                "critical time step times speed of sound over the spacing of the particles",
+                "critical time step times speed of sound over the particle spacing",
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             ),
             column(
                 "neighbors",
                 "neighbors",
-                "particles that an evaluation of the force on one particle looks at",
+                "particles or nodes on which the force on one of them depends",
                 |m| m.neighbors,
                 |x| format!("{x:.0}"),
             ),
@@ -298,7 +297,7 @@ pub(super) fn short(load: Load) -> &'static str {
 /// An onset in words.
 pub(super) fn told(onset: StretchOnset) -> String {
     match onset {
-        StretchOnset::AtRest => "at rest".to_owned(),
+        StretchOnset::AtRest => "at F = 1".to_owned(),
         StretchOnset::At(stretch) => format!("{stretch:.4}"),
         StretchOnset::NotBefore(end) if end > 1.0 => format!("> {end}"),
         StretchOnset::NotBefore(end) => format!("< {end}"),

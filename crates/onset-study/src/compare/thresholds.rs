@@ -13,7 +13,7 @@ pub struct Thresholds {
     pub long_waves: f64,
     /// Share of the material's strain at onset by which the method's onset may come later.
     pub later: f64,
-    /// Wavelength at which frequencies are compared, in spacings of the particles.
+    /// Wavelength at which frequencies are compared, in particle spacings.
     pub wavelength: f64,
 }
 

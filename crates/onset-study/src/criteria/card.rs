@@ -42,7 +42,7 @@ pub struct BoxAnswer {
     pub high_end: BoxEnd,
     /// The principal stretches of the critical state on its surface; `null` where only the range ends the box.
     pub critical_stretches: Option<[f64; 3]>,
-    /// The wave that stops there; `null` where the law is not defined beyond.
+    /// The critical wave there; `null` where the law is not defined beyond.
     pub witness: Option<Witness>,
 }
 
@@ -51,13 +51,13 @@ pub struct BoxAnswer {
 pub struct Limits {
     /// The loading in a few words.
     pub title: &'static str,
-    /// The stretch at which waves stop in compression; `null` when they do not.
+    /// The stretch at which ellipticity is lost in compression; `null` when it is not.
     pub compression: Option<f64>,
-    /// The stretch at which waves stop in tension; `null` when they do not.
+    /// The stretch at which ellipticity is lost in tension; `null` when it is not.
     pub tension: Option<f64>,
-    /// The wave that stops in compression.
+    /// The critical wave in compression.
     pub compression_witness: Option<Witness>,
-    /// The wave that stops in tension.
+    /// The critical wave in tension.
     pub tension_witness: Option<Witness>,
     /// Where the path ends in compression.
     pub compression_end: EndAnswer,
@@ -144,7 +144,7 @@ impl BoxAnswer {
             (BoxEnd::Range, _) => "end of the range that was looked at".to_owned(),
             (BoxEnd::Shape, _) => "set by the other end and the shape of the box".to_owned(),
             (BoxEnd::Critical, Some(wave)) => {
-                format!("a wave stops at ({}), {}", state(), witness(wave))
+                format!("ellipticity is lost at ({}), {}", state(), witness(wave))
             }
             (BoxEnd::Critical, None) => format!("the law is not defined beyond ({})", state()),
         }
@@ -228,7 +228,9 @@ impl CardAnswer {
         }
         Figure::new(format!("Safe range: {}", heading(&self.material)))
             .columns(1)
-            .caption("Bars: the law is strongly elliptic, every wave travels. Grey: it is not.")
+            .caption(
+                "Bars: the law is strongly elliptic, all wave speeds are real. Grey: it is not.",
+            )
             .with(panel)
     }
 

@@ -21,7 +21,7 @@ impl CardAnswer {
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>Safe range: {title}</title>\n<style>{STYLE}</style></head><body>\n\
              <h1>Safe range of a law</h1>\n<p>{title}</p>\n\
-             <p>Within these ranges the law is strongly elliptic: <code>{}</code>. Every plane wave travels, and no band can form \
+             <p>Within these ranges the law is strongly elliptic: <code>{}</code>. All wave speeds are real, and no band can form \
              because of the law. Stretches from {low} to {high} were looked at.</p>\n",
             escaped(Criterion::StrongEllipticity.definition())
         );
@@ -50,7 +50,7 @@ impl CardAnswer {
         }
         page.push_str(
             "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression</th><th>tension</th>\
-             <th>wave that stops</th></tr>\n",
+             <th>critical wave</th></tr>\n",
         );
         for limits in &self.loadings {
             let wave = limits.tension_witness.or(limits.compression_witness);

@@ -199,12 +199,14 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
             let list = sooner.join("; ");
             sentences.push(match criterion {
                 Criterion::LoadMaximum => {
-                    format!("The load falls although waves still travel: {list}.")
+                    format!("The load falls while wave speeds are still real: {list}.")
                 }
                 Criterion::RankOneConvexity => {
-                    format!("Finite jumps gain energy although waves still travel: {list}.")
+                    format!(
+                        "Finite jumps lower the energy while wave speeds are still real: {list}."
+                    )
                 }
-                _ => format!("{title} calls unstable, although waves still travel: {list}."),
+                _ => format!("{title} is lost while wave speeds are still real: {list}."),
             });
         }
         // What follows from strong ellipticity holds on of necessity.
@@ -216,12 +218,12 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
             let list = later.join("; ");
             sentences.push(match criterion {
                 Criterion::PlaneEllipticity => {
-                    format!("Waves out of the plane stop before those within it: {list}.")
+                    format!("Ellipticity is lost for out-of-plane perturbations before in-plane ones: {list}.")
                 }
                 Criterion::LoadMaximum => {
-                    format!("The load still rises where waves have stopped: {list}.")
+                    format!("The load still rises where ellipticity is lost: {list}.")
                 }
-                _ => format!("{title} does not see that waves stop: {list}."),
+                _ => format!("{title} still holds where ellipticity is lost: {list}."),
             });
         }
     }
@@ -234,8 +236,8 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     };
     if loadings.iter().any(|loading| hill(&loading)) {
         sentences.push(
-            "Hill's condition for dead loads is lost with the first compression: a body under dead pressure gains energy by a \
-             rotation, whatever its law. With rotations held it is the line `hill-rotation-free` that counts."
+            "Hill's criterion for dead loads is lost with the first compression: a body under dead pressure gains energy by \
+             a rotation, whatever its law. For increments without rotation the line `hill-rotation-free` counts."
                 .to_owned(),
         );
     }

@@ -114,7 +114,7 @@ fn words() -> Vec<(Field, Taken)> {
         ),
         flags(
             "stability",
-            "how perturbations of the particles develop",
+            "how perturbations of the discretization develop",
             stabilities.into_iter().chain(["undefined"]).collect(),
             |outcome| {
                 let stabilities = STABILITIES.map(|(stability, _)| stability);
@@ -190,7 +190,7 @@ fn proofs() -> Vec<(Field, Taken)> {
     vec![
         flags(
             CERTAINTY,
-            "what has been proved about the waves of the particles; not-asked where the state was filled in or is undefined",
+            "what has been proved about the waves of the discretization; not-asked where the state was filled in or is undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
             |outcome| flag(&Certainty::ALL, Some(proof(outcome).particles)),
         ),
@@ -203,7 +203,7 @@ fn proofs() -> Vec<(Field, Taken)> {
         ),
         flags(
             REASON,
-            "why the particles are undecided",
+            "why the discretization is undecided",
             [NO_REASON]
                 .into_iter()
                 .chain(Reason::ALL.map(Reason::name))

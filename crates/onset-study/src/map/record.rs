@@ -31,7 +31,7 @@ pub enum Certainty {
     ProvedStable,
     /// A wave grows: a proof by that wave.
     ProvedUnstable,
-    /// No wave grows, but one of finite length has no energy.
+    /// All `omega^2 >= 0`, and a wave of finite length is a zero-energy mode.
     ProvedZeroEnergy,
     /// None of them.
     Undecided,

@@ -23,7 +23,7 @@ impl ModesAnswer {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>Spurious modes</title>\n<style>{STYLE}</style></head><body>\n<h1>Spurious modes</h1>\n\
-             <p>Waves of the reference configuration that the method does not resist, or too little. Wave vectors in units of the reciprocal \
+             <p>Zero-energy and weakly controlled modes of the method in the reference configuration. Wave vectors in units of the reciprocal \
              vectors.</p>\n<main>\n"
         );
         for mode in &self.modes {

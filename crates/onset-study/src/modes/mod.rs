@@ -24,7 +24,7 @@ pub struct ModesQuestion {
     pub weak: f64,
     /// Cells of the patch along each primitive vector.
     pub cells: usize,
-    /// The largest displacement of the exported fields, in spacings of the particles.
+    /// The largest displacement of the exported fields, in particle spacings.
     pub amplitude: f64,
 }
 
@@ -43,7 +43,7 @@ impl Default for ModesQuestion {
 pub struct ModesAnswer {
     /// Space dimensions.
     pub dimension: usize,
-    /// The spacing of the particles; length.
+    /// The particle spacing; length.
     pub spacing: f64,
     /// How far zero-energy modes extend at most; `None` where there are none.
     pub zero_extent: Option<Extent>,
@@ -51,7 +51,7 @@ pub struct ModesAnswer {
     pub complete: bool,
     /// The lowest relative frequency anywhere.
     pub weakest: f64,
-    /// The modes: those without energy first.
+    /// The modes: those of zero energy first.
     pub modes: Vec<ShownMode>,
     /// The limit of weakness.
     pub weak: f64,
@@ -197,11 +197,14 @@ impl ShownMode {
     pub fn kind(&self) -> String {
         let of_zero = match (self.nullity, self.relative_frequency) {
             (0, Some(share)) => {
-                return format!("weak, {:.1} % of the material's frequency", 100.0 * share);
+                return format!(
+                    "weakly controlled, {:.1} % of the material's frequency",
+                    100.0 * share
+                );
             }
-            (0, None) => return "weak".to_owned(),
-            (1, _) => "no energy".to_owned(),
-            (count, _) => format!("no energy, {count} independent modes"),
+            (0, None) => return "weakly controlled".to_owned(),
+            (1, _) => "zero energy".to_owned(),
+            (count, _) => format!("zero energy, {count} independent modes"),
         };
         match self.extent {
             Extent::Point => of_zero,

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// How long boundaries are traced where cells would do.
 const PATIENCE: Duration = Duration::from_secs(10);
 const MATERIAL: &str = "boundary of the material";
-const PARTICLES: &str = "boundary of the particles";
+const PARTICLES: &str = "boundary of the discretization";
 
 /// All curves of a boundary of stability as one line.
 pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {

@@ -87,7 +87,7 @@ pub(super) fn overlay(
         line.dash = DASHES[n % DASHES.len()];
         panel = panel.with(line);
     }
-    Ok(Figure::new("Where particles lose stability")
+    Ok(Figure::new("Where the discretizations lose stability")
         .columns(1)
         .with(panel))
 }

@@ -381,7 +381,7 @@ fn c7() -> Checked {
     zero_mode(
         "C7",
         "sec. 7.1",
-        "Stress points do not remove the rank deficiency of the square lattice, at θ = π/4.",
+        "Stress points do not remove the zero-energy mode of the square lattice, at θ = π/4.",
         "square, stress points, Lagrangian, Shepard, D_mx = 2",
         lagrangian(LatticeKind::Square, Quadrature::StressPoints, 2.0),
         &[[PI, PI]],
@@ -423,7 +423,7 @@ fn c8() -> Checked {
         paper: "Stress points eliminate the spurious mode of the hexagonal lattice.",
         computed: format!(
             "No zero mode at D_mx = 1.2, 1.6, 2, 2.5, 3; but at four supports the gradient vanishes at K (Σ V|B|²/(V₀k²) ≤ {largest:.0e}), \
-             and it is weak for large ones: {:.1e} at K for D_mx = 1.6, {:.1e} for 2, {:.1e} for 2.5.",
+             and the mode is weakly controlled at large ones: {:.1e} at K for D_mx = 1.6, {:.1e} for 2, {:.1e} for 2.5.",
             norm_at_k(1.6)?,
             norm_at_k(2.0)?,
             norm_at_k(2.5)?

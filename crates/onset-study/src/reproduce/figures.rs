@@ -291,7 +291,7 @@ fn figure_04() -> Result<Plate, ReproduceError> {
     }
     let figure = figure.caption(
         "Nodal integration, Lagrangian kernel, D_mx = 2, stretches (1.1, 0.95). The gradient of the mode vanishes at \
-         every particle, so that it has no energy, in any material and at any state.",
+         every particle, so that it is a zero-energy mode, in any material and at any state.",
     );
     Ok(Plate {
         figure,
@@ -548,7 +548,7 @@ fn figure_09() -> Result<Plate, ReproduceError> {
         .columns(2)
         .caption(
             "Smallest ω² at the corner K and at the middle M of the zone's edge (μ = 32, density and spacing 1). It decays as \
-             λ⁻⁴ whatever the method, and with the support, where the discretization is weak.",
+             λ⁻⁴ whatever the method, and with the support, where the mode is weakly controlled.",
         );
     let mut table = Vec::new();
     for (name, k) in points {

@@ -35,7 +35,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.weak",
         Kind::Positive("1"),
-        "waves slower than this share of the material's slowest wave are listed as weak",
+        "waves slower than this share of the material's slowest wave are listed as weakly controlled",
     ),
     key(
         "compare.integrator",

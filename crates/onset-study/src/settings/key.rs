@@ -156,7 +156,7 @@ fn parameter_keys() -> Vec<Key> {
                 Some((model, own.find(|own| own.name == parameter.name)?))
             })
         };
-        // What a number must be is told by the law: a user-defined model may use the name otherwise.
+        // What a number must be is told by the law: a user-defined model may use the name for something else.
         let kind = Kind::Number(parameter.unit);
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
@@ -269,7 +269,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Positive("length"),
-        "distance of neighbors in the lattice or mesh, the unit of vectors and support",
+        "particle spacing: distance of nearest neighbors in the lattice or mesh, the unit of vectors and support",
     ),
     key(
         "discretization.density",
@@ -487,7 +487,7 @@ impl Key {
         })
     }
 
-    /// The key with a name that is about to be set: a name that no table has is one's own only for a number.
+    /// The key with a name that is about to be set: a name that no table has is user-defined only for a number.
     pub(super) fn for_setting(name: &str, is_number: bool) -> Option<&'static Self> {
         let name = renamed::key(name);
         Self::named(name).filter(|key| is_number || !key.is_free())

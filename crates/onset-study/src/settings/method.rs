@@ -394,7 +394,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.horizon",
         Kind::Positive("1"),
-        "peridynamics: the horizon in spacings of the particles, which disorder leaves as they are",
+        "peridynamics: the horizon in particle spacings, which disorder leaves as they are",
     )
     .only_with(PERIDYNAMICS),
     key(

@@ -37,7 +37,7 @@ pub enum StoreError {
         "{} exists, with {done} of {tiles} tiles done\n  hint: {}",
         path.display(),
         if done == tiles { "it is complete; --overwrite computes it anew" }
-        else { "--resume goes on with it, --overwrite begins anew" }
+        else { "--resume resumes it, --overwrite starts afresh" }
     )]
     Exists {
         /// The place.
@@ -184,7 +184,7 @@ impl StoreError {
 fn hint(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "\n  hint: make room, then go on with --resume; the tiles that are done are safe"
+            "\n  hint: make room, then resume with --resume; the tiles that are done are safe"
         }
         ErrorKind::PermissionDenied
         | ErrorKind::ReadOnlyFilesystem

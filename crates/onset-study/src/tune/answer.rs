@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 
-/// Halvings of the interval in which the cure begins.
+/// Halvings of the interval from which values are sufficient.
 const HALVINGS: usize = 12;
 
 /// What a value of the coefficient does.
@@ -38,7 +38,7 @@ impl Tried {
         })
     }
 
-    /// Whether the instability of the material is hidden: stable where it is not, or unstable clearly later.
+    /// Whether the instability of the material is masked: stable where it is not, or unstable clearly later.
     pub fn masks(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             let later = measured.onsets.iter().any(|pair| {
@@ -56,13 +56,13 @@ impl Tried {
 pub struct TuneAnswer {
     /// The key of the coefficient.
     pub key: &'static str,
-    /// The smallest value that cures and does not hide; `None` when there is none.
+    /// The smallest value that is sufficient and does not mask; `None` when there is none.
     pub recommended: Option<f64>,
     /// The limits of what counts as sufficient, and as hidden.
     pub thresholds: Thresholds,
     /// What other limits would give, from the values that were tried.
     pub dependence: Vec<Dependence>,
-    /// Whether some value cures at all.
+    /// Whether some value is sufficient at all.
     pub is_ever_sufficient: bool,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
@@ -84,7 +84,7 @@ pub struct Dependence {
 }
 
 impl TuneAnswer {
-    /// Looks at all values, on all cores, and refines where the cure begins; `told` is called with each value of the grid.
+    /// Looks at all values, on all cores, and refines where they become sufficient; `told` is called with each value of the grid.
     ///
     /// # Errors
     /// [`ProblemError`] when the material is not admissible, no value is, or the method does not read the coefficient.
@@ -233,7 +233,7 @@ impl TuneAnswer {
                         line(&|m| 100.0 * m.fidelity.suppressed_instability)
                             .color(palette::BLACK)
                             .dotted()
-                            .named("instability missed"),
+                            .named("instability suppressed"),
                     ),
             ))
             .with(marked(
@@ -283,13 +283,13 @@ impl fmt::Display for TuneAnswer {
         match self.recommended {
             Some(value) => writeln!(
                 formatter,
-                "{} = {}: the smallest value found that removes the spurious modes and does not hide the material's instability\n",
+                "{} = {}: the smallest value found that removes the spurious modes and does not mask the material's instability\n",
                 self.key,
                 crate::number::told(value)
             )?,
             None if self.is_ever_sufficient => writeln!(
                 formatter,
-                "no value of {} removes the spurious modes without hiding the material's instability\n",
+                "no value of {} removes the spurious modes without masking the material's instability\n",
                 self.key
             )?,
             None => writeln!(
@@ -300,14 +300,14 @@ impl fmt::Display for TuneAnswer {
         }
         writeln!(
             formatter,
-            "  {:>10}  {:>10}  {:>8}  {:>8}  {:>8}  {:>8}  verdict",
-            "value", "zero modes", "weakest", "false", "missed", "Courant"
+            "  {:>10}  {:>10}  {:>8}  {:>8}  {:>10}  {:>8}  verdict",
+            "value", "zero modes", "weakest", "false", "suppressed", "Courant"
         )?;
         for one in &self.tried {
             match &one.measured {
                 Ok(m) => writeln!(
                     formatter,
-                    "  {:>10.4e}  {:>10}  {:>8.4}  {:>6.2} %  {:>6.2} %  {:>8.4}  {}",
+                    "  {:>10.4e}  {:>10}  {:>8.4}  {:>6.2} %  {:>8.2} %  {:>8.4}  {}",
                     one.value,
                     m.zero_modes,
                     m.weakest,
@@ -315,10 +315,10 @@ impl fmt::Display for TuneAnswer {
                     100.0 * m.fidelity.suppressed_instability,
                     m.courant,
                     match (one.cures(&self.thresholds), one.hides(&self.thresholds)) {
-                        (true, false) => "cures",
-                        (true, true) => "cures, but hides",
-                        (false, false) => "does not cure",
-                        (false, true) => "does not cure, and hides",
+                        (true, false) => "sufficient",
+                        (true, true) => "sufficient, but masks",
+                        (false, false) => "not sufficient",
+                        (false, true) => "not sufficient, and masks",
                     }
                 )?,
                 Err(why) => writeln!(
@@ -334,7 +334,7 @@ impl fmt::Display for TuneAnswer {
             formatter,
             "\nsufficient: no zero-energy modes, no wave slower than {} of the material's slowest (--weak), at most {} of the states falsely \
              unstable (--wrong)\n\
-             hidden: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
+             masks: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
              more than {} of its strain (--later)\n\nwith other limits, of the values above",
             percent(limits.weak),
             percent(limits.wrong),

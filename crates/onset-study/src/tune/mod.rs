@@ -1,7 +1,7 @@
 //! The smallest coefficient that removes the spurious modes of a method without hiding the instability of the material.
 //!
 //! A stabilization has a coefficient. Too small, and zero-energy modes stay; too large, and the method stays stable where the
-//! material does not, or needs tiny time steps. The coefficient is looked at on a grid of values, and the end of the cure is
+//! material does not, or needs tiny time steps. The coefficient is looked at on a grid of values, and where it becomes sufficient is
 //! refined by bisection.
 
 mod answer;

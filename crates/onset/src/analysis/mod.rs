@@ -167,7 +167,7 @@ pub trait Analysis: Send + Sync {
     /// The particles of a periodic patch with so many cells along each primitive vector.
     fn patch(&self, cells: usize) -> Vec<PatchParticle>;
 
-    /// The errors of frequencies at wavelengths in spacings of the particles.
+    /// The errors of frequencies at wavelengths in particle spacings.
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated.

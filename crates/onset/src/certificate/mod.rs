@@ -61,7 +61,7 @@ pub enum Certainty<const D: usize> {
         /// A positive lower bound of the measure over the whole zone, the limit of long waves included.
         bound: f64,
     },
-    /// No wave grows, but one of finite length costs no energy at any state: the quadrature does not see it.
+    /// All `omega^2 >= 0`, and a wave of finite length is a zero-energy mode at any state: the quadrature does not see it.
     ZeroEnergy {
         /// Its reference wave vector.
         wave_vector: SVector<f64, D>,
@@ -394,7 +394,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         })
     }
 
-    /// Of the waves of a three-dimensional lattice nothing is proved, of the material what is in space.
+    /// Of the waves of a three-dimensional lattice nothing is proved, of the material three-dimensional ellipticity.
     fn in_three_dimensions(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
         let proof = certify_3d(self.material, f, self.tolerance)?.certainty;
         Ok(Certificate {

@@ -36,7 +36,7 @@ pub struct SpaceCertificate {
 /// use onset::certificate::{Certainty, certify_3d};
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::BlatzKo;
-/// // Elliptic in the plane, where both stretches are the same; not in space, where their ratio to the third is 4 > 2 + sqrt 3.
+/// // Elliptic in the plane, where both stretches are the same; not in three dimensions, where their ratio to the third is 4 > 2 + sqrt 3.
 /// let material = BlatzKo::new(1.0)?;
 /// let f = DeformationGradient::from_stretches([0.25, 0.25, 1.0])?;
 /// let proof = certify_3d(&material, &f, 1e-6)?;

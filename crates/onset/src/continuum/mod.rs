@@ -60,7 +60,7 @@ pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
     serde(rename_all = "kebab-case")
 )]
 pub enum Ellipticity {
-    /// It is positive: every plane wave travels, the state is strongly elliptic.
+    /// It is positive: all wave speeds are real, the state is strongly elliptic.
     Elliptic,
     /// It is zero to rounding: not positive as far as the numbers tell, nor negative. So it is for a fluid, which bears no shear.
     Undecided,

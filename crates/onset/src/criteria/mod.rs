@@ -60,7 +60,7 @@ use nalgebra::{Matrix3, Vector3};
     serde(rename_all = "kebab-case")
 )]
 pub enum Criterion {
-    /// Every plane wave travels: `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
+    /// All wave speeds are real: `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
     ///
     /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965),
     /// section 44. Its loss is that of the waves' speed: shear bands and other bands of any thickness can form.
@@ -71,7 +71,7 @@ pub enum Criterion {
     /// Arch. Ration. Mech. Anal. 84 (1983) 55). The measure is the smallest value that these conditions attain, a value of the form
     /// at unit vectors; for other laws it is the smallest eigenvalue of all acoustic tensors. Units of stress.
     StrongEllipticity,
-    /// Every plane wave within the plane of the first two axes travels: what a simulation in plane strain can see.
+    /// All waves in the plane of the first two axes have real speeds: what a simulation in plane strain can see.
     ///
     /// The measure is the smallest eigenvalue of the acoustic tensors in the plane, exact. Units of stress. Source: as
     /// [`Criterion::StrongEllipticity`].
@@ -82,7 +82,7 @@ pub enum Criterion {
     /// P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof up to rounding, a
     /// positive one says that none was found.
     RankOneConvexity,
-    /// The larger principal stress goes with the larger principal stretch: `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
+    /// The larger principal stress acts along the larger principal stretch: `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
     ///
     /// Source: Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33; for isotropic laws. The measure is the smallest
     /// `(tau_i - tau_j) / (lambda_i^2 - lambda_j^2)`, which is the component `A_ijij` of the tangent in principal axes and so has its
@@ -109,7 +109,7 @@ pub enum Criterion {
     /// laws the same as convexity in the logarithmic strain. Programs that fit laws call it Drucker's stability, after Drucker, J. Appl.
     /// Mech. 26 (1959) 101. The measure is the smallest eigenvalue on symmetric `D`. Units of stress.
     Drucker,
-    /// Drucker's stability as fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
+    /// Drucker stability as Abaqus and other fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
     ///
     /// The matrix `dtau_i / dln(lambda_j)` is positive definite. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike
     /// materials, "Material stability" (checked there for stretches 0.1 to 10). The measure is its smallest eigenvalue. Units of stress.
@@ -225,10 +225,10 @@ impl Criterion {
             Self::PlaneEllipticity => "ellipticity in the plane",
             Self::RankOneConvexity => "rank-one convexity",
             Self::BakerEricksen => "the Baker-Ericksen inequality",
-            Self::Hill => "Hill's condition for dead loads",
-            Self::HillRotationFree => "Hill's condition with rotations held",
-            Self::Drucker => "Drucker's condition",
-            Self::DruckerAbaqus => "Drucker's check in principal axes",
+            Self::Hill => "Hill's criterion for dead loads",
+            Self::HillRotationFree => "Hill's criterion for rotation-free increments",
+            Self::Drucker => "Drucker's criterion",
+            Self::DruckerAbaqus => "Drucker stability as Abaqus checks it",
             Self::LoadMaximum => "a rising load",
         }
     }

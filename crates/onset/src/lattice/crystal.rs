@@ -102,7 +102,7 @@ impl<const D: usize> Crystal<D> {
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// The particles of a kind of lattice on its Bravais lattice, or others in their place. The spacing is the distance of neighbors in the
+    /// The particles of a kind of lattice on its Bravais lattice, or others in their place. The spacing is the distance of nearest neighbors in the
     /// lattice, scaled with the volume of a particle where others take the place of its own.
     ///
     /// # Errors
@@ -155,10 +155,10 @@ impl<const D: usize> Crystal<D> {
         &self.volumes
     }
 
-    /// The spacing of the particles, in which horizons, wavelengths and time steps are measured; length.
+    /// The particle spacing, in which horizons, wavelengths and time steps are measured; length.
     ///
-    /// Of a Bravais lattice, and of a lattice with a name, the distance of neighbors. Of other particles in the cell of a lattice the
-    /// length that this would be if they were a lattice of the same shape: the distance of neighbors times `n^(-1/D)` with `n`
+    /// Of a Bravais lattice, and of a lattice with a name, the distance of nearest neighbors. Of other particles in the cell of a lattice the
+    /// length that this would be if they were a lattice of the same shape: the distance of nearest neighbors times `n^(-1/D)` with `n`
     /// particles in the cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
     /// keep that of the layout that they are moved from, which the distance of the nearest of them is not.
     ///

@@ -13,13 +13,13 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DispersionError {
-    /// Wavelength over the spacing of the particles.
+    /// Wavelength over the particle spacing.
     pub particles_per_wavelength: f64,
     /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the reference configuration.
     pub error: f64,
 }
 
-/// The errors of the frequencies of the reference configuration at wavelengths given in spacings of the particles, [`crate::lattice::Crystal::spacing`].
+/// The errors of the frequencies of the reference configuration at wavelengths given in particle spacings, [`crate::lattice::Crystal::spacing`].
 pub fn dispersion_errors<const D: usize>(
     survey: &Survey<'_, D>,
     particles_per_wavelength: &[f64],

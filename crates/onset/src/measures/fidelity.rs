@@ -21,7 +21,7 @@ pub struct Fidelity {
     pub false_instability: f64,
     /// Stable though the material is not elliptic.
     pub suppressed_instability: f64,
-    /// Rank deficient: stable, but with zero-energy modes.
+    /// Stable, but with zero-energy modes.
     pub zero_energy: f64,
     /// Defined by the law, but not by the method: too few neighbors.
     pub undefined: f64,

@@ -2,9 +2,9 @@
 //!
 //! | measure | question |
 //! |---|---|
-//! | [`spurious_modes`] | which waves have no energy, or too little, in the reference configuration? |
-//! | [`dispersion_errors`] | how wrong are frequencies at so many points per wavelength? |
-//! | [`long_wave_error`] | how far is the acoustic tensor of long waves from that of the material? |
+//! | [`spurious_modes`] | which modes have zero energy, or are weakly controlled, in the reference configuration? |
+//! | [`dispersion_errors`] | how large is the error of the frequencies at so many points per wavelength? |
+//! | [`long_wave_error`] | how large is the consistency error: how far are the long-wavelength moduli from those of the material? |
 //! | [`onset`] | at which stretch is stability lost first, and at which does the material lose it? |
 //! | [`fidelity`] | on which share of a window of states is the method falsely unstable, or stable where the material is not? |
 

@@ -1,4 +1,4 @@
-//! Waves that a discretization does not resist: zero-energy modes and weak ones.
+//! Spurious modes of a discretization: zero-energy modes and weakly controlled ones.
 
 use super::degenerate::{DEGENERATE, Displacements, most_symmetric};
 use super::dispersion::continuum;
@@ -24,7 +24,7 @@ const STUCK: f64 = 0.1;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
 
-/// A wave of the reference configuration with too little energy.
+/// A spurious mode of the reference configuration: one with too little energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
@@ -36,7 +36,7 @@ pub struct SpuriousMode<const D: usize> {
     /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
     /// point, whatever the law.
     pub nullity: usize,
-    /// How far zero-energy modes extend from it; a single point for weak ones.
+    /// How far zero-energy modes extend from it; a single point for weakly controlled ones.
     pub extent: Extent,
     /// Displacement of each particle of the cell at the origin, of the mode with the lowest frequency. Where several have it, of one that is
     /// as symmetric as the wave vector: along it, if they hold such a wave.
@@ -44,7 +44,7 @@ pub struct SpuriousMode<const D: usize> {
 }
 
 impl<const D: usize> SpuriousMode<D> {
-    /// Whether it has no energy at all.
+    /// Whether it is a zero-energy mode.
     pub fn is_zero(&self) -> bool {
         self.nullity > 0
     }
@@ -53,7 +53,7 @@ impl<const D: usize> SpuriousMode<D> {
 /// The spurious modes of a discretization.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousModes<const D: usize> {
-    /// Zero-energy modes first, single wave vectors before lines and surfaces; then the weak ones by their frequency. Of `k` and `-k`
+    /// Zero-energy modes first, single wave vectors before lines and surfaces; then the weakly controlled ones by their frequency. Of `k` and `-k`
     /// one, of a line or surface one.
     pub modes: Vec<SpuriousMode<D>>,
     /// How far zero-energy modes extend at most; `None` where there are none.
@@ -114,7 +114,7 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
     }
 }
 
-/// The search for weak modes.
+/// The search for weakly controlled modes.
 struct Weak<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     density: f64,
@@ -151,7 +151,7 @@ impl<const D: usize> Weak<'_, D> {
         self.zone.lattice().vectors().transpose() * k / TAU
     }
 
-    /// The weak modes, and the lowest ratio anywhere.
+    /// The weakly controlled modes, and the lowest ratio anywhere.
     fn modes(&self, threshold: f64, zero: &ZeroModes<D>) -> (Vec<SpuriousMode<D>>, f64) {
         let n = GRID[D - 1];
         let reciprocal = self.zone.lattice().reciprocal();

@@ -171,7 +171,7 @@ pub struct KernelMethodChoices {
     pub perturbation: f64,
     /// The seed of the random offsets: the same for the same seed, everywhere.
     pub seed: u32,
-    /// Distance of neighbors in the lattice, of rectangles the first side, of oblique and triclinic lattices the unit of
+    /// Particle spacing: distance of nearest neighbors in the lattice, of rectangles the first side, of oblique and triclinic lattices the unit of
     /// `vectors`; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.

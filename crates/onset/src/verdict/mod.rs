@@ -31,18 +31,18 @@ use crate::scheme::Discretization;
     serde(rename_all = "kebab-case")
 )]
 pub enum Verdict {
-    /// The material's waves do not grow, and no mode of the discretization does.
+    /// All `omega^2` of the discretization are nonnegative, and the material has not lost ellipticity.
     Stable,
-    /// Ellipticity is lost, and the discretization says so for long waves too: a faithful answer.
+    /// Ellipticity is lost, and the long waves of the discretization grow too: the instability is the material's.
     Physical,
     /// No wave grows, but the method has zero-energy modes: the strains that it sees of its softest wave, or of one of alternating neighbors,
     /// vanish, so that nothing but the stress of the state, if anything, resists it.
     ZeroEnergy,
-    /// The method's own instability: modes grow although the material's waves do not, or although its
-    /// long waves, where the material's instability would show, do not. Tensile or compressive by the sign
-    /// of the mean stress.
+    /// An instability of the discretization: modes grow although the material has not lost
+    /// ellipticity, or although the long waves, where the material's instability would show, do not.
+    /// Its [`Mechanism`] tells how.
     Numerical,
-    /// Ellipticity is lost, but the discretization is stable: it misses the material's instability.
+    /// Ellipticity is lost, but the discretization is stable: it suppresses the material's instability.
     Suppressed,
 }
 

@@ -201,7 +201,7 @@ fn the_widest_box_may_end_at_the_reference() {
         (w11 * w22).max(0.0).sqrt() + shear - (w12 + cross).abs()
     };
     assert_close(widest.low, zero(margin, 0.05, 0.5), 1e-9);
-    // In uniaxial strain waves stop at the lower end.
+    // In uniaxial strain ellipticity is lost at the lower end.
     let elliptic = |l: f64| {
         let f = DeformationGradient::from_stretches([l, 1.0, 1.0]).expect("a state");
         let state = State::new(&*hencky, &f).expect("finite");

@@ -1,4 +1,4 @@
-//! Waves that a discretization does not resist.
+//! Spurious modes of a discretization.
 
 use crate::{method, nodal, on_crystal};
 use nalgebra::SVector;
@@ -20,7 +20,7 @@ fn found<const D: usize>(scheme: &dyn Discretization<D>, threshold: f64) -> Spur
     spurious_modes(&survey, threshold).expect("modes")
 }
 
-/// The wave vectors without energy in units of the reciprocal vectors, each coordinate from 0 to 1, of `k` and `-k` the first.
+/// The wave vectors of zero-energy modes in units of the reciprocal vectors, each coordinate from 0 to 1, of `k` and `-k` the first.
 fn zeros<const D: usize>(
     scheme: &dyn Discretization<D>,
     modes: &SpuriousModes<D>,

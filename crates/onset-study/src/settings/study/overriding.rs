@@ -8,7 +8,7 @@ use super::super::{
 use super::Study;
 
 impl Study {
-    /// The study with some keys set otherwise, by assignments such as `discretization.support=1.6` or
+    /// The study with some keys overridden by assignments such as `discretization.support=1.6` or
     /// `map.tile=128`, in order. Its text is the new study written out in full.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ const RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
 const NEAR: f64 = 3e-4;
 /// and this, as a fraction of the largest moment,
 const FIRM: f64 = 1e-6;
-/// or this in a valley of nearly no energy, whose depth is no measure of how far points of a grid lie above its bottom:
+/// or this in a valley of nearly zero energy, whose depth is no measure of how far points of a grid lie above its bottom:
 const SOFT: f64 = 2e-4;
 /// one with values below this fraction of the largest moment.
 const VALLEY: f64 = 1e-5;

@@ -51,7 +51,7 @@ pub struct GradientMoments<const D: usize> {
     sums: Sums,
     /// Extreme points of `H(k) / |k|_h^2`.
     scaled: Wells<D>,
-    /// Where the method is nearly rank-deficient.
+    /// Where the method has weakly controlled modes.
     valley: Option<Valley<D>>,
     /// Extreme points of `H(k)`.
     plain: Wells<D>,
@@ -80,7 +80,7 @@ pub struct MomentExtremes<const D: usize> {
     pub wave_vector: SVector<f64, D>,
     /// Whether it is the limit of long waves.
     pub is_long_wave: bool,
-    /// Whether the softest mode has no energy at any state.
+    /// Whether the softest mode is a zero-energy mode at any state.
     pub has_zero_mode: bool,
     /// The smallest limit of long waves.
     pub long_wave_minimum: f64,
@@ -275,7 +275,7 @@ impl<const D: usize> GradientMoments<D> {
         }
     }
 
-    /// Replaces a bottom in a valley of nearly no energy by the lowest one there.
+    /// Replaces a bottom in a valley of nearly zero energy by the lowest one there.
     fn look_around(&self, row: &Coefficients, bottom: &mut Bottom<D>) {
         let magnitude = magnitude(row);
         if let Some(valley) = self

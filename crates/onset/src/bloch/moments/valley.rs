@@ -1,4 +1,4 @@
-//! Methods that are nearly rank-deficient: valleys of nearly no energy, whatever the state, with several bottoms at one
+//! Methods with weakly controlled modes: valleys of nearly zero energy, whatever the state, with several bottoms at one
 //! level. Extreme points do not tell these apart, so the weakest points of a grid are all kept, and those that lie apart
 //! are descended from.
 

@@ -55,7 +55,7 @@ impl LongWave {
 }
 
 impl<const D: usize> WaveSystem<D> {
-    /// The stiffness per density `T` with `D(k) -> T_iJkL k_J k_L` on the acoustic branches: what long waves feel once the
+    /// The stiffness per density `T` with `D(k) -> T_iJkL k_J k_L` on the acoustic branches: the long-wavelength moduli once the
     /// particles of a cell have relaxed against each other. Units length^2/time^2.
     ///
     /// With `R` the translations and `Y` their duals, `Y^T D0 = 0`, `T = Y^T (D2 - D1 G D1) R`, `G` the inverse of `D0` on the

@@ -120,7 +120,7 @@ pub enum ZeroEnergyControl {
     /// Nothing.
     None,
     /// Springs `coefficient K_D w / tr(K) z` against the nonuniform part `z = Y - F X` of the deformation (Silling 2017), `K_D` the
-    /// bulk modulus at rest in `D` dimensions and `K` the shape tensor, which makes the coefficient a pure number.
+    /// bulk modulus in the reference state in `D` dimensions and `K` the shape tensor, which makes the coefficient a pure number.
     Penalty {
         /// A pure number; zero is no control.
         coefficient: f64,
@@ -142,8 +142,8 @@ pub enum ZeroEnergyControl {
 )]
 pub enum BondModel {
     /// The prototype microelastic brittle material without its failure: `c w s e` per squared volume, with the stretch
-    /// `s = (|y| - r)/r` and the direction `e` of the deformed bond `y`. Of the material it takes the bulk modulus at rest; its
-    /// Lame constants are equal whatever the material's are (Poisson's ratio 1/4 in space and in plane strain), and it
+    /// `s = (|y| - r)/r` and the direction `e` of the deformed bond `y`. Of the material it takes the bulk modulus in the reference state; its
+    /// Lame constants are equal whatever the material's are (Poisson's ratio 1/4 in three dimensions and in plane strain), and it
     /// does not feel a stretch in the directions that a chain or a plane leaves out. A homogeneous deformation is an equilibrium
     /// of the pair forces where every particle is a center of inversion.
     BondBased {
@@ -169,7 +169,7 @@ pub enum BondModel {
 pub struct PeridynamicsChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// The horizon in units of the spacing of the particles, [`Crystal::spacing`].
+    /// The horizon in units of the particle spacing, [`Crystal::spacing`].
     pub horizon: f64,
     /// Weights of the bonds.
     pub influence: Influence,
@@ -264,11 +264,11 @@ impl<const D: usize> Peridynamics<D> {
         self.horizon
     }
 
-    /// The micromodulus `c` that goes with a material: `1/2 integral of c w r dV = A_iijj` at rest, summed over `D` dimensions.
+    /// The micromodulus `c` of a material: `1/2 integral of c w r dV = A_iijj` in the reference state, summed over `D` dimensions.
     /// In one dimension with constant influence `2 E / horizon^2`, in three `18 K / (pi horizon^4)`. Units stress/length^(D+1).
     ///
     /// # Errors
-    /// [`MaterialError`] when the material cannot be evaluated at rest.
+    /// [`MaterialError`] when the material cannot be evaluated in the reference state.
     pub fn micromodulus(
         &self,
         material: &dyn Hyperelastic,
@@ -351,7 +351,7 @@ impl ZeroEnergyControl {
     }
 }
 
-/// `A_iijj` at rest, summed over `D` dimensions: `D^2` times the bulk modulus in them.
+/// `A_iijj` in the reference state, summed over `D` dimensions: `D^2` times the bulk modulus in them.
 fn trace<const D: usize>(material: &dyn Hyperelastic) -> Result<f64, MaterialError> {
     let tangent = material.response(&DeformationGradient::identity())?.tangent;
     let entries = (0..D).flat_map(|i| (0..D).map(move |j| (i, i, j, j)));

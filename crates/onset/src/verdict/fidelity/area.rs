@@ -24,7 +24,7 @@ impl Areas {
         self.false_instability / self.elliptic
     }
 
-    /// The area of missed instability as a share of the elliptic area; NaN without one.
+    /// The area of suppressed instability as a share of the elliptic area; NaN without one.
     pub fn suppressed_share(&self) -> f64 {
         self.suppressed_instability / self.elliptic
     }

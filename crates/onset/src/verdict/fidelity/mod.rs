@@ -1,6 +1,6 @@
 //! How faithful a discretization is to its material, over a window of two parameters.
 //!
-//! *False instability* is where the material is strongly elliptic and the particles are not stable; *missed instability*
+//! *False instability* is where the material is strongly elliptic and the particles are not stable; *suppressed instability*
 //! where the material is not and the particles are. How far the boundaries are apart is measured as the Hausdorff distance
 //! and, as the paper does, along rays from the reference state.
 
