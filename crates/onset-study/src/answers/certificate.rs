@@ -66,7 +66,7 @@ impl CertificateAnswer {
             tolerance,
             corrects_the_search,
             material: ProofAnswer::new(dimension, &certificate.material),
-            material_3d: ProofAnswer::in_space(in_3d),
+            material_3d: ProofAnswer::in_3d(in_3d),
             discretization: ProofAnswer::new(dimension, &certificate.discretization),
         }
     }

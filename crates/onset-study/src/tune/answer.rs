@@ -131,7 +131,7 @@ impl TuneAnswer {
         }
         let first = all
             .iter()
-            .position(|one| one.cures(&limits) && !one.hides(&limits));
+            .position(|one| one.is_sufficient(&limits) && !one.masks(&limits));
         let mut recommended = first.map(|n| all[n].value);
         if let Some(n) = first.filter(|n| *n > 0) {
             let (mut low, mut high) = (all[n - 1].value, all[n].value);
@@ -143,7 +143,7 @@ impl TuneAnswer {
                     0.5 * (low + high)
                 };
                 let found = tried(middle);
-                if found.cures(&limits) && !found.hides(&limits) {
+                if found.is_sufficient(&limits) && !found.masks(&limits) {
                     high = middle;
                 } else {
                     low = middle;
@@ -165,11 +165,11 @@ impl TuneAnswer {
                     value,
                     recommended: all
                         .iter()
-                        .find(|one| one.cures(&limits) && !one.hides(&limits))
+                        .find(|one| one.is_sufficient(&limits) && !one.masks(&limits))
                         .map(|one| one.value),
                 })
                 .collect(),
-            is_ever_sufficient: all.iter().any(|one| one.cures(&limits)),
+            is_ever_sufficient: all.iter().any(|one| one.is_sufficient(&limits)),
             tried: all,
             notes: notes(settings, &*material),
             settings: settings.effective().without(question.key()),
@@ -249,7 +249,10 @@ impl TuneAnswer {
             "value,zero_modes,weakest,false_instability,suppressed_instability,courant,dispersion_8,sufficient,masks,note\n",
         );
         for one in &self.tried {
-            let (sufficient, masks) = (one.cures(&self.thresholds), one.hides(&self.thresholds));
+            let (sufficient, masks) = (
+                one.is_sufficient(&self.thresholds),
+                one.masks(&self.thresholds),
+            );
             let cells = match &one.measured {
                 Ok(m) => format!(
                     "{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{sufficient},{masks},",
@@ -314,7 +317,10 @@ impl fmt::Display for TuneAnswer {
                     100.0 * m.fidelity.false_instability,
                     100.0 * m.fidelity.suppressed_instability,
                     m.courant,
-                    match (one.cures(&self.thresholds), one.hides(&self.thresholds)) {
+                    match (
+                        one.is_sufficient(&self.thresholds),
+                        one.masks(&self.thresholds)
+                    ) {
                         (true, false) => "sufficient",
                         (true, true) => "sufficient, but masks",
                         (false, false) => "not sufficient",

@@ -128,7 +128,7 @@ impl<const D: usize> InSpace for SpuriousModes<D> {
             relative_frequency: mode.relative_frequency,
             nullity: mode.nullity,
             extent: mode.extent,
-            displacements: mode.displacements.iter().map(InSpace::in_space).collect(),
+            displacements: mode.displacements.iter().map(InSpace::in_3d).collect(),
         };
         SpuriousModes {
             modes: self.modes.iter().map(mode).collect(),
