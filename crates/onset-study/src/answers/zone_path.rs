@@ -343,7 +343,7 @@ mod tests {
             ["Γ", "X", "M", "R"]
         );
         let orthorhombic = names(LatticeKind::SimpleCubic, [1.1, 1.0, 0.9]);
-        assert_eq!(orthorhombic, ["Γ", "X", "X′", "X″", "M", "M′", "M″", "R"]);
+        assert_eq!(orthorhombic, ["Γ", "X", "X′", "X′′", "M", "M′", "M′′", "R"]);
         assert_eq!(names(LatticeKind::Chain, [1.3; 3]), ["Γ", "X"]);
     }
 
