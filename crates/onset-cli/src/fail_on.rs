@@ -2,6 +2,7 @@
 
 use crate::printing::tell;
 use onset_study::Verdict;
+use onset_study::settings::verdict_named;
 use std::process::ExitCode;
 
 /// The exit code when a verdict is one of those named.
@@ -39,7 +40,7 @@ impl FailOn {
     /// What is expected, for a name that is neither.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut names = Vec::new();
-        for word in text.split(',').map(str::trim) {
+        for word in text.split(',').map(|word| verdict_named(word.trim())) {
             let verdict = Verdict::ALL
                 .into_iter()
                 .find(|verdict| verdict.name() == word);

@@ -68,7 +68,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
     assert_eq!(polarization.map(Vec::len), Some(3));
     let text = onset_line(line).stdout;
     assert!(
-        text.contains("for waves in the plane, not for waves out of it"),
+        text.contains("for in-plane perturbations, not for out-of-plane ones"),
         "{text}"
     );
     assert!(

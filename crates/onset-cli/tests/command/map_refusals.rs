@@ -383,7 +383,7 @@ fn a_store_of_another_format_is_not_read() {
         &place,
         "a.zarr",
         &["", "--resume"],
-        &["format 1", "format 2"],
+        &["format 1", "format 3"],
     );
     let store = place.store("a.zarr").display().to_string();
     let answer = crate::onset(&["plot", &store, "--out", &store]);

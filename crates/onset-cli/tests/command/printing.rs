@@ -132,6 +132,7 @@ fn verdicts_set_the_exit_code_where_that_is_asked_for() {
     let tensile = "state --stretch 1.15,1.0 set frame=eulerian set support=1.6";
     assert_eq!(onset_line(tensile).code, Some(0));
     for (names, code) in [
+        ("numerical", 3),
         ("kernel", 3),
         ("numerical,zero-energy", 3),
         ("unstable", 3),

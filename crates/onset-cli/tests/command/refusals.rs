@@ -333,7 +333,7 @@ fn unknown_commands_and_options_name_the_nearest_known_one() {
     assert_line_refused("reproduce --set a=b", &["unexpected argument '--set'"]);
     let nothing = onset(&[]);
     assert_eq!(nothing.code, Some(2));
-    assert!(nothing.stderr.contains("Usage: onset <COMMAND>"));
+    assert!(nothing.stderr.contains("Usage: onset [OPTIONS] <COMMAND>"));
 }
 
 #[test]

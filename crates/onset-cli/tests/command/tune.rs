@@ -8,7 +8,7 @@ const PENALTY: &str = "set method=total-lagrangian-sph set lattice=square";
 fn the_penalty_is_tuned_between_too_little_and_too_much() {
     let answer = document(&format!("tune discretization.penalty {PENALTY} --quiet"));
     let value = number(&answer, "/recommended");
-    assert_eq!(answer["is_curable"], true);
+    assert_eq!(answer["is_ever_sufficient"], true);
     // The value itself is strong enough, and one a little smaller is not: asked directly.
     let weakest = |value: f64| {
         let line = format!("modes {PENALTY} set penalty={value}");

@@ -143,7 +143,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         other => {
             if other?.verdict == Verdict::ZeroEnergy {
                 notes.push(
-                    "at the start the particles have zero-energy modes (verdict rank-deficient), which do not grow by themselves and count as \
+                    "at the start the particles have zero-energy modes (verdict zero-energy), which do not grow by themselves and count as \
                      stable along a path; `onset modes` shows them"
                         .to_owned(),
                 );

@@ -231,7 +231,7 @@ impl<'a> SymmetryPoints<'a> {
         // What starts like a number, or has several parts, is meant as a point.
         let starts = word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
         let dimension = self.analysis.dimension();
-        if !starts && !(dimension > 1 && word.contains(',')) {
+        if !(starts || dimension > 1 && word.contains(',')) {
             return Err(ProblemError::ZonePoint {
                 label: word.to_owned(),
                 known: self.points.iter().map(|point| point.name.clone()).collect(),

@@ -37,7 +37,7 @@ pub use method::{Bonds, Control, Family, MethodSettings, Unknowns};
 pub use model::{Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub(crate) use renamed::topic as renamed_topic;
-pub use renamed::{notes_on_names, renamed_command};
+pub use renamed::{notes_on_names, renamed_command, verdict as verdict_named};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;

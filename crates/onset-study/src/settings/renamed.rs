@@ -17,6 +17,14 @@ const WORDS: &[(&str, &[&str], &str)] = &[(
 /// Commands with their earlier names first.
 const COMMANDS: &[(&str, &str)] = &[("notions", "criteria")];
 
+/// Verdicts with their earlier names first.
+const VERDICTS: &[(&str, &str)] = &[
+    ("material", "physical"),
+    ("kernel", "numerical"),
+    ("rank-deficient", "zero-energy"),
+    ("missed", "suppressed"),
+];
+
 /// Topics of `onset list` with their earlier names first.
 const TOPICS: &[(&str, &str)] = &[("arrangements", "lattices")];
 
@@ -63,6 +71,17 @@ pub(super) fn of_word(key: &'static Key, value: &Value) -> &'static Key {
             now
         }
         None => key,
+    }
+}
+
+/// The name that a verdict has now.
+pub fn verdict(name: &str) -> &str {
+    match VERDICTS.iter().find(|(earlier, _)| *earlier == name) {
+        Some((_, now)) => {
+            note(format!("the verdict `{name}` is now called `{now}`"));
+            now
+        }
+        None => name,
     }
 }
 

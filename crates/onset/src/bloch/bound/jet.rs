@@ -166,7 +166,7 @@ impl<const D: usize> MatrixJet<D> {
     }
 
     /// `R* S`.
-    pub(super) fn from_left(&self, basis: &DMatrix<Complex>) -> Self {
+    pub(super) fn onto_rows(&self, basis: &DMatrix<Complex>) -> Self {
         let adjoint = basis.adjoint();
         Self {
             parts: self.parts.iter().map(|part| &adjoint * part).collect(),

@@ -358,11 +358,11 @@ impl<const D: usize> Pencil<D> {
         let empty = || MatrixJet::zeros(n, 0);
         let others = &self.basis.others;
         let from_free = |sum: MatrixJet<D>| match &self.basis.free {
-            Some(free) => sum.from_left(free),
+            Some(free) => sum.onto_rows(free),
             None => sum,
         };
         let free = of(0).map(|sum| match &self.basis.free {
-            Some(free) => sum.onto(free).from_left(free),
+            Some(free) => sum.onto(free).onto_rows(free),
             None => sum,
         });
         if used == 1 {
@@ -375,7 +375,7 @@ impl<const D: usize> Pencil<D> {
         Blocks {
             free: free.unwrap_or_else(empty),
             mixed: from_free(of(1).unwrap_or_else(empty).onto(others)),
-            others: of(2).unwrap_or_else(empty).onto(others).from_left(others),
+            others: of(2).unwrap_or_else(empty).onto(others).onto_rows(others),
         }
     }
 }
