@@ -2,6 +2,7 @@
 
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
 use onset::method::KernelMethodChoices;
+use onset::method::MethodError;
 use onset::scheme::conforming::ConformingChoices;
 use onset::scheme::element::{ElementChoices, Formulation as ElementFormulation};
 use onset::scheme::sph::{TotalLagrangianChoices, UpdatedSphChoices};
@@ -10,11 +11,19 @@ use onset::scheme::{
     BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices,
     ZeroEnergyControl,
 };
+use std::ops::RangeInclusive;
+
+/// Within these bounds powers of a number, such as the cube of the density in the forces of SPH, are numbers too, whatever the moduli.
+const MODERATE: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// The method that settings describe.
-pub fn method(settings: &Settings) -> MethodChoices {
+///
+/// # Errors
+/// [`MethodError::Setting`] for lengths and, where forces are divided by powers of it, densities that only another unit makes moderate.
+pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
+    require_moderate_units(settings)?;
     let particles = || Box::new(settings.discretization.clone());
-    match settings.method.method {
+    Ok(match settings.method.method {
         Family::Kernel => MethodChoices::Kernel(particles()),
         Family::TotalLagrangianSph => {
             MethodChoices::TotalLagrangianSph(particles(), total_lagrangian(settings))
@@ -26,7 +35,32 @@ pub fn method(settings: &Settings) -> MethodChoices {
         Family::MaterialPoints => {
             MethodChoices::MaterialPoints(particles(), material_points(settings))
         }
+    })
+}
+
+fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
+    let spacing = (
+        "spacing",
+        settings.discretization.spacing,
+        "a number from 1e-30 to 1e30: choose another unit of length",
+    );
+    let density = (
+        "density",
+        settings.discretization.density,
+        "a number from 1e-30 to 1e30: choose another unit of mass",
+    );
+    let is_divided = settings.method.method == Family::UpdatedSph;
+    for (name, value, expected) in std::iter::once(spacing).chain(is_divided.then_some(density)) {
+        // What is not positive is refused by the method.
+        if value > 0.0 && !MODERATE.contains(&value) {
+            return Err(MethodError::Setting {
+                name,
+                value,
+                expected,
+            });
+        }
     }
+    Ok(())
 }
 
 fn viscosity(settings: &Settings) -> Option<ArtificialViscosity> {

@@ -102,12 +102,17 @@ impl Method {
         )
     }
 
-    /// Whether a question is asked here. In space those of very many states or waves take a minute of most methods: they are asked of
+    /// Whether a question is asked here. To trace is the same work for a figure as for a table: it is asked of a few. In space those of very many states or waves take a minute of most methods: they are asked of
     /// elements, which are asked in the way of all.
     fn is_asked(&self, line: &str) -> bool {
         let long = ["path", "boundary", "modes"];
         let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));
-        self.dimension < 3 || !is_long || self.value("method") == "finite-elements"
+        let is_element = self.value("method") == "finite-elements";
+        match self.dimension {
+            3 => !is_long || is_element,
+            2 => !line.contains("traced") || is_element,
+            _ => true,
+        }
     }
 
     /// Asks everything; what was not answered.
@@ -137,7 +142,12 @@ impl Method {
                 words.iter().find_map(stands_for).unwrap_or(word.to_owned())
             };
             let arguments: Vec<String> = line.split(' ').map(word).collect();
-            let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+            let mut arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+            let is_of_one_state = ["state", "dispersion", "path", "modes"].contains(&arguments[0]);
+            if self.dimension == 1 && is_of_one_state {
+                // The second axis of the study.
+                arguments.extend(["--set", "discretization.density=1"]);
+            }
             let answer = onset(&arguments);
             let complaint = match answer.code {
                 Some(0) if line.contains("--json") => wrong(line, &answer.stdout, self.dimension),

@@ -120,7 +120,7 @@ fn a_sign_of_life_is_shown_after_two_seconds_and_ctrl_c_ends_the_work_without_a_
     let (code, text) = terminal.ended();
     assert_eq!(code, Some(130), "{text}");
     assert!(!text.contains("panicked"), "{text}");
-    assert_eq!(terminal.left(), [PathBuf::new(); 0], "{text}");
+    assert!(terminal.left().is_empty(), "{text}");
 }
 
 #[test]

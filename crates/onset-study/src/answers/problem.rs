@@ -297,7 +297,7 @@ impl Problem {
         let material = settings.material.build().map_err(MethodError::from)?;
         let material: Arc<dyn Hyperelastic> = Arc::from(material);
         Ok(Self {
-            analysis: analysis(&method(&settings), Arc::clone(&material))?,
+            analysis: analysis(&method(&settings)?, Arc::clone(&material))?,
             settings,
             material,
         })

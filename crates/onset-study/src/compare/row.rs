@@ -80,7 +80,7 @@ impl Measured {
         material: Arc<dyn Hyperelastic>,
         options: &CompareSettings,
     ) -> Result<Self, ProblemError> {
-        let analysis = analysis(&method(settings), material)?;
+        let analysis = analysis(&method(settings)?, material)?;
         let spurious = analysis.spurious_modes(options.weak)?;
         let zero_modes = spurious.modes.iter().filter(|mode| mode.is_zero()).count();
         let onsets = Load::ALL

@@ -27,7 +27,7 @@ pub enum CriteriaError {
     #[error("{0}")]
     Material(#[from] MaterialError),
     /// A loading of it.
-    #[error("{title}: {source}{}", told(notes))]
+    #[error("{title}: {source}{}{}", hint(source), told(notes))]
     Loading {
         /// Which one.
         title: &'static str,
@@ -36,6 +36,16 @@ pub enum CriteriaError {
         /// What is known of the law that may be why.
         notes: Vec<String>,
     },
+}
+
+/// What to do where a law has no numbers.
+fn hint(error: &LoadingError) -> &'static str {
+    match error {
+        LoadingError::Law(_) => {
+            "\n  hint: choose constants of the law, or a --range, with which it has numbers"
+        }
+        LoadingError::NoReference => "",
+    }
 }
 
 /// Notes as they follow a text.

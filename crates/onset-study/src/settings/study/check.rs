@@ -293,5 +293,5 @@ fn built(settings: &Settings) -> Result<(), MethodError> {
     if !settings.material.is_library() {
         settings.material.build()?;
     }
-    check_method(&method(settings))
+    check_method(&method(settings)?)
 }
