@@ -808,10 +808,11 @@ mod tests {
     fn the_catalog_has_exactly_the_words_that_the_keys_expect() {
         let mut of_words = 0;
         for topic in topics() {
-            let key = KEYS
-                .iter()
-                .find(|key| key.name == topic.key)
-                .expect("a known key");
+            let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
+                // Words that are taken for those of several keys.
+                assert_eq!(topic.name, "aliases");
+                continue;
+            };
             if key.kind == Kind::Text {
                 continue;
             }

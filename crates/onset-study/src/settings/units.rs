@@ -146,7 +146,9 @@ pub(super) fn converted(
             format!("units of {} are {}", named(dimension), names(units)),
         ),
         (Some((_, units)), None) => {
-            let nearest = nearest(unit, units.iter().map(|(known, _)| *known));
+            let known = || units.iter().map(|(known, _)| *known);
+            let same = known().find(|known| known.eq_ignore_ascii_case(unit));
+            let nearest = same.or_else(|| nearest(unit, known()));
             let meant =
                 nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
             wrong(

@@ -60,8 +60,7 @@ enum Objective {
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The extremes of the spectrum of a system; damping left out. With several particles in a cell and Hermitian equations they are
-    /// bounded ones.
+    /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
         self.found_of(system, false)
     }
@@ -83,7 +82,7 @@ impl<const D: usize> ZoneSearch<D> {
         match system.single() {
             Some(matrix) if is_bounded => self.bounded_summary(&matrix),
             Some(matrix) => self.summary(&matrix),
-            None => Sweep::new(self, system).summary(),
+            None => Sweep::new(self, system, is_bounded).summary(),
         }
     }
 }
@@ -110,6 +109,8 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
+    /// Whether bounds are wanted, which take several times as long as a search.
+    is_bounded: bool,
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid, once they are needed; `-k` has the same, conjugated.
@@ -221,11 +222,12 @@ impl Fall {
 }
 
 impl<'a, const D: usize> Sweep<'a, D> {
-    fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>) -> Self {
+    fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>, is_bounded: bool) -> Self {
         let waves = search.grid_of(resolution(system));
         Self {
             search,
             system,
+            is_bounded,
             effort: Effort::of(system),
             spectra: OnceLock::new(),
             waves,
@@ -388,6 +390,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         floor: f64,
         start: Option<Candidate<D>>,
     ) -> Option<Covered<D>> {
+        if !self.is_bounded {
+            return None;
+        }
         let speed_squared = self.search.speed_squared();
         let measure = match objective {
             Objective::Scaled => Measure::Scaled(speed_squared),
