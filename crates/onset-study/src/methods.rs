@@ -51,8 +51,8 @@ fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
     );
     let is_divided = settings.method.method == Family::UpdatedSph;
     for (name, value, expected) in std::iter::once(spacing).chain(is_divided.then_some(density)) {
-        // What is not positive is refused by the method.
-        if value > 0.0 && !MODERATE.contains(&value) {
+        // What is not positive or not finite is refused by the method.
+        if value > 0.0 && value.is_finite() && !MODERATE.contains(&value) {
             return Err(MethodError::Setting {
                 name,
                 value,
