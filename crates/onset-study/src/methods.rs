@@ -1,6 +1,8 @@
 //! From settings to the choices of a method of any family.
 
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
+use onset::lattice::LatticeError;
+use onset::material::MaterialError;
 use onset::method::KernelMethodChoices;
 use onset::method::MethodError;
 use onset::scheme::conforming::ConformingChoices;
@@ -36,6 +38,42 @@ pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
             MethodChoices::MaterialPoints(particles(), material_points(settings))
         }
     })
+}
+
+/// What to do about a method that cannot be evaluated, as it follows the message; empty where the message says it.
+pub fn hint(error: &MethodError) -> &'static str {
+    match error {
+        MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
+            "\n  hint: enlarge discretization.support, in peridynamics discretization.horizon; the support of an Eulerian kernel can also follow the particles, \
+             discretization.support-size=scaled or convected"
+        }
+        MethodError::SupportTooLarge { .. } => {
+            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual), in peridynamics discretization.horizon; the support of an Eulerian kernel can \
+             also follow the particles, discretization.support-size=scaled or convected"
+        }
+        MethodError::NotPlanar { .. } => {
+            "\n  hint: give in-plane components only, or choose a three-dimensional lattice, for example \
+             discretization.lattice=face-centered-cubic"
+        }
+        MethodError::Lattice(LatticeError::Vectors { .. }) => {
+            "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique lattice"
+        }
+        MethodError::Lattice(LatticeError::Sheared { .. }) => {
+            "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision tells the places of \
+             neighbors"
+        }
+        MethodError::Lattice(LatticeError::Elongated { .. }) => {
+            "\n  hint: choose discretization.vectors of similar lengths, or a discretization.aspect nearer to 1"
+        }
+        MethodError::Lattice(LatticeError::Dependent { .. }) => {
+            "\n  hint: give discretization.vectors that are linearly independent"
+        }
+        MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
+            "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
+             density are not that large or small"
+        }
+        _ => "",
+    }
 }
 
 fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {

@@ -1,11 +1,10 @@
 //! A problem: settings made into a material and a method, and deformations made from numbers.
 
-use crate::methods::method;
+use crate::methods::{hint, method};
 use crate::settings::{SettingError, Settings};
 use onset::analysis::{Analysis, analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
-use onset::lattice::LatticeError;
-use onset::material::{Hyperelastic, MaterialError};
+use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::verdict::PathError;
 use std::sync::Arc;
@@ -137,41 +136,6 @@ fn note_lines(notes: &[String]) -> String {
 fn first_line(error: &ProblemError) -> String {
     let told = error.to_string();
     told.lines().next().unwrap_or_default().to_owned()
-}
-
-fn hint(error: &MethodError) -> &'static str {
-    match error {
-        MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
-            "\n  hint: enlarge discretization.support, in peridynamics discretization.horizon; the support of an Eulerian kernel can also follow the particles, \
-             discretization.support-size=scaled or convected"
-        }
-        MethodError::SupportTooLarge { .. } => {
-            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual), in peridynamics discretization.horizon; the support of an Eulerian kernel can \
-             also follow the particles, discretization.support-size=scaled or convected"
-        }
-        MethodError::NotPlanar { .. } => {
-            "\n  hint: give in-plane components only, or choose a three-dimensional lattice, for example \
-             discretization.lattice=face-centered-cubic"
-        }
-        MethodError::Lattice(LatticeError::Vectors { .. }) => {
-            "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique lattice"
-        }
-        MethodError::Lattice(LatticeError::Sheared { .. }) => {
-            "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision tells the places of \
-             neighbors"
-        }
-        MethodError::Lattice(LatticeError::Elongated { .. }) => {
-            "\n  hint: choose discretization.vectors of similar lengths, or a discretization.aspect nearer to 1"
-        }
-        MethodError::Lattice(LatticeError::Dependent { .. }) => {
-            "\n  hint: give discretization.vectors that are linearly independent"
-        }
-        MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
-            "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
-             density are not that large or small"
-        }
-        _ => "",
-    }
 }
 
 fn path_hint(error: &PathError) -> &'static str {

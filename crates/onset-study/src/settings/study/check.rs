@@ -4,7 +4,7 @@ use super::super::{
     Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings, aliases,
 };
 use super::Study;
-use crate::methods::method;
+use crate::methods::{hint, method};
 use onset::analysis::check_method;
 use onset::kinematics::KinematicsError;
 use onset::lattice::LatticeError;
@@ -197,7 +197,8 @@ impl Study {
     fn check_corner(&self, corner: &[f64]) -> Result<(), SettingError> {
         let settings = self.settings_at(corner)?;
         built(&settings).map_err(|error| {
-            SettingError::new(self.origin_of_method_error(&error), error.to_string())
+            let origin = self.origin_of_method_error(&error);
+            SettingError::new(origin, format!("{error}{}", hint(&error)))
         })?;
         self.deformation_at(corner)
             .map(drop)
