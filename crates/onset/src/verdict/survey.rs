@@ -395,7 +395,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let is_sound = is_stable && !ellipticity.is_lost();
         if is_sound && measure <= SOFT.max(search.tolerance(matrix)) {
             // Whether a mode has no energy takes the mode itself.
-            return Ok((self.assess(f)?.verdict, stability));
+            return Ok((self.searched(f)?.verdict, stability));
         }
         // Only where both are unstable do the long waves tell to whom it belongs.
         let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(matrix);

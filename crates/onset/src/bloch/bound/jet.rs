@@ -148,7 +148,10 @@ impl<const D: usize> MatrixJet<D> {
         let mut result = Self::zeros(rows, columns);
         result.rest = rest_of_product(own, other);
         for entry in 0..rows * columns {
-            let own: Vec<Complex> = self.parts.iter().map(|part| part[entry]).collect();
+            let mut own = [Complex::default(); MOST];
+            for (own, part) in own.iter_mut().zip(&self.parts) {
+                *own = part[entry];
+            }
             let products = product::<Complex, D>(&factor.parts, &own);
             for (part, product) in result.parts.iter_mut().zip(products) {
                 part[entry] = product;

@@ -165,10 +165,7 @@ impl<const D: usize> Pencil<D> {
         if !system.is_hermitian() || system.drift().is_some() {
             return None;
         }
-        let masses: Vec<f64> = match system.mass() {
-            Mass::Lumped(masses) => masses.clone(),
-            Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).collect(),
-        };
+        let masses = system.particle_masses();
         let own = |sum: &BlochSum<D>| bonds(sum, system.crystal(), &masses);
         let mass = match system.mass() {
             Mass::Lumped(_) => None,
@@ -328,19 +325,24 @@ impl<const D: usize> Pencil<D> {
         bends: &mut [f64; D],
     ) -> Blocks<D> {
         let n = D * self.sites;
-        let used = if self.basis.others.ncols() > 0 { 3 } else { 1 };
+        let used = if self.basis.free.is_some() { 3 } else { 1 };
         let mut wanted = [false; 3];
         orders[..used]
             .iter()
             .for_each(|order| wanted[*order] = true);
-        let mut sums: [Option<MatrixJet<D>>; 3] =
-            wanted.map(|wanted| wanted.then(|| MatrixJet::zeros(n, n)));
+        let mut sums = wanted.map(|is_wanted| {
+            let size = if is_wanted { n } else { 0 };
+            MatrixJet::<D>::zeros(size, size)
+        });
         let mut rests = vec![[0.0; 3]; self.sites];
         for bond in bonds {
             let jets = cell.jets(&bond.along, wanted);
             let place = (D * bond.from, D * bond.to);
-            for (order, sum) in sums.iter_mut().enumerate() {
-                let Some(sum) = sum else { continue };
+            for (order, sum) in sums
+                .iter_mut()
+                .enumerate()
+                .filter(|(order, _)| wanted[*order])
+            {
                 let (jet, rest, bent) = &jets[order];
                 sum.add(place, &bond.block, jet);
                 rests[bond.from][order] += bond.norm * rest;
@@ -349,33 +351,23 @@ impl<const D: usize> Pencil<D> {
             }
         }
         for (order, sum) in sums.iter_mut().enumerate() {
-            let Some(sum) = sum else { continue };
             sum.symmetrize();
             // Of Hermitian matrices the sums over the rows bound the norm.
             sum.rest = rests.iter().map(|rest| rest[order]).fold(0.0, f64::max);
         }
-        let of = |number: usize| sums[orders[number]].clone();
-        let empty = || MatrixJet::zeros(n, 0);
+        let [between_free, mixed, between_others] = orders.map(|order| &sums[order]);
         let others = &self.basis.others;
-        let from_free = |sum: MatrixJet<D>| match &self.basis.free {
-            Some(free) => sum.onto_rows(free),
-            None => sum,
-        };
-        let free = of(0).map(|sum| match &self.basis.free {
-            Some(free) => sum.onto(free).onto_rows(free),
-            None => sum,
-        });
-        if used == 1 {
+        let Some(free) = &self.basis.free else {
             return Blocks {
-                free: free.unwrap_or_else(empty),
+                free: between_free.clone(),
                 mixed: MatrixJet::zeros(n, 0),
                 others: MatrixJet::zeros(0, 0),
             };
-        }
+        };
         Blocks {
-            free: free.unwrap_or_else(empty),
-            mixed: from_free(of(1).unwrap_or_else(empty).onto(others)),
-            others: of(2).unwrap_or_else(empty).onto(others).onto_rows(others),
+            free: between_free.onto(free).onto_rows(free),
+            mixed: mixed.onto(others).onto_rows(free),
+            others: between_others.onto(others).onto_rows(others),
         }
     }
 }

@@ -126,10 +126,7 @@ impl<const D: usize> WaveSystem<D> {
 
     /// The mass of a cell.
     pub fn cell_mass(&self) -> f64 {
-        match &self.mass {
-            Mass::Lumped(masses) => masses.iter().sum(),
-            Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).sum(),
-        }
+        self.particle_masses().iter().sum()
     }
 
     fn expanded(&self, direction: &SVector<f64, D>) -> LongWave {

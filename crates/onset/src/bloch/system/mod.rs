@@ -20,6 +20,7 @@ use crate::algebra::{Complex, MAXIMUM_ITERATIONS, moderate_unit};
 use crate::lattice::{Crystal, Particle, Reduced};
 use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
+use std::borrow::Cow;
 
 /// A mass below this fraction of that of a cell vanishes.
 const MASSLESS: f64 = 1e-9;
@@ -89,6 +90,14 @@ impl<const D: usize> WaveSystem<D> {
     /// `M`.
     pub fn mass(&self) -> &Mass<D> {
         &self.mass
+    }
+
+    /// The masses of the particles of a cell; of a consistent mass matrix the sums of its rows.
+    pub(super) fn particle_masses(&self) -> Cow<'_, [f64]> {
+        match &self.mass {
+            Mass::Lumped(masses) => Cow::Borrowed(masses),
+            Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).collect(),
+        }
     }
 
     /// `C`, where forces depend on velocities; force/velocity.

@@ -116,15 +116,10 @@ impl<const D: usize> WaveSystem<D> {
         f64::EPSILON * self.stiffness.magnitude() / self.lightest_mass()
     }
 
-    /// The smallest mass of a particle; of a consistent mass matrix the smallest row sum.
+    /// The smallest mass of a particle.
     fn lightest_mass(&self) -> f64 {
-        match &self.mass {
-            Mass::Lumped(masses) => masses.iter().copied().fold(f64::INFINITY, f64::min),
-            Mass::Consistent(sum) => {
-                let rows = sum.row_sums().into_iter().map(|block| block[(0, 0)]);
-                rows.fold(f64::INFINITY, f64::min)
-            }
-        }
+        let masses = self.particle_masses();
+        masses.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// `L^-1 K L^-*` with `M = L L*`, where the system is Hermitian: a Hermitian matrix with the eigenvalues of `D(k)`.
