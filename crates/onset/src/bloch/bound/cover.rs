@@ -1,14 +1,16 @@
 //! Branch and bound over the zone.
 
-use super::pencil::{Cell, Local, Pencil, Sign};
+use super::cell::Cell;
+use super::local::{Local, Sign};
+use super::pencil::Pencil;
 use crate::algebra::settled_along;
 use nalgebra::SVector;
 use std::collections::VecDeque;
 
 /// Half sides below which a box is not divided further.
 const SMALLEST: f64 = 1e-9;
-/// Boxes that are looked at whatever they cost.
-const FEWEST: usize = 300;
+/// Boxes that must be affordable: with fewer nothing is bounded.
+const FEWEST: usize = 64;
 /// How often the gap is enlarged by [`WIDER`] for a box that is left, at most.
 const WIDENINGS: usize = 40;
 const WIDER: f64 = 4.0;
@@ -30,7 +32,7 @@ pub(in crate::bloch) struct Question<'a, const D: usize> {
     pub(in crate::bloch) known: f64,
     /// What is not told from the minimum.
     pub(in crate::bloch) gap: f64,
-    /// How much work is done, at most: blocks and entries that are summed up.
+    /// How much work is done, at most, in units of [`Pencil::cost`].
     pub(in crate::bloch) budget: usize,
     /// The value at a wave vector.
     pub(in crate::bloch) value: &'a dyn Fn(&SVector<f64, D>) -> f64,
@@ -40,17 +42,24 @@ pub(in crate::bloch) struct Question<'a, const D: usize> {
 }
 
 /// Covers the zone with boxes in each of which no value is lower than the smallest met by more than a gap: those of which this is
-/// not seen are divided. Where the middle of a box is lower, the bottom from there is the smallest value.
-pub(super) fn cover<const D: usize>(pencil: &Pencil<D>, question: &Question<'_, D>) -> Covered<D> {
+/// not seen are divided. Where the middle of a box is lower, the bottom from there is the smallest value. `None` where the work that is
+/// allowed is too little for any bound.
+pub(super) fn cover<const D: usize>(
+    pencil: &Pencil<D>,
+    question: &Question<'_, D>,
+) -> Option<Covered<D>> {
+    let most = question.budget / pencil.cost();
+    if most < FEWEST {
+        return None;
+    }
     let mut found = Covered {
         lowest: question.known,
         wave_vector: None,
         is_long_wave: false,
         bound: f64::NEG_INFINITY,
     };
-    let mut open: VecDeque<Cell<D>> = Pencil::cones().collect();
+    let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
     let (mut left, mut looked) = (Vec::new(), 0);
-    let most = (question.budget / pencil.cost()).max(FEWEST);
     while let Some(cell) = open.pop_front() {
         let local = pencil.on(&cell);
         looked += 1;
@@ -58,8 +67,7 @@ pub(super) fn cover<const D: usize>(pencil: &Pencil<D>, question: &Question<'_, 
         if sign == Sign::Lost {
             let k = cell.wave_vector(pencil.reciprocal());
             let value = (question.value)(&k);
-            let limit = (value >= found.lowest && cell.middle[0] <= cell.half[0])
-                .then(|| long_wave(pencil, &k));
+            let limit = (value >= found.lowest && cell.has_limit()).then(|| long_wave(pencil, &k));
             let lower = match limit {
                 Some(limit) => (limit, true),
                 None => ((question.descended)((value, k)), false),
@@ -83,7 +91,7 @@ pub(super) fn cover<const D: usize>(pencil: &Pencil<D>, question: &Question<'_, 
         open.extend(halves(&cell, &local));
     }
     found.bound = below(found.lowest, question.gap, &left);
-    found
+    Some(found)
 }
 
 /// The softest limit of long waves downhill from a direction.

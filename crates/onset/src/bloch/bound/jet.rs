@@ -109,6 +109,12 @@ impl<const D: usize> MatrixJet<D> {
         }
     }
 
+    pub(super) fn identity(size: usize) -> Self {
+        let mut jet = Self::zeros(size, size);
+        jet.parts[0].fill_with_identity();
+        jet
+    }
+
     /// Adds to the block that begins in a row and a column the product of a real block with parts.
     #[inline(always)]
     pub(super) fn add(

@@ -2,13 +2,17 @@
 //!
 //! A search finds a small value; a bound says that there is none smaller. `D(k) - mu c^2 |k|_h^2 M` is positive definite for all
 //! wave vectors if and only if no scaled measure is below `mu`. On a box this matrix is a polynomial of second order and a rest
-//! that the range of the forces bounds, and of the polynomial a few corners tell whether it is positive definite. Boxes of which
-//! this is not seen are halved, until the bound is within a gap of the smallest value.
+//! that the range of the forces bounds, and a sum of squares tells whether the polynomial is positive definite. Boxes of which this
+//! is not seen are halved, until the bound is within a gap of the smallest value.
 
+mod cell;
 mod cover;
 mod jet;
+mod local;
 mod pencil;
 mod phase;
+mod squares;
+mod sum;
 
 pub(super) use cover::{Covered, Question};
 pub(super) use pencil::Measure;
@@ -19,8 +23,8 @@ use pencil::Pencil;
 
 /// What is not told from the minimum of a measure, over the scale of the measure.
 pub(super) const GAP: f64 = 4e-7;
-/// Blocks and entries of matrices that a bound of the scaled measure sums up, at most.
-pub(super) const BUDGET: usize = 300_000;
+/// Work for a bound of the scaled measure, at most: some tenths of a second.
+pub(super) const BUDGET: usize = 4_000_000;
 
 /// Covers the zone of a system; `None` where its equations allow no bound.
 pub(super) fn cover_system<const D: usize>(
@@ -30,7 +34,7 @@ pub(super) fn cover_system<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let pencil = Pencil::of_system(system, measure, lattice)?;
-    Some(cover::cover(&pencil, question))
+    cover::cover(&pencil, question)
 }
 
 /// Covers the zone of a dynamical matrix; `None` where it allows no bound.
@@ -41,5 +45,5 @@ pub(super) fn cover_matrix<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let pencil = Pencil::of_matrix(matrix, measure, lattice)?;
-    Some(cover::cover(&pencil, question))
+    cover::cover(&pencil, question)
 }

@@ -285,10 +285,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
-        let highest = self
-            .lowest(Objective::Highest, f64::INFINITY, &softest)
-            .map_or(0.0, |(value, _)| -value);
         let at_rest = self.at_rest.iter().map(|value| value.re);
+        let highest = at_rest.fold(0.0, f64::max);
+        let highest = self
+            .lowest(Objective::Highest, -highest, &softest)
+            .map_or(highest, |(value, _)| -value);
         SpectrumSummary {
             softest: if grows_at_rest {
                 self.search.over_largest_laplacian(lowest)
@@ -298,7 +299,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             long_wave,
             lowest,
             fastest_growing,
-            maximum_omega: at_rest.fold(highest, f64::max).max(0.0).sqrt(),
+            maximum_omega: highest.max(0.0).sqrt(),
             tolerance,
             bound: covered.map_or(f64::NEG_INFINITY, |covered| covered.bound),
             flutters: fluttering.is_some(),
