@@ -152,7 +152,10 @@ impl<const D: usize> Waves<D> {
         if laplacian < (1e-2 * reciprocal).powi(2) {
             return f64::INFINITY;
         }
-        self.lowest(k) / laplacian
+        // What may be rounding has no sign, and over a small Laplacian any size.
+        let values = self.omega_squared(k).into_iter().map(|z| z.re);
+        let told = values.filter(|x| self.is_hermitian || *x != 0.0);
+        told.fold(f64::INFINITY, f64::min) / laplacian
     }
 
     fn highest(&self, k: &SVector<f64, D>) -> f64 {

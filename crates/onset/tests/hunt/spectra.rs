@@ -181,7 +181,7 @@ fn compared<const D: usize>(
     }
     let (highest, k) = found.highest;
     let (highest, told) = (-highest, spectrum.maximum_omega.powi(2));
-    if told < highest * (1.0 - DIFFERENCE) - 1e-9 * waves.scale {
+    if told < highest * (1.0 - DIFFERENCE) - DEFECTIVE * waves.scale {
         wrong.push(format!("largest omega^2 {highest} at {k:?}, said {told}"));
     }
     if let Some(last) = wrong.last_mut() {

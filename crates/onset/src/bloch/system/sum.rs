@@ -69,6 +69,25 @@ impl<const D: usize> BlochBlocks<D> {
     }
 }
 
+impl<const D: usize> Term<D> {
+    fn phase(&self, k: &SVector<f64, D>) -> Complex {
+        let (sine, cosine) = k.dot(&self.vector).sin_cos();
+        Complex::new(cosine, sine)
+    }
+
+    /// The phase and its derivatives by the components of the wave vector, as many as there is room for: the first, then the second ones
+    /// by `a` and `b <= a`.
+    fn derivatives(&self, k: &SVector<f64, D>, room: &mut [Complex]) {
+        let phase = self.phase(k);
+        let first = (0..D).map(|a| phase * Complex::new(0.0, self.vector[a]));
+        let second = (0..D)
+            .flat_map(|a| (0..=a).map(move |b| (a, b)))
+            .map(|(a, b)| phase * (-self.vector[a] * self.vector[b]));
+        let all = std::iter::once(phase).chain(first).chain(second);
+        room.iter_mut().zip(all).for_each(|(own, x)| *own = x);
+    }
+}
+
 impl<const D: usize> BlochSum<D> {
     /// Number of rows, `D n`.
     pub fn size(&self) -> usize {
@@ -113,10 +132,7 @@ impl<const D: usize> BlochSum<D> {
 
     /// `S(k)`.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
-        self.summed(|term| {
-            let (sine, cosine) = k.dot(&term.vector).sin_cos();
-            Complex::new(cosine, sine)
-        })
+        self.summed(|term| term.phase(k))
     }
 
     /// The Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
@@ -136,49 +152,49 @@ impl<const D: usize> BlochSum<D> {
         &self,
         k: &SVector<f64, D>,
     ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
-        let zeros = || DMatrix::zeros(self.size(), self.size());
-        let (mut value, mut slopes) = (zeros(), std::array::from_fn(|_| zeros()));
-        for term in &self.terms {
-            let (sine, cosine) = k.dot(&term.vector).sin_cos();
-            let phase = Complex::new(cosine, sine);
-            let (row, column) = (D * term.from, D * term.to.site);
-            for i in 0..D {
-                for j in 0..D {
-                    let entry = phase * term.block[(i, j)];
-                    value[(row + i, column + j)] += entry;
-                    for (a, slope) in slopes.iter_mut().enumerate() {
-                        slope[(row + i, column + j)] += entry * Complex::new(0.0, term.vector[a]);
-                    }
-                }
-            }
-        }
-        (value, slopes)
+        let mut sums = self.sums(1 + D, |term, factors| term.derivatives(k, factors));
+        let slopes = std::array::from_fn(|a| std::mem::take(&mut sums[1 + a]));
+        (sums.swap_remove(0), slopes)
     }
 
     /// `S(k)` with its derivatives by the components of the wave vector.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
-        MatrixExpansion::from_parts(|indices| {
-            self.summed(|term| {
-                let (sine, cosine) = k.dot(&term.vector).sin_cos();
-                let phase = Complex::new(cosine, sine);
-                let along = |phase, a: &usize| phase * Complex::new(0.0, term.vector[*a]);
-                indices.iter().fold(phase, along)
-            })
+        let parts = 1 + D + D * (D + 1) / 2;
+        let sums = self.sums(parts, |term, factors| term.derivatives(k, factors));
+        MatrixExpansion::from_parts(|indices| match *indices {
+            [] => sums[0].clone(),
+            [a] => sums[1 + a].clone(),
+            [a, b, ..] => sums[1 + D + a * (a + 1) / 2 + b].clone(),
         })
     }
 
     fn summed(&self, factor: impl Fn(&Term<D>) -> Complex) -> DMatrix<Complex> {
-        let mut sum = DMatrix::zeros(self.size(), self.size());
+        self.sums(1, |term, factors| factors[0] = factor(term))
+            .swap_remove(0)
+    }
+
+    /// The sums of the blocks times so many factors each.
+    fn sums(
+        &self,
+        count: usize,
+        set_factors: impl Fn(&Term<D>, &mut [Complex]),
+    ) -> Vec<DMatrix<Complex>> {
+        let size = self.size();
+        let mut sums = vec![DMatrix::<Complex>::zeros(size, size); count];
+        let mut factors = vec![Complex::default(); count];
         for term in &self.terms {
-            let factor = factor(term);
-            let (row, column) = (D * term.from, D * term.to.site);
-            for i in 0..D {
+            set_factors(term, &mut factors);
+            for (sum, factor) in sums.iter_mut().zip(&factors) {
                 for j in 0..D {
-                    sum[(row + i, column + j)] += factor * term.block[(i, j)];
+                    let start = (D * term.to.site + j) * size + D * term.from;
+                    let entries = &mut sum.as_mut_slice()[start..start + D];
+                    for (entry, x) in entries.iter_mut().zip(term.block.column(j).iter()) {
+                        *entry += factor * x;
+                    }
                 }
             }
         }
-        sum
+        sums
     }
 
     /// Whether `S(k)` is Hermitian for every wave vector, to rounding.

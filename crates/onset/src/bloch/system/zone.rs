@@ -424,8 +424,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
+        let scale = match objective {
+            // Of a growth rate this is the square.
+            Objective::Lowest => covered.lowest.abs(),
+            _ => scale,
+        };
         if covered.bound < covered.lowest - LOOSE * scale {
-            // Where the work for a bound is not enough, the wells of the grid are looked at too.
+            // Where the bound does not tell the value, the wells of the grid are looked at too.
             let lower = self.bottom(objective, covered.lowest);
             if let Some((value, k)) = lower.filter(|(value, _)| *value < covered.lowest) {
                 covered.wave_vector = Some(k);
