@@ -4,6 +4,7 @@
 //! neighborhood of one that Newton's method has found and that is surely alone there. Where zero-energy modes fill lines or
 //! surfaces the division ends at a small size.
 
+mod places;
 mod root;
 mod rows;
 
@@ -12,6 +13,7 @@ use crate::algebra::Complex;
 use crate::lattice::Crystal;
 use crate::scheme::StrainOperator;
 use nalgebra::{DMatrix, SVector};
+use places::Places;
 use root::Root;
 use rows::Rows;
 use std::collections::VecDeque;
@@ -138,6 +140,7 @@ struct Search<'a, const D: usize> {
     isolated: Vec<Root<D>>,
     /// Points of lines and surfaces.
     continued: Vec<Root<D>>,
+    continued_places: Places<D>,
     spent: f64,
 }
 
@@ -150,6 +153,7 @@ impl<'a, const D: usize> Search<'a, D> {
             shortest: reciprocal.map(|b| b.norm()).fold(f64::INFINITY, f64::min),
             isolated: Vec::new(),
             continued: Vec::new(),
+            continued_places: Places::new(crystal.lattice()),
             spent: 0.0,
         }
     }
@@ -220,8 +224,7 @@ impl<'a, const D: usize> Search<'a, D> {
             let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
             let is_small = part.half.amax() <= FOLLOWED[D - 1];
             // Next to a line or surface there is nothing to be found before parts are small, and then it is known.
-            let is_beside = |root: &Root<D>| self.distance(&root.wave_vector, &center) <= radius;
-            let is_followed = self.continued.iter().any(is_beside);
+            let is_followed = self.continued_places.has_within(radius, &center);
             if is_followed && is_small {
                 continue;
             }
@@ -319,6 +322,7 @@ impl<'a, const D: usize> Search<'a, D> {
             .iter()
             .any(|direction| self.goes_on(&root, direction))
         {
+            self.continued_places.add(&root.wave_vector);
             self.continued.push(root);
             return true;
         }
