@@ -355,6 +355,29 @@ fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest
     assert!(largest[1] < 0.95 * largest[0], "{largest:?}");
 }
 
+#[test]
+fn smoothed_velocities_of_single_particles_are_a_sum_over_the_lattice() {
+    let choices = UpdatedSphChoices {
+        velocity_smoothing: 0.5,
+        ..UpdatedSphChoices::default()
+    };
+    let system = waves(
+        &updated(crystal::<2>(LatticeKind::Hexagonal), choices),
+        &stretched([1.1, 0.95, 1.0]),
+    );
+    let single = system.single().expect("one particle in a cell");
+    for k in [
+        Vector2::new(0.3, -1.2),
+        Vector2::new(2.1, 0.7),
+        Vector2::new(-3.0, 2.2),
+    ] {
+        let (one, whole) = (single.at(&k), system.dynamical_matrix_at(&k));
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            assert!((one[(i, j)] - whole[(i, j)]).norm() < 1e-12 * whole.norm());
+        }
+    }
+}
+
 fn viscous(alpha: f64, switch: ViscositySwitch) -> UpdatedSphChoices {
     UpdatedSphChoices {
         density: 1.3,

@@ -251,8 +251,8 @@ impl<const D: usize> WaveSystem<D> {
         })
     }
 
-    /// The dynamical matrix as a sum with one particle in a cell, where that is all there is: no consistent mass, no smoothed
-    /// velocities; damping left out.
+    /// The dynamical matrix as a sum with one particle in a cell, where that is all there is and no mass is consistent; damping left
+    /// out. Smoothed velocities make `K T` of it, which is a sum too, and Hermitian where both are isotropic.
     pub fn single(&self) -> Option<DynamicalMatrix<D>> {
         let Mass::Lumped(masses) = &self.mass else {
             return None;
@@ -260,15 +260,22 @@ impl<const D: usize> WaveSystem<D> {
         let [mass] = masses[..] else {
             return None;
         };
-        if self.drift.is_some() {
-            return None;
-        }
+        let drift_reach = self.drift.as_ref().map_or(0, BlochSum::reach);
         let mut constants = ForceConstants::new(
             Reduced::given(self.crystal.lattice().vectors()),
-            self.stiffness.reach() as i32,
+            (self.stiffness.reach() + drift_reach) as i32,
         );
         for (_, to, block) in self.stiffness.blocks() {
-            constants.add(&[0; D], &to.cell, &(block / mass));
+            let block = block / mass;
+            match &self.drift {
+                None => constants.add(&[0; D], &to.cell, &block),
+                Some(drift) => {
+                    for (_, beyond, smoothed) in drift.blocks() {
+                        let cell = std::array::from_fn(|i| to.cell[i] + beyond.cell[i]);
+                        constants.add(&[0; D], &cell, &(block * smoothed));
+                    }
+                }
+            }
         }
         Some(constants.finish(self.crystal.lattice(), false))
     }
