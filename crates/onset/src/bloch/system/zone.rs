@@ -289,7 +289,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let highest = at_rest.fold(0.0, f64::max);
         let highest = self
             .lowest(Objective::Highest, -highest, &softest)
-            .map_or(highest, |(value, _)| -value);
+            .map_or(highest, |(value, _)| highest.max(-value));
         SpectrumSummary {
             softest: if grows_at_rest {
                 self.search.over_largest_laplacian(lowest)
@@ -360,7 +360,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         match self.covered(objective, floor, start) {
             Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
-            None => self.bottom(objective, floor),
+            None => {
+                let known = start.filter(|start| start.0 < floor);
+                let floor = known.map_or(floor, |known| known.0);
+                self.bottom(objective, floor).or(known)
+            }
         }
     }
 
