@@ -123,7 +123,7 @@ fn tiles_that_are_still_to_be_computed_stay_blank_and_are_counted() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 1);
     let figure = draw(&[store], "verdict", false);
-    let white = "White: 3 tile(s) of the map are still to be computed.";
+    let white = "White: 3 tiles of the map still to be computed.";
     assert!(figure.caption.starts_with(white), "{}", figure.caption);
     let map = regions(&figure.panels[0]);
     for (index, class) in map.classes.iter().enumerate() {

@@ -9,6 +9,7 @@ pub use fidelity::{Apart, Fidelity, Rays, WorstRay, WorstStress};
 pub use files::{csv, files, geojson};
 
 use crate::answers::ProblemError;
+use crate::number::counted;
 use crate::settings::{Axis, Study};
 use onset::verdict::boundary::{
     Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
@@ -302,14 +303,14 @@ impl std::fmt::Display for Summary {
             };
             writeln!(
                 formatter,
-                "{:<14} {} | {}: {closing}, length {:.6}, {} vertices to {:.0e}, {} corner(s)",
+                "{:<14} {} | {}: {closing}, length {:.6}, {} vertices to {:.0e}, {}",
                 curve.of.name(),
                 curve.left.name(),
                 curve.right.name(),
                 curve.length,
                 curve.vertices,
                 curve.accuracy,
-                curve.corners.len(),
+                counted(curve.corners.len(), "corner"),
             )?;
         }
         if self.curves.is_empty() {
@@ -322,10 +323,10 @@ impl std::fmt::Display for Summary {
             };
             writeln!(
                 formatter,
-                "Details were cut: {} curve(s) end too early, and {} place(s) at which the phase changes remain \
-                 unresolved. A ragged boundary is resolved in a smaller window.",
-                self.curves.iter().filter(is_cut).count(),
-                self.unresolved.len()
+                "The boundary is incomplete: {} cut short, {} of changing phase unresolved. A ragged boundary is resolved in a smaller \
+                 window.",
+                counted(self.curves.iter().filter(is_cut).count(), "curve"),
+                counted(self.unresolved.len(), "place")
             )?;
         }
         match &self.fidelity {

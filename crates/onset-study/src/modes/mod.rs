@@ -175,9 +175,11 @@ impl ShownMode {
         }
     }
 
-    /// The wave vector in units of the reciprocal vectors, as fractions where it is one.
+    /// The wave vector in units of the reciprocal vectors, as fractions where it is one; of those that differ by reciprocal vectors with
+    /// 1/2 in place of -1/2.
     pub fn place(&self) -> String {
         let fraction = |x: &f64| {
+            let x = if (x + 0.5).abs() < 1e-6 { 0.5 } else { *x };
             for denominator in 1..=12_u32 {
                 let numerator = x * f64::from(denominator);
                 if (numerator - numerator.round()).abs() < 1e-6 {

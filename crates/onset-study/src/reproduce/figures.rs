@@ -74,10 +74,11 @@ pub const ALL: [Recipe; 8] = [
 
 fn stretch_panel(study: &Study, title: &str) -> Panel {
     let [first, second] = study.plane();
+    let units = study.settings.units();
     Panel::new(
         title,
-        Axis::linear(first.label(), first.range),
-        Axis::linear(second.label(), second.range),
+        Axis::linear(first.label(units), first.range),
+        Axis::linear(second.label(units), second.range),
     )
     .equal_aspect()
 }
