@@ -9,7 +9,7 @@ pub use fidelity::{Apart, Fidelity, Rays, WorstRay, WorstStress};
 pub use files::{csv, files, geojson};
 
 use crate::answers::ProblemError;
-use crate::number::counted;
+use crate::number::{counted, told};
 use crate::settings::{Axis, Study};
 use onset::verdict::boundary::{
     Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
@@ -294,20 +294,32 @@ impl CurveSummary {
     }
 }
 
+/// Where a curve ends, in words.
+fn place(end: &str) -> &str {
+    match end {
+        "edge" => "the edge of the window",
+        "budget" => "where the search was ended",
+        "lost" => "where it could not be followed",
+        "meets" => "another curve",
+        "phase" => "a third phase",
+        other => other,
+    }
+}
+
 impl std::fmt::Display for Summary {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for curve in &self.curves {
             let closing = match curve.ends {
                 None => "closed".to_owned(),
-                Some([start, end]) => format!("open ({start} to {end})"),
+                Some([start, end]) => format!("open, from {} to {}", place(start), place(end)),
             };
             writeln!(
                 formatter,
-                "{:<14} {} | {}: {closing}, length {:.6}, {} vertices to {:.0e}, {}",
+                "{:<14} {} | {}: {closing}; length {}, {} vertices accurate to {:.0e}, {}",
                 curve.of.name(),
                 curve.left.name(),
                 curve.right.name(),
-                curve.length,
+                told(curve.length),
                 curve.vertices,
                 curve.accuracy,
                 counted(curve.corners.len(), "corner"),

@@ -328,7 +328,8 @@ fn line(numbers: &[f64]) -> String {
 impl std::fmt::Display for LocalizationAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(formatter, "{}\n", self.sentence)?;
-        let stress = |modulus: f64| self.units.of(number(modulus), "Pa");
+        let stiffness = self.stiffness();
+        let stress = |modulus: f64| self.units.of(told_of(modulus, stiffness), "Pa");
         let mut point = |name: &str, point: &PointAnswer| {
             writeln!(formatter, "{name}")?;
             writeln!(

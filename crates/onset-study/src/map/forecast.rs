@@ -417,3 +417,60 @@ impl<'a> Sample<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study(map: &str) -> Study {
+        let text = format!(
+            "title = 'a'\n[material]\nmodel = 'blatz-ko'\n\
+             [[axes]]\nquantity = 'stretch-1'\nrange = [0.3, 4.0]\nstates = 64\n\
+             [[axes]]\nquantity = 'stretch-2'\nrange = [0.3, 4.0]\nstates = 48\n[map]\n{map}"
+        );
+        Study::parse("study.toml", &text).expect("a study")
+    }
+
+    #[test]
+    fn timed_states_lie_evenly_all_over_the_map() {
+        let study = study("");
+        let work = Work::of_all(&study, &tiling(&study));
+        let mut blocks = [[0; 4]; 4];
+        for n in 0..TIMED {
+            let state = work.timed(n);
+            blocks[state / 64 / 12][state % 64 / 16] += 1;
+        }
+        let mean = TIMED / 16;
+        let near = mean - mean / 4..=mean + mean / 4;
+        assert!(
+            blocks.iter().flatten().all(|count| near.contains(count)),
+            "{blocks:?}"
+        );
+    }
+
+    #[test]
+    fn of_an_adaptive_map_those_states_are_timed_that_it_is_going_to_compute() {
+        let study = study("adaptive = true\n");
+        let tiling = tiling(&study);
+        let evaluator = Evaluator::new(study.settings.clone(), &study.map, true).expect("valid");
+        let patience = Duration::from_secs(3600);
+        let sample = sampled(&study, &tiling, Some(&evaluator), patience).expect("computed");
+        let work = Work::rehearsed(&study, &tiling, &sample);
+        assert_eq!(work.states.len() as u64, work.evaluations);
+        assert!(work.evaluations < study.states() as u64);
+        let known: BTreeSet<usize> = work.states.iter().copied().collect();
+        assert_eq!(known.len(), work.states.len(), "each state once");
+        assert!((0..TIMED).all(|n| known.contains(&work.timed(n))));
+        assert!(work.refining > 0.0);
+    }
+
+    #[test]
+    fn what_a_map_costs_is_the_sum_of_its_work() {
+        let forecast = Forecast::of(&study("adaptive = true\n"), PATIENCE).expect("a forecast");
+        let sum = forecast.evaluations as f64 * forecast.seconds_per_state
+            + forecast.preparations as f64 * forecast.seconds_per_preparation
+            + forecast.seconds_of_refinement;
+        assert_eq!(forecast.seconds(), sum);
+        assert!(forecast.seconds_per_state > 0.0 && forecast.seconds_of_refinement > 0.0);
+    }
+}

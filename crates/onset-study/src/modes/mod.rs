@@ -178,8 +178,15 @@ impl ShownMode {
     /// The wave vector in units of the reciprocal vectors, as fractions where it is one; of those that differ by reciprocal vectors with
     /// 1/2 in place of -1/2.
     pub fn place(&self) -> String {
+        let is_half = |x: f64| (x.abs() - 0.5).abs() < 1e-6;
+        let first = self
+            .fractional
+            .iter()
+            .find(|x| x.abs() > 1e-6 && !is_half(**x));
+        // Of k and -k the one whose first component is positive.
+        let sign = first.map_or(1.0, |x| x.signum());
         let fraction = |x: &f64| {
-            let x = if (x + 0.5).abs() < 1e-6 { 0.5 } else { *x };
+            let x = if is_half(*x) { 0.5 } else { sign * x };
             for denominator in 1..=12_u32 {
                 let numerator = x * f64::from(denominator);
                 if (numerator - numerator.round()).abs() < 1e-6 {
