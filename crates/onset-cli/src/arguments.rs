@@ -18,12 +18,37 @@ fn line(key: &Key) -> String {
         "" => String::new(),
         default => format!(" [default: {default}]"),
     };
-    let (name, meaning) = (key.name, key.meaning);
-    format!(
-        "  {name:<31} {meaning}{default}\n{:34}{}\n",
-        "",
-        key.expects()
-    )
+    let meaning = format!("{}{default}", key.meaning);
+    entry(key.name, &meaning, &key.expects())
+}
+
+/// Where the meaning of a key begins, and where it is broken at the latest.
+const INDENT: usize = 34;
+const WIDTH: usize = 100;
+
+/// A name with what it means and expects, in lines of their own below each other.
+fn entry(name: &str, meaning: &str, expects: &str) -> String {
+    let mut text = format!("  {name:<31}");
+    for (n, part) in [meaning, expects].into_iter().enumerate() {
+        // The name takes the place of the first indent, and goes on beyond it where it is long.
+        let mut column = match n {
+            0 => text.chars().count(),
+            _ => WIDTH,
+        };
+        for word in part.split_whitespace() {
+            let length = word.chars().count();
+            if column + 1 + length > WIDTH {
+                text.push_str(&format!("\n{:INDENT$}", ""));
+                column = INDENT;
+            } else {
+                text.push(' ');
+                column += 1;
+            }
+            text.push_str(word);
+            column += length;
+        }
+    }
+    text + "\n"
 }
 
 /// The keys of laws, from the one table that defines them.
@@ -54,8 +79,8 @@ fn keys() -> String {
     let own: String = own.map(line).collect();
     format!(
         "{}{own}\n`onset list method NAME` tells which keys a method reads. Values with dimensions may have units, and then all must: \
-         material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Words that people type, such as tlsph, \
-         fem or fcc, are taken: `onset list aliases`.\n",
+         material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Common names such as tlsph, \
+         fem or fcc are read: `onset list aliases`.\n",
         law_keys()
     )
 }
@@ -112,15 +137,6 @@ const LOCALIZE_EXAMPLES: &str = "Examples:
 
 /// The keys of comparisons, from the one table that defines them.
 fn comparison_keys() -> String {
-    let line = |key: &Key| {
-        format!(
-            "  {:<31} {}\n{:34}{}\n",
-            key.name,
-            key.meaning,
-            "",
-            key.expects()
-        )
-    };
     format!(
         "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
          A method in [[methods]] has a name and keys of [discretization].\n",
@@ -138,14 +154,14 @@ fn plastic_parameters() -> String {
                 let needed = needed.trim_start_matches("plasticity.");
                 format!("; only with {needed} = {}", words.join(" or "))
             });
-        format!(
-            "  {name:<31} {meaning} [default: {default}]\n{:34}{}{condition}\n",
-            "",
-            parameter.kind.expects()
+        entry(
+            name,
+            &format!("{meaning} [default: {default}]"),
+            &format!("{}{condition}", parameter.kind.expects()),
         )
     };
     format!(
-        "Keys of --set:\n{}",
+        "Keys of --set:\n{}\nStresses may have units, and then all must: plasticity.shear-modulus=80GPa, plasticity.strength=200MPa.\n",
         PARAMETERS.iter().map(line).collect::<String>()
     )
 }

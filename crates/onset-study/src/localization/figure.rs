@@ -30,8 +30,7 @@ impl LocalizationAnswer {
             .chain([0.0]);
         let end = self.path.last().map_or(1.0, |point| point.slip);
         let x = Axis::linear("plastic shear strain γ (−)", (0.0, end));
-        let y = Axis::linear(self.units.label("plastic modulus", "stress"), (0.0, 1.0))
-            .covering(heights);
+        let y = Axis::linear(self.units.label("modulus", "stress"), (0.0, 1.0)).covering(heights);
         let mut panel = Panel::new("along the path", x, y)
             .with(Rule::horizontal(0.0))
             .with(
@@ -41,13 +40,13 @@ impl LocalizationAnswer {
             )
             .with(
                 Line::new(critical)
-                    .named("critical, ellipticity")
+                    .named("critical modulus, ellipticity")
                     .color(palette::VERMILION),
             )
             // Above the other line, from which it may not differ.
             .with(
                 Line::new(strong)
-                    .named("critical, strong ellipticity")
+                    .named("critical modulus, strong ellipticity")
                     .color(palette::BLACK)
                     .dashed(),
             );
@@ -77,10 +76,7 @@ impl LocalizationAnswer {
             .flatten()
             .map(|point| point.1)
             .chain([modulus]);
-        let x = Axis::linear(
-            "angle of the normal to the axis of the smallest stress (°)",
-            (0.0, 90.0),
-        );
+        let x = Axis::linear("normal to axis of smallest stress (°)", (0.0, 90.0));
         let y = Axis::linear(self.units.label("critical modulus", "stress"), (0.0, 1.0))
             .covering(heights);
         let title = if self.localization.is_some() {

@@ -334,6 +334,7 @@ impl PlasticSettings {
                 (Value::Number(number), None) => {
                     format!("{name} {}", crate::number::exact(*number))
                 }
+                (Value::Word(word), _) => format!("{name} {word}"),
                 (other, _) => format!("{name} {other}"),
             }
         };

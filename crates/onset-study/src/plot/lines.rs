@@ -37,7 +37,7 @@ pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
 
 /// The line of the material; so wide that it shows beside that of particles that agree with it.
 fn of_material(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
-    (!points.is_empty()).then(|| Line::new(points).width(7.0).named(name))
+    (!points.is_empty()).then(|| Line::new(points).width(6.0).named(name))
 }
 
 /// The traced boundary of the material.
