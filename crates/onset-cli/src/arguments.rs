@@ -102,7 +102,7 @@ const PATH_EXAMPLES: &str = "Examples:
   onset path --mode uniaxial --to 3 --set material.model=ogden --out uniaxial
   onset path --from 1,1 --to 3,1
   onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
-const NOTIONS_EXAMPLES: &str = "Examples:
+const CRITERIA_EXAMPLES: &str = "Examples:
   onset criteria --set material.model=ogden
   onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
   onset criteria --mode uniaxial --range 0.2,5 --out figures";
@@ -134,6 +134,23 @@ const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model drucker-prager --path plane-strain
   onset localize --model j2 --path uniaxial-stress --load tension --out neck
   onset localize --set plasticity.friction=0.7";
+
+const CHECK_EXAMPLES: &str = "Examples:
+  onset check studies/rubber.toml
+  onset check studies/*.toml
+  onset check STUDY.toml --set map.adaptive=true";
+const MAP_EXAMPLES: &str = "Examples:
+  onset map studies/rubber.toml --out rubber.zarr
+  onset map STUDY.toml --out map.zarr --set map.adaptive=true --resume
+  onset map STUDY.toml --out map.zarr --fail-on numerical,zero-energy";
+const PLOT_EXAMPLES: &str = "Examples:
+  onset plot map.zarr --out map.pdf
+  onset plot map.zarr --field growth_rate --color-map cividis --out growth.png
+  onset plot one.zarr other.zarr --title \"Two supports\" --out both.svg";
+const BOUNDARY_EXAMPLES: &str = "Examples:
+  onset boundary studies/shear-stretch.toml
+  onset boundary STUDY.toml --out traced
+  onset boundary STUDY.toml --flutter --json";
 
 /// The keys of comparisons, from the one table that defines them.
 fn comparison_keys() -> String {
@@ -265,11 +282,12 @@ pub enum Command {
     #[command(after_help = LOCALIZE_EXAMPLES, after_long_help = with_keys(LOCALIZE_EXAMPLES, &plastic_parameters()))]
     Localize(LocalizeArguments),
     /// The verdict on every state of a study, into a Zarr store; resumable
+    #[command(after_help = MAP_EXAMPLES)]
     Map(MapArguments),
-    /// Where along standard loadings does each stability criterion end?
+    /// Where along standard loadings is each stability criterion lost?
     ///
     /// Ellipticity, Hill, Drucker, Baker-Ericksen, largest load and others, with traction-free faces solved for.
-    #[command(after_help = NOTIONS_EXAMPLES, after_long_help = with_keys(NOTIONS_EXAMPLES, &law_keys()))]
+    #[command(after_help = CRITERIA_EXAMPLES, after_long_help = with_keys(CRITERIA_EXAMPLES, &law_keys()))]
     Criteria(CriteriaArguments),
     /// The safe range of a law: stretches within which it is strongly elliptic
     #[command(after_help = CARD_EXAMPLES, after_long_help = with_keys(CARD_EXAMPLES, &law_keys()))]
@@ -277,7 +295,7 @@ pub enum Command {
     /// The available options, with formulas, parameters and sources
     List {
         /// materials, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
-        /// linearizations; formula for the language of typed laws; aliases for words that people type; keys, or method with a NAME;
+        /// linearizations; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
         /// everything when left out.
         topic: Option<String>,
         /// With `method`: the method whose keys are listed, for example total-lagrangian-sph.
@@ -285,6 +303,7 @@ pub enum Command {
         name: Option<String>,
     },
     /// Is a study file valid, what does it ask for, what will it cost?
+    #[command(after_help = CHECK_EXAMPLES)]
     Check {
         /// Study files, - for standard input.
         #[arg(value_name = "FILE", required = true)]
@@ -299,6 +318,7 @@ pub enum Command {
     /// Where in the plane of a study do material and particles lose stability?
     ///
     /// With the distance of the two boundaries, and the areas of false and suppressed instability.
+    #[command(after_help = BOUNDARY_EXAMPLES)]
     Boundary {
         /// A study file with two axes, - for standard input.
         file: PathBuf,
@@ -336,6 +356,7 @@ pub enum Command {
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
     /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
+    #[command(after_help = PLOT_EXAMPLES)]
     Plot(PlotArguments),
     /// Does a law have an energy, and is its tangent consistent?
     #[command(after_help = AUDIT_EXAMPLES, after_long_help = with_keys(AUDIT_EXAMPLES, &law_keys()))]

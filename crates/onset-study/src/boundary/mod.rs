@@ -23,6 +23,9 @@ use thiserror::Error;
 /// Cells of the grid of seeds along an axis: as many as the study has states, within these bounds.
 const SEEDS_OF_MATERIAL: (usize, usize) = (96, 192);
 const SEEDS_OF_PARTICLES: (usize, usize) = (32, 96);
+/// States that may be asked for one curve: a material answers in a hundredth of the time of its discretization.
+const MATERIAL_BUDGET: usize = 200_000;
+const PARTICLES_BUDGET: usize = 10_000;
 
 /// Why the boundaries of a study cannot be traced.
 #[derive(Debug, Error)]
@@ -149,8 +152,15 @@ impl Boundaries {
             })
         };
         let (of_material, of_particles) = rayon::join(
-            || trace(window, cells(SEEDS_OF_MATERIAL), &material),
-            || trace(window, cells(SEEDS_OF_PARTICLES), &particles),
+            || trace(window, cells(SEEDS_OF_MATERIAL), MATERIAL_BUDGET, &material),
+            || {
+                trace(
+                    window,
+                    cells(SEEDS_OF_PARTICLES),
+                    PARTICLES_BUDGET,
+                    &particles,
+                )
+            },
         );
         let (of_material, of_particles) = (of_material?, of_particles?);
         let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
@@ -225,10 +235,12 @@ fn merged((phase, measure): Probe) -> Probe {
 fn trace(
     window: Window,
     cells: [usize; 2],
+    budget: usize,
     probe: &(dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync),
 ) -> Result<Boundary, ProblemError> {
     let fineness = Fineness {
         cells,
+        budget,
         ..Fineness::default()
     };
     let grid: Vec<Probe> = grid_points(window, &fineness)

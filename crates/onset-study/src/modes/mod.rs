@@ -273,3 +273,32 @@ impl ModesAnswer {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_vector_is_told_as_one_of_those_that_mean_the_same() {
+        let place = |fractional: &[f64]| {
+            let mode = ShownMode {
+                wave_vector: Vec::new(),
+                fractional: fractional.to_vec(),
+                relative_frequency: None,
+                nullity: 1,
+                extent: Extent::Point,
+                positions: Vec::new(),
+                displacements: Vec::new(),
+                quarter: Vec::new(),
+            };
+            mode.place()
+        };
+        assert_eq!(place(&[-0.5, 0.0]), "(1/2, 0)");
+        assert_eq!(place(&[-0.5, -0.5]), "(1/2, 1/2)");
+        assert_eq!(place(&[1.0 / 3.0, -1.0 / 3.0]), "(1/3, -1/3)");
+        // Of k and -k one.
+        assert_eq!(place(&[-0.2, 0.3]), place(&[0.2, -0.3]));
+        assert_eq!(place(&[-0.5, -0.28044]), "(1/2, 0.2804)");
+        assert_eq!(place(&[0.0, 0.0]), "(0, 0)");
+    }
+}

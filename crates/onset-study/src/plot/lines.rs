@@ -198,7 +198,8 @@ pub(super) fn edges(
 
 #[cfg(test)]
 mod tests {
-    use super::{edges, honest};
+    use super::{Lines, boundaries, edges, honest};
+    use crate::settings::Study;
     use onset::verdict::boundary::Boundary;
 
     #[test]
@@ -222,6 +223,24 @@ mod tests {
             (2.0, 2.0),
         ];
         assert_eq!(known, expected);
+    }
+
+    #[test]
+    fn the_boundaries_of_one_figure_are_all_traced_or_none() {
+        let axis = |quantity: &str| {
+            format!("[[axes]]\nquantity = '{quantity}'\nrange = [1.0, 2.0]\nstates = 4\n")
+        };
+        let study = |second: &str| {
+            let text = format!("title = 'a'\n{}{}", axis("stretch-1"), axis(second));
+            Study::parse("study.toml", &text).expect("a study")
+        };
+        let (plain, varying) = (study("stretch-2"), study("discretization.support"));
+        let asked = |studies: &[&Study]| {
+            let found = boundaries(studies.iter().copied(), Lines::Best, &());
+            found.expect("no error").map(|found| found.len())
+        };
+        assert_eq!(asked(&[&plain, &plain]), Some(2));
+        assert_eq!(asked(&[&plain, &varying]), None);
     }
 
     #[test]
