@@ -2,7 +2,7 @@
 
 use crate::fail_on::FailOn;
 use crate::printing::PrintingArguments;
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
@@ -231,6 +231,7 @@ pub enum Command {
         failing: FailingArguments,
     },
     /// Frequencies of plane waves: of one wave vector, or along a path
+    #[command(group(ArgGroup::new("waves").required(true).args(["wave_vector", "path"])))]
     #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
     Dispersion {
         /// The problem.
@@ -240,12 +241,7 @@ pub enum Command {
         #[command(flatten)]
         strain: StrainArguments,
         /// Reference wave vector, for example 2.0,1.1 (in units of 1/length).
-        #[arg(
-            long,
-            value_name = "K1,K2",
-            allow_hyphen_values = true,
-            required_unless_present = "path"
-        )]
+        #[arg(long, value_name = "K1,K2", allow_hyphen_values = true)]
         wave_vector: Option<String>,
         /// Draw a dispersion diagram along the points of high symmetry that the state tells apart, or along a path of your own: their
         /// names (G-M-K-G), or points in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave
@@ -253,8 +249,7 @@ pub enum Command {
         #[arg(
             long,
             value_name = "POINTS",
-            num_args = 0..=1,
-            conflicts_with = "wave_vector"
+            num_args = 0..=1
         )]
         path: Option<Option<String>>,
         /// Folder for dispersion.svg, dispersion.png, dispersion.csv and density-of-states.csv; nothing is written without it.

@@ -275,7 +275,7 @@ fn wave_vectors_must_have_the_dimension_of_the_lattice() {
         "dispersion --stretch 1.2 --wave-vector 1,1 set lattice=chain",
         &["has 2 numbers; expected 1"],
     );
-    assert_line_refused("dispersion --stretch 1,1", &["--wave-vector"]);
+    assert_line_refused("dispersion --stretch 1,1", &["--wave-vector", "--path"]);
     assert_line_refused(
         "dispersion --stretch 1,1 --path --wave-vector 1,1",
         &["--path"],
