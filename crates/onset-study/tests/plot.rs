@@ -196,6 +196,38 @@ fn a_study_with_units_is_drawn_and_stored_with_them() {
 }
 
 #[test]
+fn fields_side_by_side_have_one_scale_of_colors() {
+    let place = Place::new();
+    let first = place.store("a", &study("one", ""), 100);
+    let second = study("two", "").replace("support = 1.9", "support = 1.6");
+    let second = place.store("b", &second, 100);
+    for name in ["growth_rate", "scaled_minimum"] {
+        let look = |stores: &[PathBuf]| -> Vec<_> {
+            let figure = draw(stores, name, false);
+            let layers = figure
+                .panels
+                .into_iter()
+                .map(|mut panel| panel.layers.remove(0));
+            let looks = layers.map(|layer| match layer {
+                Layer::Field(field) => (field.range.expect("a range"), field.map),
+                other => panic!("{other:?}"),
+            });
+            looks.collect()
+        };
+        let both = look(&[first.clone(), second.clone()]);
+        assert_eq!(both[0], both[1], "{name}");
+        let alone = [
+            look(std::slice::from_ref(&first)),
+            look(std::slice::from_ref(&second)),
+        ];
+        let ends = alone.map(|looks| looks[0].0);
+        let union = (ends[0].0.min(ends[1].0), ends[0].1.max(ends[1].1));
+        assert_eq!(both[0].0, union, "{name}");
+        assert_ne!(ends[0], ends[1], "{name}");
+    }
+}
+
+#[test]
 fn what_is_rounding_is_drawn_as_zero() {
     let place = Place::new();
     let text = study("deficient", "").replace(

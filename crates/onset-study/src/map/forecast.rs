@@ -104,6 +104,8 @@ impl Forecast {
 
 /// The work of a map.
 struct Work {
+    /// States of the map along each dimension, slowest first.
+    shape: Vec<usize>,
     /// Numbers of states that will be computed, as far as known; all where there are none.
     states: Vec<usize>,
     /// How many will be computed.
@@ -119,6 +121,7 @@ impl Work {
     fn of_all(study: &Study, tiling: &Tiling) -> Self {
         let of_tile = |tile| prepared_in(study, &tiling.at(tile)).product::<usize>() as u64;
         Self {
+            shape: tiling.shape.clone(),
             states: Vec::new(),
             evaluations: tiling.states() as u64,
             preparations: (0..tiling.tiles()).map(of_tile).sum(),
@@ -159,6 +162,7 @@ impl Work {
         let share = tiles as f64 / some as f64;
         let scaled = |count: u64| (count as f64 * share).round() as u64;
         Self {
+            shape: tiling.shape.clone(),
             evaluations: scaled(states.len() as u64),
             preparations: scaled(prepared),
             refining: clock.elapsed().as_secs_f64() * share,
@@ -166,17 +170,25 @@ impl Work {
         }
     }
 
-    /// The number of the n-th state that is timed: the golden ratio spreads them evenly, however many they are.
+    /// The number of the n-th state that is timed.
     fn timed(&self, n: usize) -> usize {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let share = (0.5 + GOLDEN * n as f64).fract();
-        let count = match self.states.len() {
-            0 => self.evaluations as usize,
-            count => count,
-        };
-        let place = ((share * count as f64) as usize).min(count - 1);
-        self.states.get(place).copied().unwrap_or(place)
+        match self.states.len() {
+            0 => ravel(&spread(n, &self.shape), &self.shape),
+            count => self.states[spread(n, &[count])[0]],
+        }
     }
+}
+
+/// The n-th of places that lie evenly in a box, however many they are: multiples of the powers of the root of
+/// \( x^{d+1} = x + 1 \), which for one dimension is the golden ratio (Roberts 2018).
+fn spread(n: usize, shape: &[usize]) -> Vec<usize> {
+    let order = shape.len() as f64 + 1.0;
+    let root = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(order.recip()));
+    let along = |(i, states): (usize, &usize)| {
+        let share = (0.5 + n as f64 * root.powi(-(i as i32 + 1))).fract();
+        ((share * *states as f64) as usize).min(states - 1)
+    };
+    shape.iter().enumerate().map(along).collect()
 }
 
 /// Processor times of states.

@@ -284,7 +284,28 @@ fn panels(
         let panel = panel(map, slice, plot, title)?;
         figure = figure.with(lines.into_iter().fold(panel, Panel::with));
     }
+    share_colors(&mut figure);
     Ok(figure)
+}
+
+/// One scale of colors for the fields of all panels, so that they can be compared.
+fn share_colors(figure: &mut Figure) {
+    let layers = figure.panels.iter_mut().flat_map(|panel| &mut panel.layers);
+    let mut fields: Vec<&mut Field> = layers
+        .filter_map(|layer| match layer {
+            Layer::Field(field) => Some(field),
+            _ => None,
+        })
+        .collect();
+    let ranges = fields.iter().filter_map(|field| field.range);
+    let range = ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let is_signed = fields.iter().any(|field| field.map == ColorMap::Diverging);
+    for field in &mut fields {
+        field.range = range.or(field.range);
+        if is_signed {
+            field.map = ColorMap::Diverging;
+        }
+    }
 }
 
 /// One map.
