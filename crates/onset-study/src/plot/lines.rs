@@ -235,12 +235,12 @@ mod tests {
             Study::parse("study.toml", &text).expect("a study")
         };
         let (plain, varying) = (study("stretch-2"), study("discretization.support"));
-        let asked = |studies: &[&Study]| {
-            let found = boundaries(studies.iter().copied(), Lines::Best, &());
+        let asked = |studies: &[&Study], lines: Lines| {
+            let found = boundaries(studies.iter().copied(), lines, &());
             found.expect("no error").map(|found| found.len())
         };
-        assert_eq!(asked(&[&plain, &plain]), Some(2));
-        assert_eq!(asked(&[&plain, &varying]), None);
+        assert_eq!(asked(&[&plain, &plain], Lines::Traced), Some(2));
+        assert_eq!(asked(&[&plain, &varying], Lines::Best), None);
     }
 
     #[test]
