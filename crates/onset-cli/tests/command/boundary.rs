@@ -35,7 +35,7 @@ fn a_long_smooth_boundary_is_followed_to_its_ends() {
     assert_eq!(summary["is_complete"], true);
     // That of a Lagrangian kernel is the material's.
     assert_eq!(summary["curves"].as_array().map(Vec::len), Some(2));
-    assert!(number(&summary, "/fidelity/suppressed_instability_share") < 1e-4);
+    assert!(number(&summary, "/fidelity/hausdorff/distance") < 1e-4);
     let text = onset(&["boundary", study]).stdout;
     assert!(
         text.contains("open, from the edge of the window to the edge of the window"),
