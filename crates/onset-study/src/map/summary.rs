@@ -200,7 +200,7 @@ impl fmt::Display for Summary {
             write!(
                 formatter,
                 "{} in {:.1} s, {:.0} states/s{found}",
-                counted(self.tiles_computed as usize, "tile"),
+                counted(self.tiles_computed, "tile"),
                 self.seconds,
                 self.states_per_second
             )?;
