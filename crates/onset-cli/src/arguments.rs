@@ -2,7 +2,7 @@
 
 use crate::fail_on::FailOn;
 use crate::printing::PrintingArguments;
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
@@ -18,12 +18,37 @@ fn line(key: &Key) -> String {
         "" => String::new(),
         default => format!(" [default: {default}]"),
     };
-    let (name, meaning) = (key.name, key.meaning);
-    format!(
-        "  {name:<31} {meaning}{default}\n{:34}{}\n",
-        "",
-        key.expects()
-    )
+    let meaning = format!("{}{default}", key.meaning);
+    entry(key.name, &meaning, &key.expects())
+}
+
+/// Where the meaning of a key begins, and where it is broken at the latest.
+const INDENT: usize = 34;
+const WIDTH: usize = 100;
+
+/// A name with what it means and expects, in lines of their own below each other.
+fn entry(name: &str, meaning: &str, expects: &str) -> String {
+    let mut text = format!("  {name:<31}");
+    for (n, part) in [meaning, expects].into_iter().enumerate() {
+        // The name takes the place of the first indent, and goes on beyond it where it is long.
+        let mut column = match n {
+            0 => text.chars().count(),
+            _ => WIDTH,
+        };
+        for word in part.split_whitespace() {
+            let length = word.chars().count();
+            if column + 1 + length > WIDTH {
+                text.push_str(&format!("\n{:INDENT$}", ""));
+                column = INDENT;
+            } else {
+                text.push(' ');
+                column += 1;
+            }
+            text.push_str(word);
+            column += length;
+        }
+    }
+    text + "\n"
 }
 
 /// The keys of laws, from the one table that defines them.
@@ -54,8 +79,8 @@ fn keys() -> String {
     let own: String = own.map(line).collect();
     format!(
         "{}{own}\n`onset list method NAME` tells which keys a method reads. Values with dimensions may have units, and then all must: \
-         material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Words that people type, such as tlsph, \
-         fem or fcc, are taken: `onset list aliases`.\n",
+         material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Common names such as tlsph, \
+         fem or fcc are read: `onset list aliases`.\n",
         law_keys()
     )
 }
@@ -77,7 +102,7 @@ const PATH_EXAMPLES: &str = "Examples:
   onset path --mode uniaxial --to 3 --set material.model=ogden --out uniaxial
   onset path --from 1,1 --to 3,1
   onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
-const NOTIONS_EXAMPLES: &str = "Examples:
+const CRITERIA_EXAMPLES: &str = "Examples:
   onset criteria --set material.model=ogden
   onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
   onset criteria --mode uniaxial --range 0.2,5 --out figures";
@@ -110,17 +135,25 @@ const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model j2 --path uniaxial-stress --load tension --out neck
   onset localize --set plasticity.friction=0.7";
 
+const CHECK_EXAMPLES: &str = "Examples:
+  onset check studies/rubber.toml
+  onset check studies/*.toml
+  onset check STUDY.toml --set map.adaptive=true";
+const MAP_EXAMPLES: &str = "Examples:
+  onset map studies/rubber.toml --out rubber.zarr
+  onset map STUDY.toml --out map.zarr --set map.adaptive=true --resume
+  onset map STUDY.toml --out map.zarr --fail-on numerical,zero-energy";
+const PLOT_EXAMPLES: &str = "Examples:
+  onset plot map.zarr --out map.pdf
+  onset plot map.zarr --field growth_rate --color-map cividis --out growth.png
+  onset plot one.zarr other.zarr --title \"Two supports\" --out both.svg";
+const BOUNDARY_EXAMPLES: &str = "Examples:
+  onset boundary studies/shear-stretch.toml
+  onset boundary STUDY.toml --out traced
+  onset boundary STUDY.toml --flutter --json";
+
 /// The keys of comparisons, from the one table that defines them.
 fn comparison_keys() -> String {
-    let line = |key: &Key| {
-        format!(
-            "  {:<31} {}\n{:34}{}\n",
-            key.name,
-            key.meaning,
-            "",
-            key.expects()
-        )
-    };
     format!(
         "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
          A method in [[methods]] has a name and keys of [discretization].\n",
@@ -138,14 +171,14 @@ fn plastic_parameters() -> String {
                 let needed = needed.trim_start_matches("plasticity.");
                 format!("; only with {needed} = {}", words.join(" or "))
             });
-        format!(
-            "  {name:<31} {meaning} [default: {default}]\n{:34}{}{condition}\n",
-            "",
-            parameter.kind.expects()
+        entry(
+            name,
+            &format!("{meaning} [default: {default}]"),
+            &format!("{}{condition}", parameter.kind.expects()),
         )
     };
     format!(
-        "Keys of --set:\n{}",
+        "Keys of --set:\n{}\nStresses may have units, and then all must: plasticity.shear-modulus=80GPa, plasticity.strength=200MPa.\n",
         PARAMETERS.iter().map(line).collect::<String>()
     )
 }
@@ -198,6 +231,7 @@ pub enum Command {
         failing: FailingArguments,
     },
     /// Frequencies of plane waves: of one wave vector, or along a path
+    #[command(group(ArgGroup::new("waves").required(true).args(["wave_vector", "path"])))]
     #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
     Dispersion {
         /// The problem.
@@ -207,12 +241,7 @@ pub enum Command {
         #[command(flatten)]
         strain: StrainArguments,
         /// Reference wave vector, for example 2.0,1.1 (in units of 1/length).
-        #[arg(
-            long,
-            value_name = "K1,K2",
-            allow_hyphen_values = true,
-            required_unless_present = "path"
-        )]
+        #[arg(long, value_name = "K1,K2", allow_hyphen_values = true)]
         wave_vector: Option<String>,
         /// Draw a dispersion diagram along the points of high symmetry that the state tells apart, or along a path of your own: their
         /// names (G-M-K-G), or points in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave
@@ -220,8 +249,7 @@ pub enum Command {
         #[arg(
             long,
             value_name = "POINTS",
-            num_args = 0..=1,
-            conflicts_with = "wave_vector"
+            num_args = 0..=1
         )]
         path: Option<Option<String>>,
         /// Folder for dispersion.svg, dispersion.png, dispersion.csv and density-of-states.csv; nothing is written without it.
@@ -249,11 +277,12 @@ pub enum Command {
     #[command(after_help = LOCALIZE_EXAMPLES, after_long_help = with_keys(LOCALIZE_EXAMPLES, &plastic_parameters()))]
     Localize(LocalizeArguments),
     /// The verdict on every state of a study, into a Zarr store; resumable
+    #[command(after_help = MAP_EXAMPLES)]
     Map(MapArguments),
-    /// Where along standard loadings does each stability criterion end?
+    /// Where along standard loadings is each stability criterion lost?
     ///
     /// Ellipticity, Hill, Drucker, Baker-Ericksen, largest load and others, with traction-free faces solved for.
-    #[command(after_help = NOTIONS_EXAMPLES, after_long_help = with_keys(NOTIONS_EXAMPLES, &law_keys()))]
+    #[command(after_help = CRITERIA_EXAMPLES, after_long_help = with_keys(CRITERIA_EXAMPLES, &law_keys()))]
     Criteria(CriteriaArguments),
     /// The safe range of a law: stretches within which it is strongly elliptic
     #[command(after_help = CARD_EXAMPLES, after_long_help = with_keys(CARD_EXAMPLES, &law_keys()))]
@@ -261,7 +290,7 @@ pub enum Command {
     /// The available options, with formulas, parameters and sources
     List {
         /// materials, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
-        /// linearizations; formula for the language of typed laws; aliases for words that people type; keys, or method with a NAME;
+        /// linearizations; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
         /// everything when left out.
         topic: Option<String>,
         /// With `method`: the method whose keys are listed, for example total-lagrangian-sph.
@@ -269,6 +298,7 @@ pub enum Command {
         name: Option<String>,
     },
     /// Is a study file valid, what does it ask for, what will it cost?
+    #[command(after_help = CHECK_EXAMPLES)]
     Check {
         /// Study files, - for standard input.
         #[arg(value_name = "FILE", required = true)]
@@ -283,6 +313,7 @@ pub enum Command {
     /// Where in the plane of a study do material and particles lose stability?
     ///
     /// With the distance of the two boundaries, and the areas of false and suppressed instability.
+    #[command(after_help = BOUNDARY_EXAMPLES)]
     Boundary {
         /// A study file with two axes, - for standard input.
         file: PathBuf,
@@ -320,6 +351,7 @@ pub enum Command {
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
     /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
+    #[command(after_help = PLOT_EXAMPLES)]
     Plot(PlotArguments),
     /// Does a law have an energy, and is its tangent consistent?
     #[command(after_help = AUDIT_EXAMPLES, after_long_help = with_keys(AUDIT_EXAMPLES, &law_keys()))]

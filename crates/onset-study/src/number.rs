@@ -46,6 +46,19 @@ pub fn exact(value: f64) -> String {
     }
 }
 
+/// So many of what has a name: `1 tile`, `4 tiles`.
+///
+/// ```
+/// use onset_study::number::counted;
+/// assert_eq!([counted(1, "tile"), counted(0, "tile")], ["1 tile", "0 tiles"]);
+/// ```
+pub fn counted(count: usize, name: &str) -> String {
+    match count {
+        1 => format!("1 {name}"),
+        _ => format!("{count} {name}s"),
+    }
+}
+
 /// A vector; what does not show beside its largest component is zero.
 pub fn vector(components: &[f64]) -> String {
     let largest = components

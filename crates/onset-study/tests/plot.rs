@@ -123,7 +123,7 @@ fn tiles_that_are_still_to_be_computed_stay_blank_and_are_counted() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 1);
     let figure = draw(&[store], "verdict", false);
-    let white = "White: 3 tile(s) of the map are still to be computed.";
+    let white = "White: 3 tiles of the map still to be computed.";
     assert!(figure.caption.starts_with(white), "{}", figure.caption);
     let map = regions(&figure.panels[0]);
     for (index, class) in map.classes.iter().enumerate() {
@@ -137,7 +137,7 @@ fn a_field_has_a_label_with_its_unit() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 100);
     for (name, label) in [
-        ("scaled_minimum", "scaled minimum (−)"),
+        ("scaled_minimum", "min Re ω² / (c² |k|²) (−)"),
         ("growth_rate", "growth rate (1/time)"),
     ] {
         let figure = draw(std::slice::from_ref(&store), name, false);
@@ -159,6 +159,91 @@ fn a_field_has_a_label_with_its_unit() {
             error.is_input() && error.to_string().contains("growth_rate"),
             "{error}"
         );
+    }
+}
+
+#[test]
+fn a_study_with_units_is_drawn_and_stored_with_them() {
+    let place = Place::new();
+    let text = "[material]\nmodel = 'neo-hooke'\nlambda = '120 GPa'\n\
+         [discretization]\nspacing = '1 mm'\ndensity = '7850 kg/m^3'\n\
+         [[axes]]\nquantity = 'stretch-1'\nrange = [0.9, 1.1]\nstates = 3\n\
+         [[axes]]\nquantity = 'material.mu'\nrange = ['70 GPa', '90 GPa']\nstates = 3\n";
+    let store = place.store("a", text, 100);
+    for (name, label, unit) in [
+        (
+            "acoustic_minimum",
+            "smallest acoustic eigenvalue (Pa)",
+            "Pa",
+        ),
+        ("growth_rate", "growth rate (1/s)", "1/s"),
+        ("critical_time_step", "critical time step (s)", "s"),
+        ("lowest_omega_squared", "min Re ω² (1/s²)", "1/s^2"),
+    ] {
+        let figure = draw(std::slice::from_ref(&store), name, false);
+        let panel = &figure.panels[0];
+        assert_eq!(panel.x.label, "stretch λ₁ (−)");
+        assert_eq!(panel.y.label, "mu (Pa)");
+        let Layer::Field(field) = &panel.layers[0] else {
+            panic!("no field");
+        };
+        assert_eq!(field.label, label);
+        let array = std::fs::read_to_string(store.join(name).join("zarr.json")).expect("metadata");
+        let array: serde_json::Value = serde_json::from_str(&array).expect("JSON");
+        assert_eq!(array["attributes"]["units"], unit);
+        assert!(array["attributes"].get("dimension").is_none());
+    }
+}
+
+#[test]
+fn fields_side_by_side_have_one_scale_of_colors() {
+    let place = Place::new();
+    let first = place.store("a", &study("one", ""), 100);
+    let second = study("two", "").replace("support = 1.9", "support = 1.6");
+    let second = place.store("b", &second, 100);
+    for name in ["growth_rate", "scaled_minimum"] {
+        let look = |stores: &[PathBuf]| -> Vec<_> {
+            let figure = draw(stores, name, false);
+            let layers = figure
+                .panels
+                .into_iter()
+                .map(|mut panel| panel.layers.remove(0));
+            let looks = layers.map(|layer| match layer {
+                Layer::Field(field) => (field.range.expect("a range"), field.map),
+                other => panic!("{other:?}"),
+            });
+            looks.collect()
+        };
+        let both = look(&[first.clone(), second.clone()]);
+        assert_eq!(both[0], both[1], "{name}");
+        let alone = [
+            look(std::slice::from_ref(&first)),
+            look(std::slice::from_ref(&second)),
+        ];
+        let ends = alone.map(|looks| looks[0].0);
+        let union = (ends[0].0.min(ends[1].0), ends[0].1.max(ends[1].1));
+        assert_eq!(both[0].0, union, "{name}");
+        assert_ne!(ends[0], ends[1], "{name}");
+    }
+}
+
+#[test]
+fn what_is_rounding_is_drawn_as_zero() {
+    let place = Place::new();
+    let text = study("deficient", "").replace(
+        "frame = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.9\n",
+        "method = 'total-lagrangian-sph'\nlattice = 'square'\n",
+    );
+    let store = place.store("a", &text, 100);
+    for name in ["scaled_minimum", "lowest_omega_squared"] {
+        let figure = draw(std::slice::from_ref(&store), name, false);
+        let Layer::Field(field) = &figure.panels[0].layers[0] else {
+            panic!("no field");
+        };
+        // Where the material is elliptic, the minimum is that of a zero-energy mode.
+        assert!(field.values.contains(&0.0), "{name}");
+        let is_noise = |value: &&f64| **value != 0.0 && value.abs() < 1e-11;
+        assert_eq!(field.values.iter().filter(is_noise).count(), 0, "{name}");
     }
 }
 
@@ -209,6 +294,17 @@ fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
         .map(|entry| entry.symbol)
         .collect();
     assert_ne!(lines[0], lines[1]);
+    // What they have in common is said once.
+    let caption = &figure.caption;
+    assert_eq!(
+        caption.matches("Material: modified-mooney-rivlin").count(),
+        1,
+        "{caption}"
+    );
+    assert!(
+        caption.contains(" first: support 1.9. second: support 1.6."),
+        "{caption}"
+    );
 
     let other = study("other", "").replace(
         "[discretization]",

@@ -24,6 +24,26 @@ fn document(path: &Path) -> Value {
 }
 
 #[test]
+fn a_long_smooth_boundary_is_followed_to_its_ends() {
+    let study = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../studies/shear-stretch.toml"
+    );
+    let answer = onset(&["boundary", study, "--json"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let summary: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    assert_eq!(summary["is_complete"], true);
+    // That of a Lagrangian kernel is the material's.
+    assert_eq!(summary["curves"].as_array().map(Vec::len), Some(2));
+    assert!(number(&summary, "/fidelity/hausdorff/distance") < 1e-4);
+    let text = onset(&["boundary", study]).stdout;
+    assert!(
+        text.contains("open, from the edge of the window to the edge of the window"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
     let (answer, folder) = traced(LAGRANGIAN, &["--json"]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);

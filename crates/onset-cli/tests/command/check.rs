@@ -48,7 +48,7 @@ fn a_valid_study_is_summarized() {
         "frame lagrangian",
         "stretch-1 from 0.8 to 1.2, 20 states",
         "discretization.support from 1.4 to 1.8, 10 states",
-        "200 states in 1 tile(s) of 64 x 64",
+        "200 states in 1 tile of 64 x 64",
         "estimated work",
         "stretch-2 = 1, stretch-3 = 1",
     ] {
@@ -163,7 +163,7 @@ fn assignments_are_checked_with_the_study() {
     let file = File::new(STUDY);
     let answer = onset(&["check", file.path(), "--set", "map.tile=8"]);
     assert!(
-        answer.stdout.contains("200 states in 6 tile(s) of 8 x 8"),
+        answer.stdout.contains("200 states in 6 tiles of 8 x 8"),
         "{}",
         answer.stdout
     );

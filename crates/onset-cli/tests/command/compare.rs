@@ -107,7 +107,7 @@ fn comparisons_that_are_wrong_are_refused_with_the_place() {
         ),
         (
             one("[[methods]]\nname = 'b'\nlattice = 'chain'"),
-            vec!["3:1", "\"b\" has 1 dimension(s)"],
+            vec!["3:1", "\"b\" has 1 dimension"],
         ),
         (
             one("penalty = 0.5"),

@@ -88,6 +88,13 @@ fn short_help_is_short_and_has_examples_that_run() {
         "modes",
         "audit",
         "localize",
+        "recommend",
+        "compare",
+        "tune",
+        "check",
+        "map",
+        "plot",
+        "boundary",
     ] {
         let help = onset(&[command, "-h"]).stdout;
         assert!(!help.contains("Keys of --set"), "{help}");

@@ -568,7 +568,7 @@ fn a_lock_of_a_stranger_is_told() {
 fn tiles_that_the_map_does_not_have_are_refused() {
     let place = Place::new(STUDY);
     let beyond = format!("--tiles {TILES}..99");
-    assert_refused(&place.map("a.zarr", &beyond), 2, &["25 tile(s)", "0..25"]);
+    assert_refused(&place.map("a.zarr", &beyond), 2, &["25 tiles", "0..25"]);
     for text in ["1..1", "3..1", "a..b", "5", "-1..2"] {
         let answer = place.map("a.zarr", &format!("--tiles={text}"));
         assert_eq!(answer.code, Some(2));

@@ -1,6 +1,6 @@
 //! Units in values, and answers in SI.
 
-use super::{assert_close, document, fresh_place, number, onset_line};
+use super::{assert_close, document, fresh_place, number, onset, onset_line};
 
 const STEEL: &str = "--set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=120GPa set density=7850kg/m^3 set spacing=1mm";
 const PLAIN: &str = "--set material.model=neo-hooke --set material.mu=80e9 --set material.lambda=120e9 set density=7850 set spacing=1e-3";
@@ -90,6 +90,94 @@ fn units_in_some_values_alone_are_refused_with_those_that_have_none() {
     let law =
         "card --set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=120GPa";
     assert_eq!(onset_line(law).code, Some(0));
+}
+
+#[test]
+fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
+    let plain = "localize --model j2 --path pure-shear";
+    let with = "--set plasticity.shear-modulus=10GPa --set plasticity.strength=20MPa --set plasticity.hardening-modulus=2GPa \
+                --set plasticity.residual=10MPa";
+    let words: Vec<String> = format!("{plain} {with}")
+        .split_whitespace()
+        .map(str::to_owned)
+        .collect();
+    let place = fresh_place("localize");
+    let out = place.display().to_string();
+    let mut words: Vec<&str> = words.iter().map(String::as_str).collect();
+    words.extend(["--out", &out]);
+    let answer = onset(&words);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    for fact in [
+        "2e7 Pa",
+        "plastic modulus h       1.8e9 Pa",
+        "shear-modulus 1e10 Pa",
+    ] {
+        assert!(answer.stdout.contains(fact), "{fact}: {}", answer.stdout);
+    }
+    // A modulus that is zero to rounding is zero.
+    let onset_of_band = answer
+        .stdout
+        .split("\nlocalization\n")
+        .nth(1)
+        .expect("an onset");
+    assert!(
+        onset_of_band.contains("plastic modulus h       0 Pa"),
+        "{onset_of_band}"
+    );
+    let figure = std::fs::read_to_string(place.join("localize.svg")).expect("a figure");
+    assert!(figure.contains("critical modulus (Pa)"));
+    std::fs::remove_dir_all(place).expect("removed");
+    assert!(!onset_line(plain).stdout.contains("Pa"));
+    // A stress without a unit beside others is refused, with an example.
+    let some = onset_line(&format!("{plain} --set plasticity.strength=20MPa"));
+    assert_eq!(some.code, Some(2));
+    assert!(
+        some.stderr
+            .contains("plasticity.shear-modulus = 10000 (the default)"),
+        "{}",
+        some.stderr
+    );
+
+    let law = "--set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=120GPa";
+    for command in ["card", "criteria --mode uniaxial"] {
+        let text = onset_line(&format!("{command} {law}")).stdout;
+        assert!(
+            text.starts_with("neo-hooke (lambda = 1.2e11 Pa, mu = 8e10 Pa), isotropic."),
+            "{text}"
+        );
+        let told = document(&format!("{command} {law}"));
+        assert_eq!(told["material"]["units"]["mu"], "Pa");
+    }
+
+    let place = fresh_place("waves");
+    let out = place.display().to_string();
+    let text = onset_line(&format!(
+        "dispersion --stretch 1.2,0.9 --path --out {out} {STEEL}"
+    ));
+    assert!(
+        text.stdout.contains(" 1/m (reference)") && text.stdout.contains(" 1/s^2"),
+        "{}",
+        text.stdout
+    );
+    let figure = std::fs::read_to_string(place.join("dispersion.svg")).expect("a figure");
+    for label in ["frequency ω (1/s)", "density of states (s)"] {
+        assert!(figure.contains(label), "{label}");
+    }
+    // Of a stable state nothing grows.
+    assert!(!figure.contains("growth rate"));
+    std::fs::remove_dir_all(place).expect("removed");
+    let wave = format!("dispersion --stretch 1.2,0.9 --wave-vector 1000,0 {STEEL}");
+    assert!(
+        onset_line(&wave)
+            .stdout
+            .contains("reference wave vector  (1000, 0) 1/m")
+    );
+    let place = fresh_place("modes");
+    let out = place.display().to_string();
+    onset_line(&format!("modes --out {out} {STEEL} set quadrature=nodal"));
+    let figure = std::fs::read_to_string(place.join("modes.svg")).expect("a figure");
+    assert!(figure.contains("x₁ (m)"));
+    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]

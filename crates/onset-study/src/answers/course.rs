@@ -311,10 +311,8 @@ impl PathSamples {
             }
             panel.with(Line::new(points).color(color))
         };
-        let stress = self
-            .settings
-            .units()
-            .of("smallest acoustic eigenvalue", "(Pa)");
+        let units = self.settings.units();
+        let stress = units.label("smallest acoustic eigenvalue", "stress");
         Figure::new(title)
             .columns(2)
             .with(panel(

@@ -133,7 +133,9 @@ impl Diagram {
                 im.trim_start_matches('-')
             ),
         };
+        let units = self.settings.units();
         let omega_squared = format!("{}{imaginary}", told_of(wave.omega_squared.re, size));
+        let omega_squared = units.of(omega_squared, "1/s^2");
         let is_long = wave.length.is_none();
         let place = match &wave.point {
             Some(point) => format!(", {point}"),
@@ -141,14 +143,14 @@ impl Diagram {
         };
         let at = format!(
             "{} (reference), {} (deformed){place}",
-            vector(&wave.wave_vector),
-            vector(&wave.spatial_wave_vector)
+            units.of(vector(&wave.wave_vector), "1/m"),
+            units.of(vector(&wave.spatial_wave_vector), "1/m")
         );
         match (wave.stable, is_long) {
             (false, _) => {
                 line("critical wave vector k*", at);
                 line("  its omega^2", omega_squared);
-                line("  growth rate", told(wave.growth_rate));
+                line("  growth rate", units.of(told(wave.growth_rate), "1/s"));
             }
             (true, false) => {
                 line("softest wave vector k*", at);
@@ -273,8 +275,15 @@ impl Diagram {
                 (low.min(y), high.max(y))
             });
         let margin = if high > low { 0.1 * (high - low) } else { 1.0 };
-        let range = (if low < 0.0 { low - margin } else { 0.0 }, high + margin);
-        let y = Axis::linear("frequency ω; below 0: growth rate (1/time)", range);
+        // Below zero by rounding alone is what a stable state has there.
+        let grows = low < 0.0 && !self.critical.stable;
+        let range = (if grows { low - margin } else { 0.0 }, high + margin);
+        let units = self.settings.units();
+        let y = match grows {
+            true => units.label("frequency ω; below 0: −(growth rate)", "1/time"),
+            false => units.label("frequency ω", "1/time"),
+        };
+        let y = Axis::linear(y, range);
         let end = self.lengths.last().copied().unwrap_or(1.0);
         let x = Axis::linear("reference wave vector k", (0.0, end)).ticks(self.ticks());
         let mut panel = Panel::new("", x, y.clone()).wider(1.0 + 0.12 * self.corners.len() as f64);
@@ -328,15 +337,13 @@ impl Diagram {
     fn marked(&self) -> Option<Points> {
         let wave = &self.critical;
         let at = wave.length?;
+        let units = self.settings.units();
+        let k = units.of(vector(&wave.wave_vector), "1/m");
         let (height, name) = if wave.stable {
             let height = frequency(wave.omega_squared);
-            (
-                height,
-                format!("softest wave, k* = {}", vector(&wave.wave_vector)),
-            )
+            (height, format!("softest wave, k* = {k}"))
         } else {
-            let rate = told(wave.growth_rate);
-            let k = vector(&wave.wave_vector);
+            let rate = units.of(told(wave.growth_rate), "1/s");
             (
                 -wave.growth_rate,
                 format!("fastest growing wave, k* = {k}: growth rate {rate}"),
@@ -354,7 +361,8 @@ impl Diagram {
             outline.push((*value, ends[1]));
         }
         let most = density.iter().copied().fold(0.0, f64::max);
-        let x = Axis::linear("density of states (time)", (0.0, 1.08 * most));
+        let label = self.settings.units().label("density of states", "time");
+        let x = Axis::linear(label, (0.0, 1.08 * most));
         let mut plain = y;
         plain.label = String::new();
         Panel::new("", x, plain)

@@ -4,7 +4,7 @@ use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::state::ComplexNumber;
 use crate::number::{told_of, vector};
-use crate::settings::Effective;
+use crate::settings::{Effective, Units};
 use onset::analysis::PlaneWaves;
 use onset::kinematics::DeformationGradient;
 use serde::Serialize;
@@ -93,7 +93,8 @@ pub(super) fn answer(waves: &dyn PlaneWaves, k: &[f64]) -> DispersionAnswer {
 
 impl std::fmt::Display for Waves {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(formatter, "{}", self.waves)?;
+        self.waves.tell(formatter, self.settings.units())?;
+        writeln!(formatter)?;
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
@@ -101,12 +102,13 @@ impl std::fmt::Display for Waves {
     }
 }
 
-impl std::fmt::Display for DispersionAnswer {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl DispersionAnswer {
+    /// The waves as lines of a text.
+    fn tell(&self, formatter: &mut std::fmt::Formatter<'_>, units: Units) -> std::fmt::Result {
         writeln!(
             formatter,
             "reference wave vector  {}",
-            vector(&self.wave_vector)
+            units.of(vector(&self.wave_vector), "1/m")
         )?;
         // What is rounding beside the largest is zero.
         let sizes = self
@@ -124,12 +126,16 @@ impl std::fmt::Display for DispersionAnswer {
             };
             let continuum = self.continuum_omega_squared.get(n);
             let beside = continuum.map_or(String::new(), |own| {
-                format!("   (continuum {})", told_of(*own, largest))
+                let own = units.of(told_of(*own, largest), "1/s^2");
+                format!("   (continuum {own})")
             });
             writeln!(
                 formatter,
-                "omega^2                {}{imaginary}{beside}",
-                told_of(value.re, largest)
+                "omega^2                {}{beside}",
+                units.of(
+                    format!("{}{imaginary}", told_of(value.re, largest)),
+                    "1/s^2"
+                )
             )?;
         }
         Ok(())

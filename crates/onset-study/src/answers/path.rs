@@ -5,7 +5,7 @@ use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
-use crate::number::{told, vector};
+use crate::number::{told, told_of, vector};
 use crate::settings::{Effective, Units};
 use nalgebra::SVector;
 use onset::analysis::scan_material_in;
@@ -107,6 +107,9 @@ pub struct Place {
     pub cauchy: [[f64; 3]; 3],
     /// Half of the length of the bracket of `parameter`; zero at the start.
     pub tolerance: f64,
+    /// A modulus of the law: stresses that are tiny beside it are rounding.
+    #[serde(skip)]
+    pub stiffness: f64,
 }
 
 impl PathAnswer {
@@ -269,6 +272,7 @@ fn place(
         deformation_gradient: *f.components(),
         cauchy: rows(&response.cauchy()),
         tolerance,
+        stiffness: problem.analysis.speed_squared()? * problem.settings.discretization.density,
     })
 }
 
@@ -383,7 +387,7 @@ fn at(place: &Place, units: Units) -> String {
             format!(
                 "s{0}{0} = {1}",
                 i + 1,
-                units.of(told(place.cauchy[i][i]), "Pa")
+                units.of(told_of(place.cauchy[i][i], place.stiffness), "Pa")
             )
         })
         .collect();

@@ -1,6 +1,7 @@
 //! A problem: settings made into a material and a method, and deformations made from numbers.
 
 use crate::methods::{hint, method};
+use crate::number::counted;
 use crate::settings::{SettingError, Settings};
 use onset::analysis::{Analysis, analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
@@ -17,7 +18,7 @@ pub enum ProblemError {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The numbers of a deformation.
-    #[error("{what} has {given} number(s); expected {expected}")]
+    #[error("{what} has {}; expected {expected}", counted(*given, "number"))]
     Numbers {
         /// Which argument.
         what: &'static str,

@@ -112,7 +112,7 @@ pub(super) fn of(
                 format!("The {whose} sees no strain in a wave ({which}).")
             };
             format!(
-                "Not usable as it is although the material is stable: it has zero-energy modes. {unseen}"
+                "Not usable without stabilization although the material is stable: zero-energy modes. {unseen}"
             )
         }
         Verdict::Numerical => {

@@ -437,8 +437,9 @@ impl std::fmt::Display for StateAnswer {
         };
         line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         let bound = match d.minimum_scaled_bound {
-            Some(bound) => format!("no wave below {}", told_of(bound, 1.0)),
-            None => "searched, not bounded".to_owned(),
+            // Of a bound below minus the fastest wave nobody learns anything.
+            Some(bound) if bound >= -1.0 => format!("no wave below {}", told_of(bound, 1.0)),
+            _ => "searched, not bounded".to_owned(),
         };
         let minimum = told_of(d.minimum_scaled, 1.0);
         line(&of("scaled minimum"), format!("{minimum} ({bound})"))?;

@@ -3,7 +3,8 @@
 use super::notes::notes;
 use super::problem::{Problem, ProblemError};
 use crate::map::{Forecast, PATIENCE, edge, tiling};
-use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Value};
+use crate::number::counted;
+use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Units, Value};
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use serde::Serialize;
@@ -97,7 +98,11 @@ impl StudySummary {
                 .collect(),
             settings: study.effective(),
             held_fixed: fixed.collect(),
-            axes: study.axes.iter().map(AxisSummary::of).collect(),
+            axes: study
+                .axes
+                .iter()
+                .map(|axis| AxisSummary::of(axis, study.settings.units()))
+                .collect(),
             map: study.map,
             states: study.states(),
             tiles: tiling(study).tiles(),
@@ -119,11 +124,11 @@ impl StudySummary {
 }
 
 impl AxisSummary {
-    fn of(axis: &Axis) -> Self {
+    fn of(axis: &Axis, units: Units) -> Self {
         Self {
             quantity: axis.name(),
             range: axis.range,
-            unit: axis.unit(),
+            unit: units.unit(axis.unit()),
             states: axis.count,
         }
     }
@@ -282,8 +287,9 @@ impl StudySummary {
             false => String::new(),
         };
         format!(
-            "{} states in {} tile(s) of {edge}, {way}{certified}",
-            self.states, self.tiles
+            "{} states in {} of {edge}, {way}{certified}",
+            self.states,
+            counted(self.tiles, "tile")
         )
     }
 }

@@ -1,6 +1,7 @@
 //! How faithful the discretization of a study is to its material.
 
 use crate::answers::ProblemError;
+use crate::number::{told, vector};
 use crate::settings::{Quantity, Study};
 use nalgebra::Matrix3;
 use onset::verdict::boundary::{Boundary, Window};
@@ -279,10 +280,10 @@ impl std::fmt::Display for Fidelity {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             formatter,
-            "False instability: area {:.6} ({}). Suppressed instability: area {:.6} ({}).",
-            self.false_instability_area,
+            "False instability: area {} ({}). Suppressed instability: area {} ({}).",
+            told(self.false_instability_area),
             percent(self.false_instability_share),
-            self.suppressed_instability_area,
+            told(self.suppressed_instability_area),
             percent(self.suppressed_instability_share),
         )?;
         if self.undefined_area > 0.0 {
@@ -295,15 +296,15 @@ impl std::fmt::Display for Fidelity {
         if let Some(apart) = &self.hausdorff {
             writeln!(
                 formatter,
-                "Hausdorff distance of the boundaries: {:.3e}{} (from the material {:.3e}, from the discretization {:.3e}).",
-                apart.distance,
+                "Hausdorff distance of the boundaries: {}{} (from the material {}, from the discretization {}).",
+                told(apart.distance),
                 if apart.unit == "window" {
                     " of the window"
                 } else {
                     ""
                 },
-                apart.from_material,
-                apart.from_discretization,
+                told(apart.from_material),
+                told(apart.from_discretization),
             )?;
         }
         let Some(rays) = &self.rays else {
@@ -312,16 +313,14 @@ impl std::fmt::Display for Fidelity {
         if let (Some(worst), Some(stress)) = (&rays.worst, &rays.worst_stress) {
             writeln!(
                 formatter,
-                "Along {} of {} rays from the reference state both are lost: stretches differ by at most {:.3e} % \
-                 (({:.6}, {:.6}) instead of ({:.6}, {:.6})), Cauchy stresses by at most {:.3e} %.",
+                "Along {} of {} rays from the reference state both lose stability: stretches at the onset differ by at most {} % \
+                 ({} instead of {}), Cauchy stresses by at most {} %.",
                 rays.both,
                 rays.count,
-                100.0 * worst.relative,
-                worst.discretization[0],
-                worst.discretization[1],
-                worst.material[0],
-                worst.material[1],
-                100.0 * stress.relative,
+                told(100.0 * worst.relative),
+                vector(&worst.discretization),
+                vector(&worst.material),
+                told(100.0 * stress.relative),
             )?;
         }
         if rays.only_material + rays.only_discretization > 0 {

@@ -36,7 +36,8 @@ pub fn geojson(boundaries: &Boundaries) -> Value {
         .iter()
         .map(|axis| {
             let (low, high) = axis.range;
-            json!({"name": axis.name(), "unit": axis.unit(), "range": [low, high]})
+            let unit = study.settings.units().unit(axis.unit());
+            json!({"name": axis.name(), "unit": unit, "range": [low, high]})
         })
         .collect();
     let summary = boundaries.summary();

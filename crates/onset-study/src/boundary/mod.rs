@@ -9,6 +9,7 @@ pub use fidelity::{Apart, Fidelity, Rays, WorstRay, WorstStress};
 pub use files::{csv, files, geojson};
 
 use crate::answers::ProblemError;
+use crate::number::{counted, told};
 use crate::settings::{Axis, Study};
 use onset::verdict::boundary::{
     Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
@@ -22,6 +23,9 @@ use thiserror::Error;
 /// Cells of the grid of seeds along an axis: as many as the study has states, within these bounds.
 const SEEDS_OF_MATERIAL: (usize, usize) = (96, 192);
 const SEEDS_OF_PARTICLES: (usize, usize) = (32, 96);
+/// States that may be asked for one curve: a material answers in a hundredth of the time of its discretization.
+const MATERIAL_BUDGET: usize = 200_000;
+const PARTICLES_BUDGET: usize = 10_000;
 
 /// Why the boundaries of a study cannot be traced.
 #[derive(Debug, Error)]
@@ -148,8 +152,15 @@ impl Boundaries {
             })
         };
         let (of_material, of_particles) = rayon::join(
-            || trace(window, cells(SEEDS_OF_MATERIAL), &material),
-            || trace(window, cells(SEEDS_OF_PARTICLES), &particles),
+            || trace(window, cells(SEEDS_OF_MATERIAL), MATERIAL_BUDGET, &material),
+            || {
+                trace(
+                    window,
+                    cells(SEEDS_OF_PARTICLES),
+                    PARTICLES_BUDGET,
+                    &particles,
+                )
+            },
         );
         let (of_material, of_particles) = (of_material?, of_particles?);
         let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
@@ -224,10 +235,12 @@ fn merged((phase, measure): Probe) -> Probe {
 fn trace(
     window: Window,
     cells: [usize; 2],
+    budget: usize,
     probe: &(dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync),
 ) -> Result<Boundary, ProblemError> {
     let fineness = Fineness {
         cells,
+        budget,
         ..Fineness::default()
     };
     let grid: Vec<Probe> = grid_points(window, &fineness)
@@ -293,23 +306,35 @@ impl CurveSummary {
     }
 }
 
+/// Where a curve ends, in words.
+fn place(end: &str) -> &str {
+    match end {
+        "edge" => "the edge of the window",
+        "budget" => "where the search was ended",
+        "lost" => "where it could not be followed",
+        "meets" => "another curve",
+        "phase" => "a third phase",
+        other => other,
+    }
+}
+
 impl std::fmt::Display for Summary {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for curve in &self.curves {
             let closing = match curve.ends {
                 None => "closed".to_owned(),
-                Some([start, end]) => format!("open ({start} to {end})"),
+                Some([start, end]) => format!("open, from {} to {}", place(start), place(end)),
             };
             writeln!(
                 formatter,
-                "{:<14} {} | {}: {closing}, length {:.6}, {} vertices to {:.0e}, {} corner(s)",
+                "{:<14} {} | {}: {closing}; length {}, {} vertices accurate to {:.0e}, {}",
                 curve.of.name(),
                 curve.left.name(),
                 curve.right.name(),
-                curve.length,
+                told(curve.length),
                 curve.vertices,
                 curve.accuracy,
-                curve.corners.len(),
+                counted(curve.corners.len(), "corner"),
             )?;
         }
         if self.curves.is_empty() {
@@ -322,10 +347,10 @@ impl std::fmt::Display for Summary {
             };
             writeln!(
                 formatter,
-                "Details were cut: {} curve(s) end too early, and {} place(s) at which the phase changes remain \
-                 unresolved. A ragged boundary is resolved in a smaller window.",
-                self.curves.iter().filter(is_cut).count(),
-                self.unresolved.len()
+                "The boundary is incomplete: {} cut short, {} of changing phase unresolved. A ragged boundary is resolved in a smaller \
+                 window.",
+                counted(self.curves.iter().filter(is_cut).count(), "curve"),
+                counted(self.unresolved.len(), "place")
             )?;
         }
         match &self.fidelity {

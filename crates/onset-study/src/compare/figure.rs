@@ -3,6 +3,7 @@
 use super::table::percent;
 use super::{Measured, Table};
 use crate::figure::{Arrows, Axis, Color, Figure, Marker, Panel, Points, Rule, palette};
+use crate::number::counted;
 use onset::measures::{Load, StretchOnset};
 
 /// Numbers of this size and smaller are drawn at it: a logarithmic axis has no zero.
@@ -60,11 +61,11 @@ impl Table {
             .with(self.errors())
             .with(self.cost())
             .caption(format!(
-                "Material {}, {} dimension(s). First instability: arrows where a loading up to the end of the window leaves the method \
+                "Material {}, {}. First instability: arrows where a loading up to the end of the window leaves the method \
                  stable, crosses where the method is not defined any more. Verdicts on stretches from {} to {}. Errors of frequencies of the reference configuration over all \
                  directions; those below {} are drawn there.",
                 self.material,
-                self.dimension,
+                counted(self.dimension, "dimension"),
                 self.options.stretches[0],
                 self.options.stretches[1],
                 percent(SMALLEST)
@@ -141,7 +142,7 @@ impl Table {
         };
         let series = [
             of(|m| m.fidelity.false_instability)
-                .color(palette::ORANGE)
+                .color(palette::VERMILION)
                 .named("unstable though the material is elliptic"),
             of(|m| m.fidelity.suppressed_instability)
                 .marker(Marker::Square)

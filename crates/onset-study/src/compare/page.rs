@@ -3,6 +3,7 @@
 use super::Table;
 use super::rank::{recommended, rules};
 use crate::html::{embedded, escaped};
+use crate::number::counted;
 use onset::measures::{Load, StretchOnset};
 
 /// Heads of columns break, and a page that is too narrow still scrolls the table, under the name of the method.
@@ -29,10 +30,10 @@ impl Table {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n\
-             <p>Material {}, {} dimension(s).{}</p>\n\
+             <p>Material {}, {}.{}</p>\n\
              <div class=\"wide\"><table><tr><th>method</th>",
             escaped(&self.material),
-            self.dimension,
+            counted(self.dimension, "dimension"),
             self.material_onsets()
         );
         for column in &columns {

@@ -3,6 +3,7 @@
 use super::thresholds::{OF_RECOMMENDATIONS, Thresholds, percent};
 use super::{Measured, Table};
 use crate::csv;
+use crate::number::counted;
 use serde::Serialize;
 use std::fmt;
 
@@ -269,7 +270,10 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
     }
     if measured.zero_modes > 0 {
         let number = measured.zero_modes;
-        return Some((2, format!("{number} wave vector(s) with zero-energy modes")));
+        return Some((
+            2,
+            format!("zero-energy modes at {}", counted(number, "wave vector")),
+        ));
     }
     if measured.weakest < limits.weak {
         let share = share_of(measured.weakest);

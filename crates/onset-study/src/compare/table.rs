@@ -3,6 +3,7 @@
 use super::row::{Measured, Row, WAVELENGTHS};
 use super::thresholds::Thresholds;
 use crate::csv;
+use crate::number::counted;
 use crate::settings::CompareSettings;
 use onset::measures::{Extent, Load, StretchOnset};
 use serde::Serialize;
@@ -242,8 +243,9 @@ impl std::fmt::Display for Table {
         }
         writeln!(
             formatter,
-            "material {}, {} dimension(s)\n",
-            self.material, self.dimension
+            "material {}, {}\n",
+            self.material,
+            counted(self.dimension, "dimension")
         )?;
         write!(formatter, "{:width$}", "method")?;
         for (column, width) in columns.iter().zip(&widths) {

@@ -175,9 +175,21 @@ impl Limits {
     pub(super) fn cell(limit: Option<f64>, end: &EndAnswer) -> String {
         match (limit, &end.reason) {
             (Some(limit), _) => format!("{limit:.6}"),
-            (None, None) => format!("beyond {}", end.stretch),
-            (None, Some(_)) => format!("none up to {:.6}, where the path ends", end.stretch),
+            (None, None) => format!("none {} {}", toward(end.stretch), end.stretch),
+            (None, Some(_)) => format!(
+                "none {} {:.6}, where the path ends",
+                toward(end.stretch),
+                end.stretch
+            ),
         }
+    }
+}
+
+/// In which sense stretches were followed to an end of a range.
+fn toward(end: f64) -> &'static str {
+    match end < 1.0 {
+        true => "down to",
+        false => "up to",
     }
 }
 
@@ -185,8 +197,8 @@ impl CardAnswer {
     /// The boxes with their names.
     pub(super) fn boxes(&self) -> Vec<(&'static str, &BoxAnswer)> {
         let named = [
-            ("largest [1/b, b]", &self.symmetric_box),
-            ("widest [a, b]", &self.widest_box),
+            ("largest box [1/b, b]", &self.symmetric_box),
+            ("widest box [a, b]", &self.widest_box),
         ];
         let boxes = named.into_iter();
         boxes
@@ -214,7 +226,7 @@ impl CardAnswer {
         for (n, (_, found)) in boxes.iter().enumerate() {
             let y = rows - n as f64;
             let bar = bar(found.low, found.high, y).color(palette::GREEN);
-            panel = panel.with(bar.named("all principal stretches within"));
+            panel = panel.with(bar.named("box of principal stretches"));
         }
         for (n, limits) in self.loadings.iter().enumerate() {
             let y = rows - (boxes.len() + n) as f64;
@@ -229,7 +241,7 @@ impl CardAnswer {
         Figure::new(format!("Safe range: {}", heading(&self.material)))
             .columns(1)
             .caption(
-                "Bars: the law is strongly elliptic, all wave speeds are real. Grey: it is not.",
+                "Bars: the law is strongly elliptic, all wave speeds are real. Grey lines: it is not. Boxes: all principal stretches between their ends.",
             )
             .with(panel)
     }

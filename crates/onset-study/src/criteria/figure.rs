@@ -15,8 +15,8 @@ impl CriteriaAnswer {
             super::sentence::heading(&self.material)
         ))
         .caption(
-            "Bars: stretches at which the criterion holds. Grey: it does not. Nothing: there is no state, or the criterion is not \
-             defined for the law.",
+            "Bars: stretches at which the criterion holds. Grey lines: it does not. Neither: there is no state, or the criterion is not \
+             defined for the law. In simple shear γ = λ − 1/λ.",
         );
         self.loadings
             .iter()
@@ -66,23 +66,23 @@ pub(super) fn stretches(low: f64, high: f64) -> Axis {
         .into_iter()
         .filter(|x| (low..=high).contains(x))
         .filter(|x| !wide || ![0.3, 0.7, 1.5, 3.0].contains(x));
-    Axis::log("stretch λ (−)", (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
+    Axis::log("imposed stretch λ (−)", (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
 }
 
 /// Color and word of what a criterion perturbs with.
 fn kind(criterion: Criterion) -> (Color, &'static str) {
     match criterion {
         Criterion::StrongEllipticity | Criterion::PlaneEllipticity | Criterion::BakerEricksen => {
-            (palette::BLUE, "waves")
+            (palette::BLUE, "plane waves")
         }
         Criterion::RankOneConvexity => (palette::SKY, "finite jumps"),
         Criterion::Hill | Criterion::HillRotationFree => {
-            (palette::ORANGE, "rates under dead loads")
+            (palette::ORANGE, "incremental work under dead loads")
         }
         Criterion::Drucker | Criterion::DruckerAbaqus => {
             (palette::GREEN, "stress work in logarithmic strain")
         }
-        Criterion::LoadMaximum => (palette::VERMILION, "the loading itself"),
+        Criterion::LoadMaximum => (palette::VERMILION, "maximum of the load"),
     }
 }
 

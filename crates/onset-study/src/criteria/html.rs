@@ -20,7 +20,7 @@ impl CardAnswer {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>Safe range: {title}</title>\n<style>{STYLE}</style></head><body>\n\
-             <h1>Safe range of a law</h1>\n<p>{title}</p>\n\
+             <h1>Safe range of a law</h1>\n<p>{title}.</p>\n\
              <p>Within these ranges the law is strongly elliptic: <code>{}</code>. All wave speeds are real, and no band can form \
              because of the law. Stretches from {low} to {high} were looked at.</p>\n",
             escaped(Criterion::StrongEllipticity.definition())

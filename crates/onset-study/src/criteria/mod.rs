@@ -61,6 +61,8 @@ pub struct LawAnswer {
     pub model: String,
     /// Its parameters, and what else it is made of.
     pub parameters: BTreeMap<String, serde_json::Value>,
+    /// The units of those that have one.
+    pub units: BTreeMap<String, &'static str>,
     /// Whether it is isotropic, found out by turning the reference.
     pub isotropic: bool,
     /// What a reader must know of it.
@@ -202,6 +204,8 @@ impl Question {
     ) -> Result<Self, CriteriaError> {
         let material = settings.build()?;
         let parameters = settings.entries().into_iter();
+        let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
+        let units = settings.entries().into_iter();
         let asked = |loading: &Loading| modes.is_empty() || modes.contains(&loading.mode);
         Ok(Self {
             law: LawAnswer {
@@ -209,6 +213,7 @@ impl Question {
                 parameters: parameters
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
+                units: units.filter_map(|(name, _)| has_unit(name)).collect(),
                 isotropic: is_isotropic(&*material),
                 notes: notes_on_law(&*material),
             },

@@ -1,6 +1,7 @@
 //! Criteria in words: a table for people, and where criteria disagree.
 
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, SideAnswer, told};
+use crate::number;
 use onset::criteria::{Change, Criterion, Knowledge, Witness};
 use std::fmt::{Display, Formatter, Result};
 
@@ -61,18 +62,16 @@ impl Display for CriteriaAnswer {
     }
 }
 
-/// A number for a heading: no more than six digits of it.
-fn six_digits(number: f64) -> f64 {
-    format!("{number:.5e}").parse().unwrap_or(number)
-}
-
 /// The law in a line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
     let parameters: Vec<String> = law
         .parameters
         .iter()
         .map(|(name, value)| match value.as_f64() {
-            Some(number) => format!("{name} = {}", six_digits(number)),
+            Some(value) => match law.units.get(name) {
+                Some(unit) => format!("{name} = {} {unit}", number::told(value)),
+                None => format!("{name} = {}", number::told(value)),
+            },
             None => format!("{name} = {value}"),
         })
         .collect();
@@ -80,12 +79,12 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
         true => "isotropic",
         false => "not isotropic",
     };
-    format!("{} ({}), {symmetry}.", law.model, parameters.join(", "))
+    format!("{} ({}), {symmetry}", law.model, parameters.join(", "))
 }
 
 /// The heading with the notes on a law.
 pub(super) fn opening(law: &super::LawAnswer) -> String {
-    heading(law) + &told(&law.notes)
+    format!("{}.{}", heading(law), told(&law.notes))
 }
 
 /// What is known about polyconvexity, in a line.
@@ -161,18 +160,18 @@ pub(super) fn witness(witness: &Witness) -> String {
 }
 
 fn vector(components: &[f64; 3]) -> String {
-    format!("({})", components.map(|x| number(x, 4)).join(", "))
+    format!("({})", components.map(|x| component(x, 4)).join(", "))
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> String {
     format!(
         "[{}]",
-        rows.map(|row| row.map(|x| number(x, 2)).join(" "))
+        rows.map(|row| row.map(|x| component(x, 2)).join(" "))
             .join("; ")
     )
 }
 
-fn number(x: f64, digits: usize) -> String {
+fn component(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     match text.trim_start_matches(['-', '0', '.']).is_empty() {
         true => "0".to_owned(),

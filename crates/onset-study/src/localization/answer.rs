@@ -2,7 +2,7 @@
 
 use super::{LocalizationError, PlasticSettings};
 use crate::number::{told as number, told_of, vector};
-use crate::settings::Value;
+use crate::settings::{Units, Value};
 use nalgebra::Vector3;
 use onset::plasticity::{BandKind, Bands, Criterion, End, PathPoint, follow};
 use serde::Serialize;
@@ -14,6 +14,11 @@ pub struct LocalizationAnswer {
     pub sentence: String,
     /// The parameters that have an effect.
     pub settings: serde_json::Map<String, serde_json::Value>,
+    /// The units of all numbers with dimensions: those of the parameters, or SI.
+    pub units: Units,
+    /// The parameters as a text.
+    #[serde(skip)]
+    pub told: String,
     /// First yield.
     pub first_yield: PointAnswer,
     /// Where strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
@@ -128,6 +133,8 @@ impl LocalizationAnswer {
                 .values()
                 .map(|(parameter, value)| (parameter.name.to_owned(), json(value)))
                 .collect(),
+            units: settings.units(),
+            told: settings.told(),
             first_yield: answer(&found.points[0]),
             strong_ellipticity_lost: found.strong_ellipticity_lost.as_ref().map(answer),
             localization: found.onset.as_ref().map(answer),
@@ -234,9 +241,12 @@ impl LocalizationAnswer {
                 "The material does not localize up to the plastic shear strain {}: its plastic modulus stays above the critical \
                  one, by {} at the least.",
                 number(self.path.last().map_or(slip, |point| point.slip)),
-                told_of(
-                    self.closest.plastic_modulus - self.closest.critical_modulus,
-                    self.stiffness()
+                self.units.of(
+                    told_of(
+                        self.closest.plastic_modulus - self.closest.critical_modulus,
+                        self.stiffness()
+                    ),
+                    "Pa"
                 )
             ),
         };
@@ -318,6 +328,8 @@ fn line(numbers: &[f64]) -> String {
 impl std::fmt::Display for LocalizationAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(formatter, "{}\n", self.sentence)?;
+        let stiffness = self.stiffness();
+        let stress = |modulus: f64| self.units.of(told_of(modulus, stiffness), "Pa");
         let mut point = |name: &str, point: &PointAnswer| {
             writeln!(formatter, "{name}")?;
             writeln!(
@@ -333,24 +345,24 @@ impl std::fmt::Display for LocalizationAnswer {
             writeln!(
                 formatter,
                 "  stress                  {}",
-                vector(&point.stress)
+                self.units.of(vector(&point.stress), "Pa")
             )?;
             writeln!(
                 formatter,
                 "  shear, mean stress      {}, {}",
-                number(point.equivalent_shear),
-                number(point.mean_stress)
+                stress(point.equivalent_shear),
+                stress(point.mean_stress)
             )?;
             writeln!(
                 formatter,
                 "  plastic modulus h       {}",
-                number(point.plastic_modulus)
+                stress(point.plastic_modulus)
             )?;
             writeln!(
                 formatter,
                 "  critical modulus        {} (of strong ellipticity {})",
-                number(point.critical_modulus),
-                number(point.strong_critical_modulus)
+                stress(point.critical_modulus),
+                stress(point.strong_critical_modulus)
             )?;
             writeln!(
                 formatter,
@@ -385,8 +397,9 @@ impl std::fmt::Display for LocalizationAnswer {
         writeln!(
             formatter,
             "critical modulus over the path  {} to {}",
-            number(low),
-            number(high)
-        )
+            stress(low),
+            stress(high)
+        )?;
+        writeln!(formatter, "\nplasticity                {}", self.told)
     }
 }

@@ -8,7 +8,7 @@ impl LocalizationAnswer {
     pub fn figure(&self, title: impl Into<String>) -> Figure {
         Figure::new(title)
             .columns(2)
-            .caption(&self.sentence)
+            .caption(format!("{} Parameters: {}.", self.sentence, self.told))
             .with(self.along_the_path())
             .with(self.by_direction())
     }
@@ -30,20 +30,25 @@ impl LocalizationAnswer {
             .chain([0.0]);
         let end = self.path.last().map_or(1.0, |point| point.slip);
         let x = Axis::linear("plastic shear strain γ (−)", (0.0, end));
-        let y = Axis::linear("plastic modulus (stress)", (0.0, 1.0)).covering(heights);
+        let y = Axis::linear(self.units.label("modulus", "stress"), (0.0, 1.0)).covering(heights);
         let mut panel = Panel::new("along the path", x, y)
             .with(Rule::horizontal(0.0))
-            .with(Line::new(modulus).named("h").color(palette::BLUE))
             .with(
-                Line::new(strong)
-                    .named("critical, strong ellipticity")
-                    .color(palette::ORANGE)
-                    .dashed(),
+                Line::new(modulus)
+                    .named("plastic modulus h")
+                    .color(palette::BLUE),
             )
             .with(
                 Line::new(critical)
-                    .named("critical, ellipticity")
+                    .named("critical modulus, ellipticity")
                     .color(palette::VERMILION),
+            )
+            // Above the other line, from which it may not differ.
+            .with(
+                Line::new(strong)
+                    .named("critical modulus, strong ellipticity")
+                    .color(palette::BLACK)
+                    .dashed(),
             );
         if let Some(onset) = &self.localization {
             let place = (onset.slip, onset.critical_modulus);
@@ -71,8 +76,9 @@ impl LocalizationAnswer {
             .flatten()
             .map(|point| point.1)
             .chain([modulus]);
-        let x = Axis::linear("normal to axis of smallest stress (degrees)", (0.0, 90.0));
-        let y = Axis::linear("critical modulus (stress)", (0.0, 1.0)).covering(heights);
+        let x = Axis::linear("normal to axis of smallest stress (°)", (0.0, 90.0));
+        let y = Axis::linear(self.units.label("critical modulus", "stress"), (0.0, 1.0))
+            .covering(heights);
         let title = if self.localization.is_some() {
             "by direction, at localization"
         } else {
@@ -81,7 +87,7 @@ impl LocalizationAnswer {
         Panel::new(title, x, y)
             .with(Rule::horizontal(modulus).color(palette::BLUE))
             .with(Rule::vertical(self.closest.band.angle_to_minor).dotted())
-            .with(Line::new(strong).color(palette::ORANGE).dashed())
             .with(Line::new(critical).color(palette::VERMILION))
+            .with(Line::new(strong).color(palette::BLACK).dashed())
     }
 }

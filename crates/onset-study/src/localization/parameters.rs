@@ -1,7 +1,7 @@
 //! The parameters of plastic laws and loading paths, each defined once.
 
 use super::LocalizationError;
-use crate::settings::{Kind, Origin, SettingError, Value, unknown_key};
+use crate::settings::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
 use onset::plasticity::{
     Bands, DruckerPrager, Hardening, Load, Loading, LoadingPath, PlasticityError, Strains,
 };
@@ -45,6 +45,21 @@ impl Parameter {
 
     fn default_value(&self) -> Value {
         Value::typed(self.default, Some(self.kind))
+    }
+
+    /// It as a key of settings, so that it takes units as they do.
+    fn key(&self) -> Key {
+        Key {
+            name: self.name,
+            kind: self.kind,
+            meaning: self.meaning,
+            read_with: &[],
+        }
+    }
+
+    /// Its unit in SI, where it has a dimension.
+    fn si_unit(&self) -> Option<&'static str> {
+        self.key().unit().and_then(units::si)
     }
 
     fn words(&self) -> &'static [&'static str] {
@@ -190,6 +205,8 @@ pub struct PlasticSettings {
     values: Vec<Value>,
     /// Where those that were set were set.
     origins: Vec<Option<Origin>>,
+    /// Whether the value of each has a unit; it is in SI then.
+    with_units: Vec<bool>,
 }
 
 impl Default for PlasticSettings {
@@ -197,6 +214,7 @@ impl Default for PlasticSettings {
         Self {
             values: PARAMETERS.iter().map(Parameter::default_value).collect(),
             origins: vec![None; PARAMETERS.len()],
+            with_units: vec![false; PARAMETERS.len()],
         }
     }
 }
@@ -237,7 +255,10 @@ impl PlasticSettings {
             return Err(unknown_key(name, names, origin));
         };
         let parameter = &PARAMETERS[place];
-        let value = Value::typed(text, Some(parameter.kind));
+        let typed = Value::typed(text, Some(parameter.kind));
+        let measured = units::converted(&parameter.key(), &typed, &origin)?;
+        let has_unit = measured.is_some();
+        let value = measured.unwrap_or(typed);
         if !parameter.kind.accepts(&value) {
             let (expects, meaning) = (parameter.kind.expects(), parameter.meaning);
             return Err(
@@ -248,6 +269,7 @@ impl PlasticSettings {
         }
         self.values[place] = value;
         self.origins[place] = Some(origin);
+        self.with_units[place] = has_unit;
         Ok(())
     }
 
@@ -269,13 +291,54 @@ impl PlasticSettings {
                 words.join(" or ")
             )));
         }
-        Ok(())
+        self.check_units()
+    }
+
+    /// That all values with dimensions that are in effect have units, or none.
+    fn check_units(&self) -> Result<(), SettingError> {
+        let states = PARAMETERS.iter().zip(&self.values);
+        let states = states.zip(self.with_units.iter().zip(&self.origins));
+        let measures = states
+            .filter(|((parameter, _), _)| {
+                self.has_effect(parameter) && parameter.si_unit().is_some()
+            })
+            .filter_map(|((parameter, value), (has_unit, origin))| {
+                Some((parameter.key(), value.number()?, *has_unit, origin.as_ref()))
+            });
+        units::check(measures).map(drop)
+    }
+
+    /// The units of answers.
+    pub fn units(&self) -> Units {
+        match self.with_units.contains(&true) {
+            true => Units::Si,
+            false => Units::Own,
+        }
     }
 
     fn has_effect(&self, parameter: &Parameter) -> bool {
         parameter.only_with.is_none_or(|(needed, words)| {
             matches!(self.value(needed), Value::Word(word) if words.contains(&word.as_str()))
         })
+    }
+
+    /// The parameters that have an effect as a text: names with values, those with dimensions with their units.
+    pub fn told(&self) -> String {
+        let units = self.units();
+        let one = |(parameter, value): (&'static Parameter, &Value)| {
+            let name = parameter.name.trim_start_matches("plasticity.");
+            match (value, parameter.key().unit().and_then(units::si)) {
+                (Value::Number(number), Some(unit)) => {
+                    format!("{name} {}", units.of(crate::number::exact(*number), unit))
+                }
+                (Value::Number(number), None) => {
+                    format!("{name} {}", crate::number::exact(*number))
+                }
+                (Value::Word(word), _) => format!("{name} {word}"),
+                (other, _) => format!("{name} {other}"),
+            }
+        };
+        self.values().map(one).collect::<Vec<_>>().join(", ")
     }
 
     /// The parameters that have an effect, with their values.
@@ -416,5 +479,33 @@ mod tests {
         );
         assert!(error("plasticity.strength=-1").contains("expected a positive number (stress)"));
         assert!(error("plasticity.strength").contains("not an assignment"));
+    }
+
+    #[test]
+    fn stresses_take_units_all_of_them_or_none() {
+        let all = [
+            "plasticity.shear-modulus=80 GPa",
+            "plasticity.strength=200MPa",
+            "plasticity.hardening-modulus=1 GPa",
+            "plasticity.residual=150 MPa",
+        ];
+        let settings = PlasticSettings::from_assignments(&all).expect("valid");
+        assert_eq!(settings.units(), Units::Si);
+        assert_eq!(settings.number("plasticity.shear-modulus"), 80e9);
+        assert!(settings.told().contains("shear-modulus 8e10 Pa"));
+        let some = PlasticSettings::from_assignments(&all[..3]).expect_err("one without a unit");
+        let some = some.to_string();
+        assert!(
+            some.contains("plasticity.residual = 10 (the default) has none"),
+            "{some}"
+        );
+        for (wrong, fact) in [
+            ("plasticity.strength=1mm", "`mm` is a unit of a length"),
+            ("plasticity.friction=1MPa", "has no dimension"),
+        ] {
+            let error = PlasticSettings::from_assignments(&[wrong]).expect_err("no such unit");
+            assert!(error.to_string().contains(fact), "{error}");
+        }
+        assert_eq!(PlasticSettings::default().units(), Units::Own);
     }
 }

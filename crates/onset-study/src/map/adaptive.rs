@@ -8,6 +8,7 @@
 use super::record::{Finding, Outcome, Record};
 use crate::store::{ravel, unravel};
 use onset::bloch::Stability;
+use std::ops::Range;
 
 /// Measures of smaller change are constant: a zero-energy mode has a measure of zero, to rounding.
 const NOISE: f64 = 1e-9;
@@ -42,17 +43,19 @@ impl Cell {
         )
     }
 
-    /// All its states.
-    fn states(&self) -> Vec<Vec<usize>> {
+    /// Its states as runs of numbers in a tile: its rows along the axis that runs fastest.
+    fn rows(&self, extent: &[usize]) -> impl Iterator<Item = Range<usize>> {
+        let last = extent.len() - 1;
+        let length = self.high[last] - self.low[last] + 1;
         let along = |(low, high): (&usize, &usize)| (*low..=*high).collect();
-        product(
-            &self
-                .low
-                .iter()
-                .zip(&self.high)
-                .map(along)
-                .collect::<Vec<_>>(),
-        )
+        let others = self.low.iter().zip(&self.high).take(last).map(along);
+        let starts = product(&others.collect::<Vec<Vec<usize>>>());
+        let first = self.low[last];
+        starts.into_iter().map(move |mut place| {
+            place.push(first);
+            let start = ravel(&place, extent);
+            start..start + length
+        })
     }
 
     /// Whether there are states that are no corners.
@@ -164,10 +167,10 @@ impl Tile<'_> {
 
     /// Whether a state that was computed contradicts the corners.
     fn is_contradicted(&self, cell: &Cell, finding: Finding) -> bool {
-        cell.states().iter().any(|place| {
-            self.record(place)
-                .is_some_and(|record| record.finding != finding)
-        })
+        let differs =
+            |record: &Option<Record>| record.is_some_and(|record| record.finding != finding);
+        cell.rows(self.extent)
+            .any(|row| self.records[row].iter().any(differs))
     }
 }
 
@@ -261,11 +264,13 @@ fn filled(tile: &Tile<'_>, agreed: &[(Cell, Finding)]) -> Vec<Outcome> {
     let computed = |record: &Option<Record>| record.map(Outcome::from);
     let mut outcomes: Vec<Option<Outcome>> = tile.records.iter().map(computed).collect();
     for (cell, finding) in agreed {
-        for place in cell.states() {
-            outcomes[ravel(&place, tile.extent)].get_or_insert(Outcome {
-                finding: *finding,
-                record: None,
-            });
+        for row in cell.rows(tile.extent) {
+            for outcome in &mut outcomes[row] {
+                outcome.get_or_insert(Outcome {
+                    finding: *finding,
+                    record: None,
+                });
+            }
         }
     }
     let undefined = Outcome {

@@ -1,10 +1,12 @@
 //! What a map will cost, told before it is computed.
 //!
-//! States on a grid over the whole window are computed as the map computes them, on finer and finer grids while time allows. Of an
-//! adaptive map the refinement is then rehearsed with what lies between them, interpolated, in the place of states: that tells how many
-//! states it will compute.
+//! Of an adaptive map states on a grid over the whole window are computed, on finer and finer grids while time allows, and the
+//! refinement is rehearsed with what lies between them, interpolated, in the place of states: that tells which states it will compute.
+//! Some of the states of a map, spread evenly over them, are then computed as the map computes them, and timed by the clock of the
+//! processor, which nothing else on the machine makes slower.
 
 use super::adaptive::refine;
+use super::clock::Clock;
 use super::evaluate::Evaluator;
 use super::layout::tiling;
 use super::record::{Finding, Record};
@@ -21,7 +23,13 @@ use std::time::{Duration, Instant};
 const GRIDS: [usize; 6] = [2, 3, 5, 9, 17, 33];
 /// Tiles of an adaptive map that are rehearsed, evenly chosen.
 const REHEARSED: usize = 200;
-/// The time after which no finer grid is begun, where nobody says otherwise.
+/// States that are timed: first ones, those that are computed together then, at first and at most, so that they fill the lanes of
+/// vectors as those of a map do, and all.
+const FIRST: usize = 4;
+const BATCH: usize = 16;
+const LARGEST_BATCH: usize = 128;
+const TIMED: usize = 512;
+/// The time after which no finer grid is begun and no more states are timed, where nobody says otherwise.
 pub const PATIENCE: Duration = Duration::from_millis(600);
 
 /// What a map will cost.
@@ -39,51 +47,50 @@ pub struct Forecast {
     pub seconds_per_state: f64,
     /// Processor time of setting up material and method; seconds.
     pub seconds_per_preparation: f64,
+    /// Processor time of choosing the states of an adaptive map and of filling in the others; seconds.
+    pub seconds_of_refinement: f64,
 }
 
 impl Forecast {
-    /// For a study. Finer grids are begun until `patience` is over.
+    /// For a study. Finer grids are begun, and states are timed, until `patience` is over.
     ///
     /// # Errors
     /// [`ProblemError`] when the material or the discretization is not admissible.
     pub fn of(study: &Study, patience: Duration) -> Result<Self, ProblemError> {
         let tiling = tiling(study);
-        let shared = if study.varies_settings() {
-            None
-        } else {
-            let start = Instant::now();
-            let evaluator = Evaluator::new(study.settings.clone(), &study.map, true)?;
-            Some((evaluator, start.elapsed()))
+        let clock = Clock::start();
+        let shared = match study.varies_settings() {
+            true => None,
+            false => Some(Evaluator::new(study.settings.clone(), &study.map, true)?),
         };
-        let start = Instant::now();
-        let mut sample = Sample::of(study, &tiling, shared.as_ref(), GRIDS[0])?;
-        for count in &GRIDS[1..] {
-            // A grid twice as fine has so many times as many states.
-            let growth = 2_u32.pow(tiling.shape.len() as u32);
-            if sample.is_all() || start.elapsed() + growth * sample.time() > patience {
-                break;
+        let preparing = clock.elapsed();
+        let (work, sampled) = match study.map.adaptive {
+            true => {
+                let sample = sampled(study, &tiling, shared.as_ref(), patience / 2)?;
+                (
+                    Work::rehearsed(study, &tiling, &sample),
+                    sample.records.len(),
+                )
             }
-            sample = Sample::of(study, &tiling, shared.as_ref(), *count)?;
-        }
-        let (evaluations, preparations) = if study.map.adaptive {
-            rehearsed(study, &tiling, &sample)
-        } else {
-            let of_tile = |tile| prepared_in(study, &tiling.at(tile)).product::<usize>() as u64;
-            let preparations = (0..tiling.tiles()).map(of_tile).sum();
-            (tiling.states() as u64, preparations)
+            false => (Work::of_all(study, &tiling), 0),
         };
-        let states = sample.records.len();
-        let per_preparation = match &shared {
-            Some((_, time)) => time.as_secs_f64(),
-            None => sample.preparing.as_secs_f64() / states as f64,
-        };
+        let timing = Timing::of(study, shared.as_ref(), &work, patience / 2)?;
+        let states = timing.states as f64;
         Ok(Self {
             tiles: tiling.tiles(),
-            evaluations,
-            preparations: if shared.is_some() { 1 } else { preparations },
-            sampled: states,
-            seconds_per_state: sample.computing.as_secs_f64() / states as f64,
-            seconds_per_preparation: per_preparation,
+            evaluations: work.evaluations,
+            preparations: if shared.is_some() {
+                1
+            } else {
+                work.preparations
+            },
+            sampled: sampled + timing.states,
+            seconds_per_state: timing.computing.as_secs_f64() / states,
+            seconds_per_preparation: match shared {
+                Some(_) => preparing.as_secs_f64(),
+                None => timing.preparing.as_secs_f64() / states,
+            },
+            seconds_of_refinement: work.refining,
         })
     }
 
@@ -91,6 +98,184 @@ impl Forecast {
     pub fn seconds(&self) -> f64 {
         self.evaluations as f64 * self.seconds_per_state
             + self.preparations as f64 * self.seconds_per_preparation
+            + self.seconds_of_refinement
+    }
+}
+
+/// The work of a map.
+struct Work {
+    /// States of the map along each dimension, slowest first.
+    shape: Vec<usize>,
+    /// Numbers of states that will be computed, as far as known; all where there are none.
+    states: Vec<usize>,
+    /// How many will be computed.
+    evaluations: u64,
+    /// Materials and methods that will be set up for them.
+    preparations: u64,
+    /// Processor time of choosing them; seconds.
+    refining: f64,
+}
+
+impl Work {
+    /// Of a map of which every state is computed.
+    fn of_all(study: &Study, tiling: &Tiling) -> Self {
+        let of_tile = |tile| prepared_in(study, &tiling.at(tile)).product::<usize>() as u64;
+        Self {
+            shape: tiling.shape.clone(),
+            states: Vec::new(),
+            evaluations: tiling.states() as u64,
+            preparations: (0..tiling.tiles()).map(of_tile).sum(),
+            refining: 0.0,
+        }
+    }
+
+    /// Of an adaptive map.
+    fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> Self {
+        let tiles = tiling.tiles();
+        let some = tiles.min(REHEARSED);
+        let mut states = Vec::new();
+        let mut prepared = 0;
+        let clock = Clock::start();
+        for n in 0..some {
+            let tile = tiling.at((2 * n + 1) * tiles / (2 * some));
+            let varied: Vec<usize> = prepared_in(study, &tile).collect();
+            let computed = std::cell::RefCell::new((&mut states, BTreeSet::new()));
+            let likely = |batch: &[usize]| -> Result<Vec<Record>, Infallible> {
+                let mut computed = computed.borrow_mut();
+                let record = |state: &usize| {
+                    let place = unravel(*state, &tile.extent);
+                    let along = place.iter().zip(&varied);
+                    let along = along.map(|(place, states)| place % states);
+                    computed
+                        .1
+                        .insert(ravel(&along.collect::<Vec<_>>(), &varied));
+                    let whole: Vec<usize> =
+                        place.iter().zip(&tile.origin).map(|(a, b)| a + b).collect();
+                    computed.0.push(ravel(&whole, &tiling.shape));
+                    sample.likely(&whole)
+                };
+                Ok(batch.iter().map(record).collect())
+            };
+            let Ok(_) = refine(&tile.extent, study.map.refine_from, likely);
+            prepared += computed.into_inner().1.len() as u64;
+        }
+        let share = tiles as f64 / some as f64;
+        let scaled = |count: u64| (count as f64 * share).round() as u64;
+        Self {
+            shape: tiling.shape.clone(),
+            evaluations: scaled(states.len() as u64),
+            preparations: scaled(prepared),
+            refining: clock.elapsed().as_secs_f64() * share,
+            states,
+        }
+    }
+
+    /// The number of the n-th state that is timed.
+    fn timed(&self, n: usize) -> usize {
+        match self.states.len() {
+            0 => ravel(&spread(n, &self.shape), &self.shape),
+            count => self.states[spread(n, &[count])[0]],
+        }
+    }
+}
+
+/// The n-th of places that lie evenly in a box, however many they are: multiples of the powers of the root of
+/// \( x^{d+1} = x + 1 \), which for one dimension is the golden ratio (Roberts 2018).
+fn spread(n: usize, shape: &[usize]) -> Vec<usize> {
+    let order = shape.len() as f64 + 1.0;
+    let root = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(order.recip()));
+    let along = |(i, states): (usize, &usize)| {
+        let share = (0.5 + n as f64 * root.powi(-(i as i32 + 1))).fract();
+        ((share * *states as f64) as usize).min(states - 1)
+    };
+    shape.iter().enumerate().map(along).collect()
+}
+
+/// Processor times of states.
+#[derive(Default)]
+struct Timing {
+    states: usize,
+    preparing: Duration,
+    computing: Duration,
+}
+
+impl Timing {
+    /// Of some states of a map, more and more together until `patience` is over.
+    fn of(
+        study: &Study,
+        shared: Option<&Evaluator>,
+        work: &Work,
+        patience: Duration,
+    ) -> Result<Self, ProblemError> {
+        let most = TIMED.min(work.evaluations as usize).max(1);
+        let batch_at = |first: usize, count: usize| {
+            let numbers = (first..first + count).map(|n| work.timed(n));
+            let places: Vec<Vec<f64>> = numbers.map(|state| study.coordinates(state)).collect();
+            Self::of_states(study, shared, &places)
+        };
+        // These find caches empty and lanes half full: they count only where there is no time for more.
+        let first = batch_at(0, FIRST.min(most))?;
+        let (mut timing, mut batch) = (Self::default(), BATCH);
+        let one = |timing: &Self| timing.spent() / timing.states.max(1) as u32;
+        while timing.states < most {
+            let known = if timing.states == 0 { &first } else { &timing };
+            if timing.spent() + one(known) * batch as u32 > patience {
+                break;
+            }
+            timing.add(batch_at(FIRST + timing.states, batch)?);
+            batch = (2 * batch).min(LARGEST_BATCH);
+        }
+        if timing.states > 0 {
+            return Ok(timing);
+        }
+        timing = first;
+        while timing.states < most && timing.spent() < patience {
+            timing.add(batch_at(timing.states, 1)?);
+        }
+        Ok(timing)
+    }
+
+    /// Of states at some coordinates, computed as the map computes them.
+    fn of_states(
+        study: &Study,
+        shared: Option<&Evaluator>,
+        places: &[Vec<f64>],
+    ) -> Result<Self, ProblemError> {
+        let mut timing = Self {
+            states: places.len(),
+            ..Self::default()
+        };
+        let Some(evaluator) = shared else {
+            for place in places {
+                let f = [study.deformation_at(place)?];
+                let clock = Clock::start();
+                let evaluator = Evaluator::new(study.settings_at(place)?, &study.map, false)?;
+                let _ = evaluator.records(&f);
+                let both = clock.elapsed();
+                // The first state of a method prepares what the others find.
+                let clock = Clock::start();
+                let _ = evaluator.records(&f);
+                let alone = clock.elapsed();
+                timing.computing += alone;
+                timing.preparing += both.saturating_sub(alone);
+            }
+            return Ok(timing);
+        };
+        let clock = Clock::start();
+        let states = places.iter().map(|place| study.deformation_at(place));
+        let _ = evaluator.records(&states.collect::<Result<Vec<_>, _>>()?);
+        timing.computing = clock.elapsed();
+        Ok(timing)
+    }
+
+    fn add(&mut self, other: Self) {
+        self.states += other.states;
+        self.preparing += other.preparing;
+        self.computing += other.computing;
+    }
+
+    fn spent(&self) -> Duration {
+        self.preparing + self.computing
     }
 }
 
@@ -103,21 +288,41 @@ fn prepared_in<'a>(study: &'a Study, tile: &'a Tile) -> impl Iterator<Item = usi
     })
 }
 
+/// States on the finest grid for which there is time.
+fn sampled<'a>(
+    study: &Study,
+    tiling: &'a Tiling,
+    shared: Option<&Evaluator>,
+    patience: Duration,
+) -> Result<Sample<'a>, ProblemError> {
+    let start = Instant::now();
+    let mut sample = Sample::of(study, tiling, shared, GRIDS[0])?;
+    for count in &GRIDS[1..] {
+        // A grid twice as fine has so many times as many states.
+        let growth = 2_u32.pow(tiling.shape.len() as u32);
+        if sample.is_all() || start.elapsed() + growth * sample.time > patience {
+            break;
+        }
+        sample = Sample::of(study, tiling, shared, *count)?;
+    }
+    Ok(sample)
+}
+
 /// States on a grid over the whole window.
 struct Sample<'a> {
     /// States of the map along each dimension, slowest first, and points of the grid.
     shape: &'a [usize],
     grid: Vec<usize>,
     records: Vec<Record>,
-    preparing: Duration,
-    computing: Duration,
+    /// How long they took.
+    time: Duration,
 }
 
 impl<'a> Sample<'a> {
     fn of(
         study: &Study,
         tiling: &'a Tiling,
-        shared: Option<&(Evaluator, Duration)>,
+        shared: Option<&Evaluator>,
         count: usize,
     ) -> Result<Self, ProblemError> {
         let grid: Vec<usize> = tiling
@@ -128,10 +333,10 @@ impl<'a> Sample<'a> {
         let mut sample = Self {
             shape: &tiling.shape,
             records: Vec::new(),
-            preparing: Duration::ZERO,
-            computing: Duration::ZERO,
+            time: Duration::ZERO,
             grid,
         };
+        let start = Instant::now();
         let places: Vec<Vec<f64>> = (0..sample.grid.iter().product())
             .map(|point| study.coordinates(sample.state(point)))
             .collect();
@@ -141,27 +346,21 @@ impl<'a> Sample<'a> {
             .collect::<Result<_, _>>()?;
         // States that cannot be computed are told about elsewhere.
         let known = |record: Result<Record, ProblemError>| record.unwrap_or(Record::UNDEFINED);
-        if let Some((evaluator, _)) = shared {
-            let start = Instant::now();
-            let records = evaluator.records(&states);
-            sample.computing = start.elapsed();
-            sample.records = records.into_iter().map(known).collect();
-            return Ok(sample);
+        match shared {
+            Some(evaluator) => {
+                let records = evaluator.records(&states).into_iter();
+                sample.records = records.map(known).collect();
+            }
+            None => {
+                for (place, f) in places.iter().zip(&states) {
+                    let evaluator = Evaluator::new(study.settings_at(place)?, &study.map, false)?;
+                    let record = evaluator.records(std::slice::from_ref(f)).pop();
+                    sample.records.push(record.map_or(Record::UNDEFINED, known));
+                }
+            }
         }
-        for (place, f) in places.iter().zip(&states) {
-            let start = Instant::now();
-            let evaluator = Evaluator::new(study.settings_at(place)?, &study.map, false)?;
-            sample.preparing += start.elapsed();
-            let start = Instant::now();
-            let record = evaluator.records(std::slice::from_ref(f)).pop();
-            sample.computing += start.elapsed();
-            sample.records.push(record.map_or(Record::UNDEFINED, known));
-        }
+        sample.time = start.elapsed();
         Ok(sample)
-    }
-
-    fn time(&self) -> Duration {
-        self.preparing + self.computing
     }
 
     /// Whether every state of the map is a point of the grid.
@@ -236,38 +435,59 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// The states that an adaptive map will compute, and the materials and methods that it will set up for them.
-fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> (u64, u64) {
-    let tiles = tiling.tiles();
-    let some = tiles.min(REHEARSED);
-    let (mut states, mut prepared) = (0, 0);
-    for n in 0..some {
-        let tile = tiling.at((2 * n + 1) * tiles / (2 * some));
-        let varied: Vec<usize> = prepared_in(study, &tile).collect();
-        let computed = std::cell::RefCell::new((0_u64, BTreeSet::new()));
-        let likely = |batch: &[usize]| -> Result<Vec<Record>, Infallible> {
-            let mut computed = computed.borrow_mut();
-            computed.0 += batch.len() as u64;
-            let record = |state: &usize| {
-                let place = unravel(*state, &tile.extent);
-                let along = place
-                    .iter()
-                    .zip(&varied)
-                    .map(|(place, states)| place % states);
-                computed
-                    .1
-                    .insert(ravel(&along.collect::<Vec<_>>(), &varied));
-                let whole: Vec<usize> =
-                    place.iter().zip(&tile.origin).map(|(a, b)| a + b).collect();
-                sample.likely(&whole)
-            };
-            Ok(batch.iter().map(record).collect())
-        };
-        let Ok(_) = refine(&tile.extent, study.map.refine_from, likely);
-        let (own, materials) = computed.into_inner();
-        states += own;
-        prepared += materials.len() as u64;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study(map: &str) -> Study {
+        let text = format!(
+            "title = 'a'\n[material]\nmodel = 'blatz-ko'\n\
+             [[axes]]\nquantity = 'stretch-1'\nrange = [0.3, 4.0]\nstates = 64\n\
+             [[axes]]\nquantity = 'stretch-2'\nrange = [0.3, 4.0]\nstates = 48\n[map]\n{map}"
+        );
+        Study::parse("study.toml", &text).expect("a study")
     }
-    let scaled = |count: u64| (count as f64 * tiles as f64 / some as f64).round() as u64;
-    (scaled(states), scaled(prepared))
+
+    #[test]
+    fn timed_states_lie_evenly_all_over_the_map() {
+        let study = study("");
+        let work = Work::of_all(&study, &tiling(&study));
+        let mut blocks = [[0; 4]; 4];
+        for n in 0..TIMED {
+            let state = work.timed(n);
+            blocks[state / 64 / 12][state % 64 / 16] += 1;
+        }
+        let mean = TIMED / 16;
+        let near = mean - mean / 4..=mean + mean / 4;
+        assert!(
+            blocks.iter().flatten().all(|count| near.contains(count)),
+            "{blocks:?}"
+        );
+    }
+
+    #[test]
+    fn of_an_adaptive_map_those_states_are_timed_that_it_is_going_to_compute() {
+        let study = study("adaptive = true\n");
+        let tiling = tiling(&study);
+        let evaluator = Evaluator::new(study.settings.clone(), &study.map, true).expect("valid");
+        let patience = Duration::from_secs(3600);
+        let sample = sampled(&study, &tiling, Some(&evaluator), patience).expect("computed");
+        let work = Work::rehearsed(&study, &tiling, &sample);
+        assert_eq!(work.states.len() as u64, work.evaluations);
+        assert!(work.evaluations < study.states() as u64);
+        let known: BTreeSet<usize> = work.states.iter().copied().collect();
+        assert_eq!(known.len(), work.states.len(), "each state once");
+        assert!((0..TIMED).all(|n| known.contains(&work.timed(n))));
+        assert!(work.refining > 0.0);
+    }
+
+    #[test]
+    fn what_a_map_costs_is_the_sum_of_its_work() {
+        let forecast = Forecast::of(&study("adaptive = true\n"), PATIENCE).expect("a forecast");
+        let sum = forecast.evaluations as f64 * forecast.seconds_per_state
+            + forecast.preparations as f64 * forecast.seconds_per_preparation
+            + forecast.seconds_of_refinement;
+        assert_eq!(forecast.seconds(), sum);
+        assert!(forecast.seconds_per_state > 0.0 && forecast.seconds_of_refinement > 0.0);
+    }
 }

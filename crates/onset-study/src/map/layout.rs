@@ -1,7 +1,7 @@
 //! What the store of a map holds.
 
 use super::fields::fields;
-use crate::settings::{Axis, MapSettings, Study};
+use crate::settings::{Axis, MapSettings, Study, Units};
 use crate::store::{Dimension, LIBRARY, Layout, Tiling};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
@@ -33,27 +33,27 @@ pub(crate) fn tiling(study: &Study) -> Tiling {
 }
 
 fn of_attributes(study: &Study, attributes: Map<String, Value>) -> Layout {
-    let dimensions: Vec<Dimension> = study.axes.iter().rev().map(dimension).collect();
+    let units = study.settings.units();
+    let axes = study.axes.iter().rev();
+    let dimensions: Vec<Dimension> = axes.map(|axis| dimension(axis, units)).collect();
     Layout {
         identity: identity(study, &attributes),
         attributes,
         tile: tiling(study).tile,
         dimensions,
         components: study.settings.dimension(),
-        fields: fields(&study.map),
+        fields: fields(&study.map)
+            .into_iter()
+            .map(|field| field.in_units(|unit| units.unit(unit)))
+            .collect(),
     }
 }
 
-fn dimension(axis: &Axis) -> Dimension {
-    let label = axis.label();
-    // The unit has an attribute of its own.
-    let name = label
-        .rsplit_once(" (")
-        .map_or(label.as_str(), |(name, _)| name);
+fn dimension(axis: &Axis, units: Units) -> Dimension {
     Dimension {
         name: axis.name().to_owned(),
-        long_name: name.to_owned(),
-        unit: axis.unit().to_owned(),
+        long_name: axis.title().to_owned(),
+        unit: units.unit(axis.unit()).to_owned(),
         coordinates: (0..axis.count).map(|i| axis.coordinate(i)).collect(),
     }
 }

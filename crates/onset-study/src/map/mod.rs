@@ -5,6 +5,7 @@
 //! of it is stored, the table [`fields`].
 
 mod adaptive;
+mod clock;
 mod evaluate;
 mod fields;
 mod forecast;

@@ -2,6 +2,7 @@
 
 use super::record::{Certainty, Proof};
 use super::summary::Share;
+use crate::number::counted;
 use onset::certificate::Reason;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -118,8 +119,8 @@ impl fmt::Display for Proved {
         if self.corrected > 0 {
             writeln!(
                 formatter,
-                "  {} state(s) are other than the search says: the proof has corrected them",
-                self.corrected
+                "  the proof has corrected what the search says of {}",
+                counted(self.corrected as usize, "state")
             )?;
         }
         Ok(())

@@ -4,6 +4,7 @@ use super::fields::{CERTAINTY, CORRECTED, REASON, VERDICT};
 use super::summary::{Summary, Tally};
 use super::tile::{Plan, Work};
 use crate::answers::ProblemError;
+use crate::number::counted;
 use crate::store::{Column, ResultStore, StoreError};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -26,7 +27,8 @@ pub enum MapError {
     },
     /// Tiles that the map does not have.
     #[error(
-        "the map has {tiles} tile(s), numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all"
+        "the map has {}, numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all",
+        counted(*tiles, "tile")
     )]
     Tiles {
         /// What was asked for.

@@ -4,6 +4,7 @@ use super::fields::verdicts;
 use super::proved::Proofs;
 pub use super::proved::Proved;
 use super::record::{Outcome, Proof};
+use crate::number::counted;
 use crate::settings::Study;
 use onset::verdict::Verdict;
 use serde::Serialize;
@@ -198,8 +199,10 @@ impl fmt::Display for Summary {
         } else {
             write!(
                 formatter,
-                "{} tile(s) in {:.1} s, {:.0} states/s{found}",
-                self.tiles_computed, self.seconds, self.states_per_second
+                "{} in {:.1} s, {:.0} states/s{found}",
+                counted(self.tiles_computed, "tile"),
+                self.seconds,
+                self.states_per_second
             )?;
         }
         if !self.is_complete() {

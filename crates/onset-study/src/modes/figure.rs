@@ -24,7 +24,18 @@ impl ModesAnswer {
     pub fn figure(&self) -> Figure {
         let figure = Figure::new("Spurious modes of the reference configuration").columns(3);
         let shown = self.modes.iter().take(DRAWN);
-        let figure = shown.fold(figure, |figure, mode| figure.with(self.panel(mode)));
+        let mut figure = shown.fold(figure, |figure, mode| figure.with(self.panel(mode)));
+        // One patch in all panels, at one scale.
+        let ranges = figure
+            .panels
+            .iter()
+            .map(|panel| [panel.x.range, panel.y.range]);
+        let whole = ranges.reduce(|a, b| [0, 1].map(|n| (a[n].0.min(b[n].0), a[n].1.max(b[n].1))));
+        if let Some([x, y]) = whole {
+            for panel in &mut figure.panels {
+                (panel.x.range, panel.y.range) = (x, y);
+            }
+        }
         let mut caption = String::new();
         if !self.modes.is_empty() {
             caption.push_str("Wave vectors in units of the reciprocal vectors.");
@@ -58,7 +69,7 @@ impl ModesAnswer {
     }
 
     fn panel(&self, mode: &ShownMode) -> Panel {
-        let title = format!("k = {}: {}", mode.place(), mode.kind());
+        let title = format!("k = {}: {}", mode.place().replace('-', "−"), mode.kind());
         if self.dimension == 3 {
             return self.panel_in_space(mode, &title);
         }
@@ -70,10 +81,12 @@ impl ModesAnswer {
         let ends = || from.iter().chain(&to);
         // Displacements along a line are drawn across it.
         let second = match self.dimension {
-            1 => "displacement u₁ (length)",
-            _ => "x₂ (length)",
+            1 => "displacement u₁",
+            _ => "x₂",
         };
-        let [x, y] = ["x₁ (length)", second].map(|label| Axis::linear(label, (0.0, 1.0)));
+        let units = self.settings.units();
+        let [x, y] =
+            ["x₁", second].map(|what| Axis::linear(units.label(what, "length"), (0.0, 1.0)));
         let x = x.covering(ends().map(|end: &(f64, f64)| end.0));
         let y = y.covering(ends().map(|end: &(f64, f64)| end.1));
         let panel = Panel::new(title, x, y)

@@ -175,9 +175,18 @@ impl ShownMode {
         }
     }
 
-    /// The wave vector in units of the reciprocal vectors, as fractions where it is one.
+    /// The wave vector in units of the reciprocal vectors, as fractions where it is one; of those that differ by reciprocal vectors with
+    /// 1/2 in place of -1/2.
     pub fn place(&self) -> String {
+        let is_half = |x: f64| (x.abs() - 0.5).abs() < 1e-6;
+        let first = self
+            .fractional
+            .iter()
+            .find(|x| x.abs() > 1e-6 && !is_half(**x));
+        // Of k and -k the one whose first component is positive.
+        let sign = first.map_or(1.0, |x| x.signum());
         let fraction = |x: &f64| {
+            let x = if is_half(*x) { 0.5 } else { sign * x };
             for denominator in 1..=12_u32 {
                 let numerator = x * f64::from(denominator);
                 if (numerator - numerator.round()).abs() < 1e-6 {
@@ -262,5 +271,34 @@ impl ModesAnswer {
             "\nlisted are waves slower than {:.0} % of the material's slowest wave with the same wave vector",
             100.0 * self.weak
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_vector_is_told_as_one_of_those_that_mean_the_same() {
+        let place = |fractional: &[f64]| {
+            let mode = ShownMode {
+                wave_vector: Vec::new(),
+                fractional: fractional.to_vec(),
+                relative_frequency: None,
+                nullity: 1,
+                extent: Extent::Point,
+                positions: Vec::new(),
+                displacements: Vec::new(),
+                quarter: Vec::new(),
+            };
+            mode.place()
+        };
+        assert_eq!(place(&[-0.5, 0.0]), "(1/2, 0)");
+        assert_eq!(place(&[-0.5, -0.5]), "(1/2, 1/2)");
+        assert_eq!(place(&[1.0 / 3.0, -1.0 / 3.0]), "(1/3, -1/3)");
+        // Of k and -k one.
+        assert_eq!(place(&[-0.2, 0.3]), place(&[0.2, -0.3]));
+        assert_eq!(place(&[-0.5, -0.28044]), "(1/2, 0.2804)");
+        assert_eq!(place(&[0.0, 0.0]), "(0, 0)");
     }
 }

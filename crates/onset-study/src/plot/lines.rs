@@ -10,7 +10,7 @@ use crate::settings::Study;
 use onset::verdict::boundary::Boundary;
 use std::time::{Duration, Instant};
 
-/// How long boundaries are traced where cells would do.
+/// How long the boundaries of a figure are traced where cells would do.
 const PATIENCE: Duration = Duration::from_secs(10);
 const MATERIAL: &str = "boundary of the material";
 const PARTICLES: &str = "boundary of the discretization";
@@ -37,7 +37,7 @@ pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
 
 /// The line of the material; so wide that it shows beside that of particles that agree with it.
 fn of_material(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
-    (!points.is_empty()).then(|| Line::new(points).width(5.0).named(name))
+    (!points.is_empty()).then(|| Line::new(points).width(6.0).named(name))
 }
 
 /// The traced boundary of the material.
@@ -54,18 +54,36 @@ fn of_particles(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     })
 }
 
-/// The boundaries of a study, traced as asked for; `None` where they are to be taken from cells.
-pub(super) fn boundaries(
-    study: &Study,
+/// The boundaries of studies, traced as asked for; `None` where they are to be taken from cells, all of them, so that those in one
+/// figure can be compared.
+pub(super) fn boundaries<'a>(
+    studies: impl Iterator<Item = &'a Study> + Clone,
     lines: Lines,
     watch: &dyn Watch,
-) -> Result<Option<Boundaries>, PlotError> {
+) -> Result<Option<Vec<Boundaries>>, PlotError> {
     let until = match lines {
         Lines::OfCells => return Ok(None),
-        Lines::Best if study.varies_settings() => return Ok(None),
+        Lines::Best if studies.clone().any(Study::varies_settings) => return Ok(None),
         Lines::Best => Some(Instant::now() + PATIENCE),
         Lines::Traced => None,
     };
+    let mut all = Vec::new();
+    for study in studies {
+        match traced_until(study, lines, until, watch)? {
+            Some(boundaries) => all.push(boundaries),
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(all))
+}
+
+/// The boundaries of a study where they are found in time, and as whole as they have to be.
+fn traced_until(
+    study: &Study,
+    lines: Lines,
+    until: Option<Instant>,
+    watch: &dyn Watch,
+) -> Result<Option<Boundaries>, PlotError> {
     let tracing = Tracing {
         until,
         ..Tracing::default()
@@ -180,7 +198,8 @@ pub(super) fn edges(
 
 #[cfg(test)]
 mod tests {
-    use super::{edges, honest};
+    use super::{Lines, boundaries, edges, honest};
+    use crate::settings::Study;
     use onset::verdict::boundary::Boundary;
 
     #[test]
@@ -204,6 +223,24 @@ mod tests {
             (2.0, 2.0),
         ];
         assert_eq!(known, expected);
+    }
+
+    #[test]
+    fn the_boundaries_of_one_figure_are_all_traced_or_none() {
+        let axis = |quantity: &str| {
+            format!("[[axes]]\nquantity = '{quantity}'\nrange = [1.0, 2.0]\nstates = 4\n")
+        };
+        let study = |second: &str| {
+            let text = format!("title = 'a'\n{}{}", axis("stretch-1"), axis(second));
+            Study::parse("study.toml", &text).expect("a study")
+        };
+        let (plain, varying) = (study("stretch-2"), study("discretization.support"));
+        let asked = |studies: &[&Study], lines: Lines| {
+            let found = boundaries(studies.iter().copied(), lines, &());
+            found.expect("no error").map(|found| found.len())
+        };
+        assert_eq!(asked(&[&plain, &plain], Lines::Traced), Some(2));
+        assert_eq!(asked(&[&plain, &varying], Lines::Best), None);
     }
 
     #[test]

@@ -7,7 +7,8 @@ mod stored;
 use crate::boundary::{BoundaryError, Watch};
 use crate::domain::Class;
 use crate::figure::{Axis, ColorMap, Field, Figure, Layer, Panel, Regions, palette};
-use crate::settings::{Quantity, SettingError, Study, Trust};
+use crate::number::counted;
+use crate::settings::{Effective, Quantity, SettingError, Study, Trust};
 use crate::store::StoreError;
 use onset::verdict::Verdict;
 use std::path::PathBuf;
@@ -16,6 +17,10 @@ use thiserror::Error;
 
 /// Panels of a map with three axes.
 const SLICES: usize = 6;
+/// The field of time steps.
+const STEP: &str = "critical_time_step";
+/// Numbers below this share of what they are made of are rounding.
+const ROUNDING: f64 = 1e-12;
 /// The field that shows verdicts.
 const VERDICT: &str = "verdict";
 
@@ -169,11 +174,7 @@ pub fn plot_allowing(
         .iter()
         .map(|path| StoredMap::open(path, trust))
         .collect::<Result<_, _>>()?;
-    // Of several maps each says what it is of.
-    let captions = maps
-        .iter()
-        .map(|map| format!("{}: {}", map.title(), map.settings()));
-    let captions = captions.collect::<Vec<_>>().join(" ");
+    let captions = captions(&maps);
     let may_trace = maps.iter().all(StoredMap::may_be_evaluated);
     let plot = &Plot {
         boundaries: if may_trace {
@@ -192,35 +193,55 @@ pub fn plot_allowing(
             figure.caption(caption.trim_start())
         }
         _ => {
-            let mut figure = Figure::new("").columns(maps.len().min(3));
-            for map in &maps {
-                let title = map.title();
-                for slice in map.slices(SLICES) {
+            let slices = maps.iter().flat_map(|map| {
+                let slices = map.slices(SLICES).into_iter();
+                slices.map(move |slice| {
                     let title = match &slice.title {
-                        Some(value) => format!("{title}, {value}"),
-                        None => title.clone(),
+                        Some(value) => format!("{}, {value}", map.title()),
+                        None => map.title(),
                     };
-                    figure = figure.with(panel(map, &slice, plot, &title, watch)?);
-                }
-            }
-            figure.caption(captions)
+                    (map, slice, title)
+                })
+            });
+            let figure = Figure::new("").columns(maps.len().min(3));
+            panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?.caption(captions)
         }
     };
     Ok(plot.look.applied(figure))
 }
 
+/// What maps are of: what they have in common, and what of each is its own.
+fn captions(maps: &[StoredMap]) -> String {
+    let effective: Vec<Effective> = maps.iter().map(|map| map.study.effective()).collect();
+    let Some(first) = effective.first() else {
+        return String::new();
+    };
+    let is_common = |name: &str| effective.iter().all(|own| own.get(name) == first.get(name));
+    let common = first.clone().only(&is_common).caption();
+    let own = maps.iter().zip(&effective).map(|(map, effective)| {
+        match effective.clone().only(&|name| !is_common(name)).told() {
+            told if told.is_empty() => String::new(),
+            told => format!(" {}: {told}.", map.title()),
+        }
+    });
+    common + &own.collect::<String>()
+}
+
 fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
     let slices = map.slices(SLICES);
-    let mut figure = Figure::new(map.title()).columns(slices.len().min(3));
-    for slice in &slices {
+    let figure = Figure::new(map.title()).columns(slices.len().min(3));
+    let slices = slices.into_iter().map(|slice| {
         let title = slice.title.clone().unwrap_or_default();
-        figure = figure.with(panel(map, slice, plot, &title, watch)?);
-    }
+        (map, slice, title)
+    });
+    let figure = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
     let mut caption = map.settings();
     let missing = map.missing()?;
     if missing > 0 {
-        caption =
-            format!("White: {missing} tile(s) of the map are still to be computed. {caption}");
+        caption = format!(
+            "White: {} of the map still to be computed. {caption}",
+            counted(missing, "tile")
+        );
     }
     if !map.may_be_evaluated() {
         caption = format!("{NOT_LOADED} {caption}");
@@ -231,10 +252,11 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
 /// Axes in the plane of a study.
 fn axes(study: &Study, title: &str) -> Panel {
     let [first, second] = study.plane();
+    let units = study.settings.units();
     let panel = Panel::new(
         title,
-        Axis::linear(first.label(), first.range),
-        Axis::linear(second.label(), second.range),
+        Axis::linear(first.label(units), first.range),
+        Axis::linear(second.label(units), second.range),
     );
     let is_stretch = |quantity: Quantity| matches!(quantity, Quantity::Stretch(_));
     if is_stretch(first.quantity) && is_stretch(second.quantity) {
@@ -244,17 +266,53 @@ fn axes(study: &Study, title: &str) -> Panel {
     }
 }
 
-/// One map with its boundaries.
-fn panel(
-    map: &StoredMap,
-    slice: &Slice,
+/// A figure with sections of maps, each with a title, and their boundaries.
+fn panels(
+    figure: Figure,
+    slices: &[(&StoredMap, Slice, String)],
     plot: &Plot<'_>,
-    title: &str,
     watch: &dyn Watch,
-) -> Result<Panel, PlotError> {
+) -> Result<Figure, PlotError> {
+    let studies = slices.iter().map(|(_, slice, _)| &slice.study);
+    let traced = lines::boundaries(studies, plot.boundaries, watch)?;
+    let mut figure = figure;
+    for (n, (map, slice, title)) in slices.iter().enumerate() {
+        let lines = match &traced {
+            Some(traced) => lines::traced(&traced[n]),
+            None => lines::of_cells(map, slice)?,
+        };
+        let panel = panel(map, slice, plot, title)?;
+        figure = figure.with(lines.into_iter().fold(panel, Panel::with));
+    }
+    share_colors(&mut figure);
+    Ok(figure)
+}
+
+/// One scale of colors for the fields of all panels, so that they can be compared.
+fn share_colors(figure: &mut Figure) {
+    let layers = figure.panels.iter_mut().flat_map(|panel| &mut panel.layers);
+    let mut fields: Vec<&mut Field> = layers
+        .filter_map(|layer| match layer {
+            Layer::Field(field) => Some(field),
+            _ => None,
+        })
+        .collect();
+    let ranges = fields.iter().filter_map(|field| field.range);
+    let range = ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let is_signed = fields.iter().any(|field| field.map == ColorMap::Diverging);
+    for field in &mut fields {
+        field.range = range.or(field.range);
+        if is_signed {
+            field.map = ColorMap::Diverging;
+        }
+    }
+}
+
+/// One map.
+fn panel(map: &StoredMap, slice: &Slice, plot: &Plot<'_>, title: &str) -> Result<Panel, PlotError> {
     let [first, second] = slice.study.plane();
-    let mut panel = axes(&slice.study, title);
-    panel = if plot.field == VERDICT {
+    let panel = axes(&slice.study, title);
+    Ok(if plot.field == VERDICT {
         let (cells, classes) = map.classes(slice)?;
         let index = |class: &Option<Class>| {
             let place = Class::ALL.iter().position(|other| Some(*other) == *class);
@@ -272,13 +330,7 @@ fn panel(
         panel.with(proofs(map, slice, plot.field, &words)?)
     } else {
         panel.with(field(map, slice, plot.field)?)
-    };
-    let traced = lines::boundaries(&slice.study, plot.boundaries, watch)?;
-    let lines = match traced {
-        Some(boundaries) => lines::traced(&boundaries),
-        None => lines::of_cells(map, slice)?,
-    };
-    Ok(lines.into_iter().fold(panel, Panel::with))
+    })
 }
 
 /// What is proved, in words; white where it is still to be computed.
@@ -306,11 +358,30 @@ fn proofs(
     ))
 }
 
+/// What the numbers of a field are made of: beside it smaller ones are rounding. Zero where that is not known.
+fn sizes(map: &StoredMap, slice: &Slice, name: &str) -> Result<Vec<f64>, PlotError> {
+    let (_, values) = map.numbers(slice, name)?;
+    Ok(match name {
+        "scaled_minimum" => vec![1.0; values.len()],
+        // The largest omega^2 is (2 / step)^2.
+        "lowest_omega_squared" if map.holds(STEP) => {
+            let (_, steps) = map.numbers(slice, STEP)?;
+            steps.iter().map(|step| (2.0 / step).powi(2)).collect()
+        }
+        _ => vec![0.0; values.len()],
+    })
+}
+
 /// A field of numbers over the range of most of them.
 fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError> {
     let label = map.label(name)?;
     let [first, second] = slice.study.plane();
-    let (cells, values) = map.numbers(slice, name)?;
+    let (cells, mut values) = map.numbers(slice, name)?;
+    for (value, size) in values.iter_mut().zip(sizes(map, slice, name)?) {
+        if value.abs() <= ROUNDING * size {
+            *value = 0.0;
+        }
+    }
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     // A few extreme states would leave one color to all others.

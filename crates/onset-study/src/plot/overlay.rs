@@ -59,6 +59,11 @@ pub(super) fn overlay(
             .into_iter()
             .fold(panel, |panel, line| panel.with(line))
     };
+    let traced = lines::boundaries(maps.iter().map(|map| &map.study), boundaries, watch)?;
+    if traced.is_none() && first.may_be_evaluated() {
+        let line = lines::material_of_cells(first, &first.slices(1)[0])?;
+        panel = line.into_iter().fold(panel, |panel, line| panel.with(line));
+    }
     for (n, map) in maps.iter().enumerate() {
         let slice = &map.slices(1)[0];
         let mut name = map.title();
@@ -66,8 +71,7 @@ pub(super) fn overlay(
         if maps.iter().filter(|other| other.title() == name).count() > 1 {
             name = format!("{name} ({})", map.path.display());
         }
-        let traced = lines::boundaries(&map.study, boundaries, watch)?;
-        let points = if let Some(boundaries) = traced {
+        let points = if let Some(boundaries) = traced.as_ref().map(|traced| &traced[n]) {
             if n == 0 {
                 panel = lines::material(&boundaries.material)
                     .into_iter()

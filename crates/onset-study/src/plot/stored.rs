@@ -3,7 +3,7 @@
 use super::PlotError;
 use crate::domain::Class;
 use crate::map::{self, stored_layout};
-use crate::settings::{Quantity, Study, Trust};
+use crate::settings::{Quantity, Study, Trust, Units};
 use crate::store::{Column, Kind, LIBRARY, ResultStore, StoreError, ZarrStore, ravel};
 use onset::verdict::Verdict;
 use std::collections::BTreeSet;
@@ -92,6 +92,11 @@ impl StoredMap {
         self.study.effective().caption()
     }
 
+    /// The units of the study.
+    fn units(&self) -> Units {
+        self.study.settings.units()
+    }
+
     /// Whether a field is stored.
     pub(super) fn holds(&self, field: &str) -> bool {
         self.store.fields().any(|stored| stored == field)
@@ -120,13 +125,11 @@ impl StoredMap {
             // What the axis has varied can be set.
             let assignment = format!("{}={value:?}", third.quantity.key_name());
             let study = study.override_with(&[assignment]).unwrap_or(study);
-            let label = third.label();
-            let name = label
-                .rsplit_once(" (")
-                .map_or(label.as_str(), |(name, _)| name);
+            let name = third.title();
             // A dimension such as stress is no unit.
-            let unit = match third.unit() {
-                unit @ ("rad" | "deg") => format!(" {unit}"),
+            let unit = match (third.unit(), self.units().are_si()) {
+                (unit @ ("rad" | "deg"), _) => format!(" {unit}"),
+                (unit, true) if unit != "1" => format!(" {}", self.units().unit(unit)),
                 _ => String::new(),
             };
             Slice {
@@ -183,10 +186,7 @@ impl StoredMap {
             .find(|field| field.name == name && is_shown(&field.kind, field.is_vector))
             .filter(|_| stored.contains(&name));
         match field.map(|field| &field.kind) {
-            Some(Kind::Numbers(unit)) => {
-                let unit = if *unit == "1" { "−" } else { unit };
-                Ok(format!("{} ({unit})", name.replace('_', " ")))
-            }
+            Some(Kind::Numbers(unit)) => Ok(self.units().label(&title(name), unit)),
             _ => Err(PlotError::NotShown {
                 field: name.to_owned(),
                 known: fields
@@ -287,6 +287,16 @@ impl StoredMap {
         } else {
             None
         }
+    }
+}
+
+/// What a field of numbers is, as the color bar of a figure says it.
+fn title(field: &str) -> String {
+    match field {
+        "acoustic_minimum" => "smallest acoustic eigenvalue".to_owned(),
+        "scaled_minimum" => "min Re ω² / (c² |k|²)".to_owned(),
+        "lowest_omega_squared" => "min Re ω²".to_owned(),
+        other => other.replace('_', " "),
     }
 }
 

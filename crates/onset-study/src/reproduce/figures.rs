@@ -74,10 +74,11 @@ pub const ALL: [Recipe; 8] = [
 
 fn stretch_panel(study: &Study, title: &str) -> Panel {
     let [first, second] = study.plane();
+    let units = study.settings.units();
     Panel::new(
         title,
-        Axis::linear(first.label(), first.range),
-        Axis::linear(second.label(), second.range),
+        Axis::linear(first.label(units), first.range),
+        Axis::linear(second.label(units), second.range),
     )
     .equal_aspect()
 }
@@ -112,7 +113,8 @@ fn continuum_boundary(study: &Study, count: usize) -> Result<Vec<(f64, f64)>, Re
     Ok(material_boundary(
         &*problem.material,
         &spread(first.range, count),
-        second.range,
+        // A little beyond the window, so that the curve reaches its edge.
+        (second.range.0, 1.15 * second.range.1),
     )?)
 }
 
@@ -280,7 +282,7 @@ fn figure_04() -> Result<Plate, ReproduceError> {
                         .color(palette::GREY)
                         .marker(Marker::Circle)
                         .open()
-                        .named("particle at rest"),
+                        .named("particle, reference position"),
                 )
                 .with(
                     Arrows::new(rest, moved)
@@ -515,8 +517,8 @@ fn figure_08() -> Result<Plate, ReproduceError> {
         .with(
             stretch_panel(&study, "")
                 .with(ellipticity_map(&study)?)
-                .with(Line::new(upper.clone()).named("2D perturbation, traced"))
-                .with(Line::new(lower.clone()))
+                .with(Line::new(upper.clone()).width(5.0).named("2D perturbation, traced"))
+                .with(Line::new(lower.clone()).width(5.0))
                 .with(Line::new(vec![(low, low / gamma), (high * gamma, high)]).color(palette::ORANGE).dashed().named("2D, equation (62)"))
                 .with(Line::new(vec![(low / gamma, low), (high, high * gamma)]).color(palette::ORANGE).dashed())
                 .with(Line::new(corners).color(palette::VERMILION).dashed().named("3D, equation (60)"))

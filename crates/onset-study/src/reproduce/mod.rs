@@ -83,17 +83,12 @@ const REPORT: &str = "report.html";
 /// The table of all claims.
 const CLAIMS: &str = "claims.csv";
 
-/// A study of the paper, as committed in `studies/`.
+/// A study of the paper; the folder `studies/` of the repository links to it.
 macro_rules! study {
     ($name:literal) => {
         $crate::settings::Study::parse(
             concat!("studies/", $name, ".toml"),
-            include_str!(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../../studies/",
-                $name,
-                ".toml"
-            )),
+            include_str!(concat!("studies/", $name, ".toml")),
         )
     };
 }

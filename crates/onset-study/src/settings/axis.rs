@@ -1,6 +1,6 @@
 //! The axes of a study: which quantity a map varies, over which range, in how many states.
 
-use super::{KEYS, Key, Kind, units};
+use super::{KEYS, Key, Kind, Units, units};
 
 /// What an axis varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,19 +113,21 @@ impl Axis {
         self.quantity.name()
     }
 
-    /// Its label in a figure, with the unit.
-    pub fn label(&self) -> String {
+    /// What it varies as a figure says it, without the unit.
+    pub fn title(&self) -> &'static str {
         match self.quantity {
-            Quantity::Stretch(1) => "stretch λ₁ (−)".to_owned(),
-            Quantity::Stretch(2) => "stretch λ₂ (−)".to_owned(),
-            Quantity::Stretch(_) => "stretch λ₃ (−)".to_owned(),
-            Quantity::Shear => "shear γ (−)".to_owned(),
-            Quantity::Rotation => "rotation of the lattice θ (rad)".to_owned(),
-            Quantity::Setting(key) => match (key.parts().1, self.unit()) {
-                (name, "1") => format!("{name} (−)"),
-                (name, unit) => format!("{name} ({unit})"),
-            },
+            Quantity::Stretch(1) => "stretch λ₁",
+            Quantity::Stretch(2) => "stretch λ₂",
+            Quantity::Stretch(_) => "stretch λ₃",
+            Quantity::Shear => "shear γ",
+            Quantity::Rotation => "rotation of the lattice θ",
+            Quantity::Setting(key) => key.parts().1,
         }
+    }
+
+    /// Its label in a figure of a study in these units.
+    pub fn label(&self, units: Units) -> String {
+        units.label(self.title(), self.unit())
     }
 
     /// Its unit; `1` without dimension.
@@ -147,7 +149,7 @@ impl Axis {
 
 #[cfg(test)]
 mod tests {
-    use super::{Axis, Quantity};
+    use super::{Axis, Quantity, Units};
     use onset::material::library;
 
     #[test]
@@ -171,12 +173,11 @@ mod tests {
                 range: (1.0, 2.0),
                 count: 2,
             };
-            let unit = axis.unit().replace('1', "−");
-            assert!(
-                axis.label().ends_with(&format!("({unit})")),
-                "{}",
-                axis.label()
-            );
+            for units in [Units::Own, Units::Si] {
+                let unit = units.unit(axis.unit()).replace('1', "−");
+                let (label, unit) = (axis.label(units), unit.replace("^3", "³"));
+                assert!(label.ends_with(&format!("({unit})")), "{label}");
+            }
             names.push(axis.name());
         }
         for parameter in library().iter().flat_map(|law| law.parameters) {

@@ -6,6 +6,7 @@ use super::study;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Trust, Value, unknown_key};
 use crate::compare::PANELS;
+use crate::number::counted;
 use onset::time_step::Integrator;
 use serde::Serialize;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -322,9 +323,9 @@ impl Comparison {
             .find(|candidate| candidate.settings.dimension() != dimension);
         other.map_or(Ok(()), |other| {
             let message = format!(
-                "\"{}\" has {} dimension(s), the first method has {dimension}",
+                "\"{}\" has {}, the first method has {dimension}",
                 other.name,
-                other.settings.dimension()
+                counted(other.settings.dimension(), "dimension")
             );
             Err(SettingError::new(other.origin.clone(), message)
                 .hint("compare methods of the same number of dimensions"))

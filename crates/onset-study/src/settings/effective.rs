@@ -139,6 +139,21 @@ impl Effective {
         self
     }
 
+    /// The choices under some keys.
+    pub fn only(mut self, is_meant: &dyn Fn(&str) -> bool) -> Self {
+        self.0.retain(|(name, _)| is_meant(name));
+        self
+    }
+
+    /// The choices one after the other, with their names.
+    pub fn told(&self) -> String {
+        let choices = self.0.iter().map(|(name, choice)| {
+            let name = name.split_once('.').map_or(*name, |(_, own)| own);
+            choice.told(name)
+        });
+        choices.collect::<Vec<_>>().join(", ")
+    }
+
     /// The choice under a key.
     pub fn get(&self, name: &str) -> Option<&Choice> {
         let mut choices = self.0.iter();
@@ -161,18 +176,6 @@ impl Effective {
 
     /// The choices of a section in two lines: the model or method with what was chosen, and what holds by default.
     fn lines(&self, section: &str, head: &str) -> (String, String) {
-        let told = |name: &str, choice: &Choice| match &choice.value {
-            Value::Word(word) => format!("{name} {word}"),
-            Value::Number(number) => {
-                let unit = choice
-                    .unit
-                    .map_or_else(String::new, |unit| format!(" {unit}"));
-                format!("{name} {}{unit}", as_set(*number))
-            }
-            Value::Switch(true) => name.to_owned(),
-            Value::Switch(false) => format!("not {name}"),
-            other => format!("{name} {other}"),
-        };
         let (mut first, mut chosen, mut defaults) = (String::new(), Vec::new(), Vec::new());
         for (name, choice) in &self.0 {
             let Some((own, name)) = name.split_once('.').filter(|(own, _)| *own == section) else {
@@ -186,8 +189,8 @@ impl Effective {
             match (name == head, &choice.value, choice.default) {
                 (true, Value::Word(word), true) => first = format!("{word} (default)"),
                 (true, Value::Word(word), false) => first.clone_from(word),
-                (_, _, false) => chosen.push(told(name, choice)),
-                (_, _, true) => defaults.push(told(name, choice)),
+                (_, _, false) => chosen.push(choice.told(name)),
+                (_, _, true) => defaults.push(choice.told(name)),
             }
         }
         if !chosen.is_empty() {
@@ -219,7 +222,26 @@ impl Effective {
     /// Everything as a sentence below a figure.
     pub fn caption(&self) -> String {
         let (material, method) = (self.law(), self.method());
-        format!("Material: {material}. Method: {method}.")
+        let text = format!("Material: {material}. Method: {method}.");
+        text.replace("kg/m^3", "kg/m³")
+    }
+}
+
+impl Choice {
+    /// It with its name, as in a list of choices.
+    fn told(&self, name: &str) -> String {
+        match &self.value {
+            Value::Word(word) => format!("{name} {word}"),
+            Value::Number(number) => {
+                let unit = self
+                    .unit
+                    .map_or_else(String::new, |unit| format!(" {unit}"));
+                format!("{name} {}{unit}", as_set(*number))
+            }
+            Value::Switch(true) => name.to_owned(),
+            Value::Switch(false) => format!("not {name}"),
+            other => format!("{name} {other}"),
+        }
     }
 }
 

@@ -495,7 +495,7 @@ impl Key {
 
     /// Whether no table has it: a user-defined parameter.
     pub(super) fn is_free(&self) -> bool {
-        self.name != SMOOTHING_LENGTH.name && study_keys().all(|known| known.name != self.name)
+        self.parts().0 == "material" && study_keys().all(|known| known.name != self.name)
     }
 
     /// Whether it sets a number of material or discretization that an axis can vary.

@@ -59,11 +59,16 @@ impl MaterialSettings {
         }
     }
 
+    /// The unit of a parameter, named without its section, where values have units.
+    pub fn unit(&self, name: &str) -> Option<&'static str> {
+        let key = Key::named(&format!("material.{name}"))?;
+        let unit = key.unit().and_then(units::si)?;
+        self.units().are_si().then_some(unit)
+    }
+
     /// Values of a law with dimensions, each with whether it has a unit, and where it was set. Numbers of a user-defined model have the
     /// dimensions that the model gives them.
-    pub(super) fn measures(
-        &self,
-    ) -> impl Iterator<Item = (&'static Key, f64, bool, Option<&Origin>)> {
+    pub(super) fn measures(&self) -> impl Iterator<Item = (Key, f64, bool, Option<&Origin>)> {
         let is_law = matches!(self.model, Model::Law(_));
         // What follows from moduli has their units.
         let of_moduli: Vec<&str> = self.of_moduli().collect();
@@ -90,7 +95,7 @@ impl MaterialSettings {
                 .map(|(_, value)| value);
             let value = known.or_else(|| self.given(name))?.number()?;
             Some((
-                key,
+                *key,
                 value,
                 self.with_units.contains(name),
                 self.origin(name),

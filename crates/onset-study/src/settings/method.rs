@@ -72,7 +72,7 @@ pub enum Control {
 pub enum Unknowns {
     /// Nodes of a grid in the reference state.
     TotalLagrangian,
-    /// Nodes of the current grid, for one step.
+    /// Nodes of the current grid, for one step: the method as it was proposed.
     Updated,
     /// The points.
     Particles,
@@ -184,7 +184,7 @@ impl Default for MethodSettings {
             layout: PointLayout::Uniform,
             offset: 0.0,
             grid_functions: GridFunctions::Linear,
-            unknowns: Unknowns::TotalLagrangian,
+            unknowns: Unknowns::Updated,
             grid_mass: GridMass::Lumped,
             grid: CurrentLattice::Convected,
         }

@@ -23,7 +23,7 @@ mod state;
 mod study;
 mod toml;
 mod trust;
-mod units;
+pub(crate) mod units;
 
 pub(crate) use aliases::all as aliases;
 pub use axis::{Axis, Quantity};
@@ -44,6 +44,7 @@ pub use study::Study;
 pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::Units;
 
+use crate::number::counted;
 use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
 use onset::lattice::LatticeKind;
@@ -117,7 +118,7 @@ impl Settings {
             .filter_map(|key| {
                 let value = self.value(key.name)?.number()?;
                 let has_unit = self.with_units.contains(key.name);
-                Some((key, value, has_unit, self.origins.get(key.name)))
+                Some((*key, value, has_unit, self.origins.get(key.name)))
             });
         units::check(self.material.measures().chain(of_discretization)).map(drop)
     }
@@ -230,9 +231,9 @@ impl Settings {
         match self.origins.get("discretization.lattice") {
             Some(origin) if self.method.method == Family::MaterialPoints && set != grid => {
                 let message = format!(
-                    "material points have a {} grid in {} dimension(s), not a {} lattice",
+                    "material points have a {} grid in {}, not a {} lattice",
                     grid.name(),
-                    self.dimension(),
+                    counted(self.dimension(), "dimension"),
                     set.name()
                 );
                 Err(SettingError::new(origin.clone(), message).hint(

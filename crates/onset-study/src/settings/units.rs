@@ -65,10 +65,14 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
 ];
 
 /// The unit in SI of what has a dimension; `None` of what has none, and of angles, which say their unit themselves.
-pub(super) fn si(dimension: &str) -> Option<&'static str> {
+pub(crate) fn si(dimension: &str) -> Option<&'static str> {
     match dimension {
         "stress" => Some("Pa"),
         "length" => Some("m"),
+        "1/length" => Some("1/m"),
+        "time" => Some("s"),
+        "1/time" => Some("1/s"),
+        "1/time^2" => Some("1/s^2"),
         "mass/volume" => Some("kg/m^3"),
         _ => None,
     }
@@ -97,7 +101,7 @@ fn plain(unit: &str) -> String {
 ///
 /// # Errors
 /// [`SettingError`] for a unit that is not known, or is one of another quantity.
-pub(super) fn converted(
+pub(crate) fn converted(
     key: &Key,
     value: &Value,
     origin: &Origin,
@@ -182,8 +186,8 @@ fn named(dimension: &str) -> &str {
 ///
 /// # Errors
 /// [`SettingError`] that names those without.
-pub(super) fn check<'a>(
-    values: impl Iterator<Item = (&'static Key, f64, bool, Option<&'a Origin>)>,
+pub(crate) fn check<'a>(
+    values: impl Iterator<Item = (Key, f64, bool, Option<&'a Origin>)>,
 ) -> Result<bool, SettingError> {
     let (with, without): (Vec<_>, Vec<_>) = values.partition(|(_, _, has_unit, _)| *has_unit);
     let Some((first, ..)) = with.first() else {
@@ -244,6 +248,36 @@ impl Units {
             Self::Own => number.to_string(),
             Self::Si => format!("{number} {unit}"),
         }
+    }
+
+    /// The unit of what has a dimension; the dimension itself where values have no units.
+    ///
+    /// ```
+    /// use onset_study::settings::Units;
+    /// assert_eq!((Units::Si.unit("1/time^2"), Units::Own.unit("1/time^2")), ("1/s^2", "1/time^2"));
+    /// assert_eq!((Units::Si.unit("rad"), Units::Own.unit("1")), ("rad", "1"));
+    /// ```
+    pub fn unit(self, dimension: &'static str) -> &'static str {
+        match self {
+            Self::Own => dimension,
+            Self::Si => si(dimension).unwrap_or(dimension),
+        }
+    }
+
+    /// What is measured with its unit, as on the axis of a figure.
+    ///
+    /// ```
+    /// use onset_study::settings::Units;
+    /// assert_eq!(Units::Si.label("growth rate", "1/time"), "growth rate (1/s)");
+    /// assert_eq!(Units::Own.label("min ω²", "1/time^2"), "min ω² (1/time²)");
+    /// assert_eq!(Units::Own.label("stretch λ₁", "1"), "stretch λ₁ (−)");
+    /// ```
+    pub fn label(self, what: &str, dimension: &'static str) -> String {
+        let unit = match self.unit(dimension) {
+            "1" => "−".to_owned(),
+            unit => unit.replace("^2", "²").replace("^3", "³"),
+        };
+        format!("{what} ({unit})")
     }
 
     /// Whether values have units.

@@ -38,6 +38,16 @@ pub struct Field {
     pub is_vector: bool,
 }
 
+impl Field {
+    /// The same with its unit in place of a dimension.
+    pub fn in_units(mut self, unit: impl Fn(&'static str) -> &'static str) -> Self {
+        if let Kind::Numbers(own) = &mut self.kind {
+            *own = unit(own);
+        }
+        self
+    }
+}
+
 /// All that a store holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
@@ -192,12 +202,16 @@ fn coordinates(dimension: &Dimension) -> Value {
     )
 }
 
-/// The attributes of numbers. The program computes in whatever consistent units its input is, so that of a stress, a time or a length only
-/// the dimension is known, which CF has no units for: `units` is what UDUNITS reads, `dimension` what is measured.
+/// Dimensions, where the units are those of the study.
+const DIMENSIONS: [&str; 4] = ["stress", "length", "time", "mass"];
+
+/// The attributes of numbers. Of a study without units the program computes in whatever consistent units its input is, so that of a
+/// stress, a time or a length only the dimension is known, which CF has no units for: `units` is what UDUNITS reads, `dimension` what is
+/// measured.
 fn measured(long_name: &str, unit: &str) -> Value {
-    match unit {
-        "1" | "rad" | "deg" => json!({"long_name": long_name, "units": unit}),
-        _ => json!({
+    match DIMENSIONS.iter().any(|dimension| unit.contains(dimension)) {
+        false => json!({"long_name": long_name, "units": unit}),
+        true => json!({
             "long_name": format!("{long_name} ({unit})"),
             "units": "1",
             "dimension": unit,

@@ -194,12 +194,19 @@ impl TuneAnswer {
             Line::new(points.collect())
         };
         let marked = |panel: Panel| match self.recommended.filter(|value| *value > 0.0) {
-            Some(value) => panel.with(Rule::vertical(value).dashed().named("recommended")),
+            Some(value) => panel.with(
+                Rule::vertical(value)
+                    .dashed()
+                    .named("smallest sufficient value"),
+            ),
             None => panel,
         };
         let shares =
             Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
-        let unit = || Axis::linear("relative frequency (−)", (0.0, 1.0)).covering([0.0, 1.0]);
+        let unit = || {
+            Axis::linear("frequency over the material's slowest (−)", (0.0, 1.0))
+                .covering([0.0, 1.0])
+        };
         let steps = Axis::linear("c Δt / spacing (−)", (0.0, 1.0));
         let steps = steps.covering(
             self.tried
@@ -207,33 +214,29 @@ impl TuneAnswer {
                 .filter_map(|one| Some(one.measured.as_ref().ok()?.courant))
                 .chain([0.0]),
         );
-        Figure::new(format!("What {} does", self.key))
+        Figure::new(format!("Effect of {}", self.key))
             .columns(3)
             .with(marked(
-                Panel::new(
-                    "Weakest wave of the reference configuration",
-                    axis(),
-                    unit(),
-                )
-                .with(line(&|m| m.weakest).color(palette::BLUE))
-                .with(
-                    Rule::horizontal(self.thresholds.weak)
-                        .dotted()
-                        .named("strong enough"),
-                ),
+                Panel::new("Most weakly controlled mode", axis(), unit())
+                    .with(line(&|m| m.weakest).color(palette::BLUE))
+                    .with(
+                        Rule::horizontal(self.thresholds.weak)
+                            .dotted()
+                            .named("least admitted frequency"),
+                    ),
             ))
             .with(marked(
                 Panel::new("Wrong verdicts", axis(), shares)
                     .with(
                         line(&|m| 100.0 * m.fidelity.false_instability)
                             .color(palette::ORANGE)
-                            .named("falsely unstable"),
+                            .named("unstable though the material is elliptic"),
                     )
                     .with(
                         line(&|m| 100.0 * m.fidelity.suppressed_instability)
                             .color(palette::BLACK)
                             .dotted()
-                            .named("instability suppressed"),
+                            .named("stable though the material is not elliptic"),
                     ),
             ))
             .with(marked(
@@ -303,15 +306,15 @@ impl fmt::Display for TuneAnswer {
         }
         writeln!(
             formatter,
-            "  {:>10}  {:>10}  {:>8}  {:>8}  {:>10}  {:>8}  verdict",
+            "  {:>11}  {:>10}  {:>8}  {:>8}  {:>10}  {:>8}  verdict",
             "value", "zero modes", "weakest", "false", "suppressed", "Courant"
         )?;
         for one in &self.tried {
             match &one.measured {
                 Ok(m) => writeln!(
                     formatter,
-                    "  {:>10.4e}  {:>10}  {:>8.4}  {:>6.2} %  {:>8.2} %  {:>8.4}  {}",
-                    one.value,
+                    "  {:>11}  {:>10}  {:>8.4}  {:>6.2} %  {:>8.2} %  {:>8.4}  {}",
+                    crate::number::told(one.value),
                     m.zero_modes,
                     m.weakest,
                     100.0 * m.fidelity.false_instability,
@@ -329,8 +332,8 @@ impl fmt::Display for TuneAnswer {
                 )?,
                 Err(why) => writeln!(
                     formatter,
-                    "  {:>10.4e}  {}",
-                    one.value,
+                    "  {:>11}  {}",
+                    crate::number::told(one.value),
                     why.lines().next().unwrap_or_default()
                 )?,
             }

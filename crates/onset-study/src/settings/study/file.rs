@@ -6,6 +6,7 @@ use super::super::{
     error::nearest, listed, study_keys, units, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
+use crate::number::counted;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -247,9 +248,9 @@ fn range(
             None => Ok(((*low, *high), has_units)),
         },
         Some(numbers) => Err(wrong(format!(
-            "the range of {} has {} number(s); expected 2",
+            "the range of {} has {}; expected 2",
             quantity.name(),
-            numbers.len()
+            counted(numbers.len(), "number")
         ))),
         None => Err(wrong(format!(
             "the range of {} cannot be {described}",
