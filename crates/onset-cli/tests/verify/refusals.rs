@@ -182,6 +182,10 @@ fn what_a_code_cannot_compute_is_refused() {
             &format!(
                 "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal {law}"
             ),
+            "`discretization.lattice` is hexagonal; the code computes with square",
+        ),
+        (
+            "--code plain --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal",
             "blocks of a lattice along the axes",
         ),
     ];

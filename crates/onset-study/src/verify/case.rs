@@ -89,7 +89,7 @@ const TYPED: f64 = 1e-6;
 /// Half of the measured core, in spacings.
 const CORE: f64 = 9.0;
 /// How much faster than the fastest wave a signal from the rim is taken to be.
-const SAFETY: f64 = 1.5;
+const SAFETY: f64 = 2.0;
 
 impl Case {
     /// The case of a question, with the files of its deck.
@@ -128,8 +128,8 @@ impl Case {
         let (block, k) = match code.is_periodic() {
             true => periodic(&sides, question, reach)?,
             false => {
-                // Of sound, or of the shortest waves, half of whose frequency times the spacing no group is faster than.
-                let sound = problem.analysis.speed_squared().map_or(0.0, f64::sqrt);
+                // Of sound, or of the shortest waves: half of their frequency times the spacing.
+                let sound = sound(&problem, &f, &sides)?;
                 let fastest = sound.max(problem.analysis.spacing() / critical);
                 let apart = SAFETY * fastest * duration + 2.0 * reach;
                 (held(&sides, apart, reach), question.wave_vector.clone())
@@ -292,7 +292,7 @@ impl fmt::Display for Case {
             "omega^2      {:.9}",
             self.prediction.omega_squared
         )?;
-        match first.frequency == 0.0 {
+        match first.is_growth() {
             true => writeln!(
                 formatter,
                 "predicted    growth rates {:.9} and {:.9}",
@@ -357,6 +357,22 @@ fn sides(code: &dyn Code, problem: &Problem) -> Result<Vec<f64>, VerifyError> {
         .enumerate()
         .map(|(i, b)| TAU / b[i])
         .collect())
+}
+
+/// The largest speed of sound along the axes, at rest or at a state; length/time.
+fn sound(problem: &Problem, f: &DeformationGradient, sides: &[f64]) -> Result<f64, VerifyError> {
+    let mut fastest = 0.0_f64;
+    for state in [DeformationGradient::identity(), *f] {
+        let waves = problem.analysis.waves(&state)?;
+        for (axis, side) in sides.iter().enumerate() {
+            let mut k = vec![0.0; sides.len()];
+            k[axis] = side.recip();
+            let squares = waves.continuum_omega_squared(&k).into_iter();
+            let largest = squares.fold(0.0, f64::max);
+            fastest = fastest.max(largest.sqrt() * side);
+        }
+    }
+    Ok(fastest)
 }
 
 /// How far particles see each other at a state; length.

@@ -117,10 +117,13 @@ pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
 /// [`VerifyError::Fit`] for a record without a wave.
 pub fn judge(case: &Case, record: &Record) -> Result<Judgment, VerifyError> {
     let predicted = case.rate();
-    let fit = fitted(&record.samples, predicted).map_err(|source| VerifyError::Fit {
-        path: record.path.clone(),
-        source,
-    })?;
+    let fit =
+        fitted(&record.samples, case.prediction.rates.map(Complex::from)).map_err(|source| {
+            VerifyError::Fit {
+                path: record.path.clone(),
+                source,
+            }
+        })?;
     let difference = (fit.rate - predicted).norm() / predicted.norm();
     let uncertainty = fit.uncertainty / predicted.norm();
     let (outcome, reason) = outcome(case, record, &fit, difference, uncertainty);
@@ -205,8 +208,7 @@ fn outcome(
 
 impl fmt::Display for Judgment {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = self.predicted.growth.hypot(self.predicted.frequency);
-        let rate = |rate: &Rate| match rate.frequency.abs() <= 1e-12 * size {
+        let rate = |rate: &Rate| match rate.is_growth() {
             true => format!("growth rate {:.9}", rate.growth),
             false => format!(
                 "frequency {:.9}, growth rate {:+.3e}",

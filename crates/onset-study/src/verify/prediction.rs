@@ -17,6 +17,13 @@ pub struct Rate {
     pub frequency: f64,
 }
 
+impl Rate {
+    /// Whether it grows or decays without a frequency, rounding apart.
+    pub fn is_growth(&self) -> bool {
+        self.frequency.abs() <= 1e-9 * self.growth.abs()
+    }
+}
+
 impl From<Complex> for Rate {
     fn from(s: Complex) -> Self {
         Self {
