@@ -8,6 +8,7 @@ mod lammps;
 mod made;
 mod pysph;
 mod refusals;
+mod zoo;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -173,7 +173,7 @@ impl Code for UpdatedSmd {
     }
 
     fn tolerance(&self) -> f64 {
-        1e-4
+        1e-6
     }
 
     fn stepping(
