@@ -16,10 +16,10 @@ use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A folder of a test, removed in the end.
-pub struct Place(PathBuf);
+struct Place(PathBuf);
 
 impl Place {
-    pub fn new() -> Self {
+    fn new() -> Self {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("onset-verify-{}-{number}", std::process::id());
@@ -28,25 +28,25 @@ impl Place {
         Self(folder)
     }
 
-    pub fn path(&self) -> &Path {
+    fn path(&self) -> &Path {
         &self.0
     }
 
-    pub fn read(&self, name: &str) -> String {
+    fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.join(name)).expect("a file of the deck")
     }
 
-    pub fn write(&self, name: &str, text: &str) {
+    fn write(&self, name: &str, text: &str) {
         std::fs::write(self.0.join(name), text).expect("written");
     }
 
     /// The case of the deck.
-    pub fn case(&self) -> Value {
+    fn case(&self) -> Value {
         serde_json::from_str(&self.read("case.json")).expect("a document")
     }
 
     /// Changes a file of the deck, which must change.
-    pub fn edit(&self, name: &str, change: impl Fn(&str) -> String) {
+    fn edit(&self, name: &str, change: impl Fn(&str) -> String) {
         let (before, after) = (self.read(name), change(&self.read(name)));
         assert_ne!(before, after, "{name} has not changed");
         self.write(name, &after);
@@ -60,24 +60,24 @@ impl Drop for Place {
 }
 
 /// How the command ended.
-pub struct Answer {
-    pub code: Option<i32>,
-    pub stdout: String,
-    pub stderr: String,
+struct Answer {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
 }
 
 impl Answer {
-    pub fn document(&self) -> Value {
+    fn document(&self) -> Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{}", self.stderr))
     }
 
-    pub fn number(&self, name: &str) -> f64 {
+    fn number(&self, name: &str) -> f64 {
         self.document()[name].as_f64().expect("a number")
     }
 }
 
 /// `onset verify` with arguments separated by blanks, and others.
-pub fn verify(line: &str, others: &[&str]) -> Answer {
+fn verify(line: &str, others: &[&str]) -> Answer {
     let output = Command::new(env!("CARGO_BIN_EXE_onset"))
         .arg("verify")
         .args(line.split_whitespace())
@@ -96,7 +96,7 @@ fn text(path: &Path) -> &str {
 }
 
 /// A deck in a folder of its own.
-pub fn deck(line: &str) -> Place {
+fn deck(line: &str) -> Place {
     let place = Place::new();
     let answer = verify(&format!("deck {line}"), &["--out", text(place.path())]);
     assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
@@ -104,12 +104,12 @@ pub fn deck(line: &str) -> Place {
 }
 
 /// What is said of an output of a deck.
-pub fn read(place: &Place, output: &str) -> Answer {
+fn read(place: &Place, output: &str) -> Answer {
     verify("read --json", &[text(&place.path().join(output))])
 }
 
 /// Runs a deck.
-pub fn run(place: &Place, program: &Path) -> Answer {
+fn run(place: &Place, program: &Path) -> Answer {
     verify(
         "run --json",
         &[text(place.path()), "--program", text(program)],
@@ -117,7 +117,7 @@ pub fn run(place: &Place, program: &Path) -> Answer {
 }
 
 /// The program that a variable names; `None` says aloud what is not tested.
-pub fn program(variable: &str, what: &str) -> Option<PathBuf> {
+fn program(variable: &str, what: &str) -> Option<PathBuf> {
     let named = std::env::var_os(variable).map(PathBuf::from);
     if named.is_none() {
         eprintln!("note: NOT TESTED: {what}. {variable} names no program");
