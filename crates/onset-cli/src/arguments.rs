@@ -325,9 +325,9 @@ pub enum Command {
     /// It removes the spurious modes and does not mask the instability of the material.
     #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
-    /// Does a particle code do what is predicted? A wave seeded, run and measured
+    /// Does a particle code do what is predicted?
     ///
-    /// Decks, runs and readings for LAMMPS (SMD, PERI), PySPH and any other code.
+    /// A wave is seeded, run and measured: decks, runs and readings for LAMMPS (SMD, PERI), PySPH and any other code.
     #[command(after_help = VERIFY_EXAMPLES)]
     Verify {
         /// What to do.

@@ -155,7 +155,7 @@ fn what_a_code_cannot_compute_is_refused() {
             "spurious contact",
         ),
         (
-            &format!("--code lammps-smd-ulsph --wave-vector 1.0,0 {law}"),
+            &format!("--code lammps-smd-ulsph --wave-vector 1.0,0 --branch 2 {law}"),
             "whole number of wavelengths",
         ),
         (
@@ -164,7 +164,7 @@ fn what_a_code_cannot_compute_is_refused() {
         ),
         (
             &format!(
-                "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --time-step 9 {law}"
+                "--code lammps-smd-ulsph --wave-vector 1.2566370614359172,0 --branch 2 --time-step 9 {law}"
             ),
             "does not resolve the wave",
         ),
@@ -182,7 +182,7 @@ fn what_a_code_cannot_compute_is_refused() {
             &format!(
                 "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal {law}"
             ),
-            "`discretization.lattice` is hexagonal; the code computes with square",
+            "`discretization.lattice` is \"hexagonal\"; the code computes with square",
         ),
         (
             "--code plain --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal",

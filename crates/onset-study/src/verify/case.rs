@@ -120,7 +120,13 @@ impl Case {
         let critical = problem
             .analysis
             .critical_time_step(&f, Integrator::KickDriftKick)?;
-        let typed = mode(&problem, &f, &question.wave_vector, question.branch)?;
+        let typed = mode(
+            &problem,
+            &f,
+            &question.wave_vector,
+            question.branch,
+            critical,
+        )?;
         let rate = typed.0.abs().sqrt();
         let is_growing = typed.0 < 0.0;
         let (time_step, steps) = steps(question, rate, is_growing, critical);
@@ -144,7 +150,7 @@ impl Case {
                 hint: "choose fewer --steps, or a smaller --time-step".to_owned(),
             });
         }
-        let wave = mode(&problem, &f, &k, question.branch)?;
+        let wave = mode(&problem, &f, &k, question.branch, critical)?;
         let prediction = predicted(&problem, &f, &k, wave, stepping, time_step)?;
         let amplitude = if is_growing { 1e-7 } else { 1e-6 };
         let settings = serde_json::to_value(problem.settings.effective());

@@ -52,7 +52,8 @@ pub struct Prediction {
     pub stepping: Stepping,
 }
 
-/// Imaginary parts of what should be real may be this share of the largest entry: rounding.
+/// Imaginary parts of what should be real, and `omega^2` of what should be at rest, may be this share of the largest `omega^2` of all waves:
+/// rounding.
 const ROUNDING: f64 = 1e-10;
 /// The discrete rate may differ from that of the equations by this share.
 const RESOLVED: f64 = 0.3;
@@ -74,12 +75,14 @@ pub(super) fn matrix(
     Ok(matrix.map(|z| z.re))
 }
 
-/// The mode with a number, counted from 1 by increasing `omega^2`: `omega^2`, and the polarization.
+/// The mode with a number, counted from 1 by increasing `omega^2`: `omega^2`, and the polarization. `critical` is the largest stable step,
+/// which tells the largest `omega^2`.
 pub(super) fn mode(
     problem: &Problem,
     f: &DeformationGradient,
     k: &[f64],
     number: usize,
+    critical: f64,
 ) -> Result<(f64, Vec<f64>), VerifyError> {
     let matrix = matrix(problem, f, k)?;
     let values = problem.analysis.waves(f)?.omega_squared(k);
@@ -92,14 +95,14 @@ pub(super) fn mode(
             ),
         });
     };
-    let largest = matrix.amax();
+    let largest = 4.0 / (critical * critical);
     if value.im.abs() > ROUNDING * largest {
         return Err(VerifyError::Wave {
             what: "this wave flutters: its omega^2 is complex".to_owned(),
             hint: "choose another --branch or --wave-vector".to_owned(),
         });
     }
-    if value.re.abs() <= ROUNDING.sqrt() * largest {
+    if value.re.abs() <= ROUNDING * largest {
         return Err(VerifyError::Wave {
             what: "this wave has zero energy: there is no rate to measure".to_owned(),
             hint: "choose another --branch or --wave-vector, or a stabilization other than 0"
