@@ -192,7 +192,7 @@ fn every_mutant_is_flagged() {
         ),
         (
             TENSION.to_owned(),
-            format!("{TENSION} --set discretization.momentum=difference"),
+            format!("{TENSION} --set discretization.kernel=cubic-spline"),
         ),
         (
             TENSION.to_owned(),
