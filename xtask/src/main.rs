@@ -1,4 +1,4 @@
-//! Tasks of the workspace: `cargo xtask test`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
+//! Tasks of the workspace: `cargo xtask test`, `verify`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
 
 mod bench;
 mod fortran;
@@ -6,6 +6,7 @@ mod hunt;
 mod python;
 mod readme;
 mod timings;
+mod verify;
 
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
@@ -94,6 +95,9 @@ fn main() -> ExitCode {
             let arguments: Vec<String> = std::env::args().skip(2).collect();
             reported(hunt::run(&arguments))
         }
+        Some("verify") => reported(verify::run(
+            std::env::args().nth(2).as_deref() == Some("--all"),
+        )),
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -103,7 +107,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -115,8 +119,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// All that must hold, with an interpreter for the tests that open results in Python and a compiler for those that run user
-/// materials in Fortran.
+/// All that must hold, with an interpreter for the tests that open results in Python, a compiler for those that run user
+/// materials in Fortran, and LAMMPS for those that see predicted waves in it.
 fn test() -> bool {
     let requirements = Path::new("crates/onset-cli/tests/python/requirements.txt");
     let interpreter = match python::environment("test", requirements) {
@@ -126,17 +130,28 @@ fn test() -> bool {
             return false;
         }
     };
-    match fortran::compiler() {
-        Ok(compiler) => run(
-            TEST,
-            &[("ONSET_PYTHON", &interpreter), ("ONSET_FORTRAN", &compiler)],
-        ),
-        Err(error) => {
-            let done = run(&without_fortran(), &[("ONSET_PYTHON", &interpreter)]);
-            eprintln!("== NOT TESTED: user materials. {error}");
-            done
-        }
+    let mut tools = vec![("ONSET_PYTHON", interpreter)];
+    let lammps = verify::lammps();
+    if let Ok(program) = &lammps {
+        tools.push(("ONSET_LAMMPS", program.clone()));
     }
+    let fortran = fortran::compiler();
+    let steps = match &fortran {
+        Ok(compiler) => {
+            tools.push(("ONSET_FORTRAN", compiler.clone()));
+            TEST.to_vec()
+        }
+        Err(_) => without_fortran(),
+    };
+    let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
+    let done = run(&steps, &tools);
+    if let Err(error) = fortran {
+        eprintln!("== NOT TESTED: user materials. {error}");
+    }
+    if let Err(error) = lammps {
+        eprintln!("== NOT TESTED: predictions against LAMMPS. {error}");
+    }
+    done
 }
 
 /// All that can be tested on a machine that has no Fortran compiler and cannot get one.

@@ -9,6 +9,7 @@ use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
+use onset_study::verify::Stepping;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -126,6 +127,13 @@ const RECOMMEND_EXAMPLES: &str = "Examples:
   onset recommend --set material.model=blatz-ko --stretches 0.8,1.6
   onset recommend --dimension 3 --weak 0.2
   onset recommend comparisons/methods-2d.toml --out results";
+const VERIFY_EXAMPLES: &str = "Examples:
+  onset verify deck --code lammps-smd-tlsph --wave-vector 3.141592654,3.141592654 \\
+      --set material.young=1 --set material.poisson=0.3 --set discretization.support=2.01 --set discretization.penalty=1 --out deck
+  onset verify run deck --program ENVIRONMENT/bin/lmp
+  onset verify read deck/wave.dump --json
+
+Exit codes of run and read: 0 agrees, 1 differs, 3 undecided, 2 the input is wrong.";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -348,6 +356,15 @@ pub enum Command {
     /// It removes the spurious modes and does not mask the instability of the material.
     #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
+    /// Does a particle code do what is predicted?
+    ///
+    /// A wave is seeded, run and measured: decks, runs and readings for LAMMPS (SMD, PERI), PySPH and any other code.
+    #[command(after_help = VERIFY_EXAMPLES)]
+    Verify {
+        /// What to do.
+        #[command(subcommand)]
+        task: VerifyTask,
+    },
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
     /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
@@ -428,6 +445,84 @@ pub struct ThresholdArguments {
     /// Verdicts may be wrong on this share of the window of states.
     #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
+}
+
+/// Acceptance tests of a particle code.
+#[derive(Debug, Subcommand)]
+pub enum VerifyTask {
+    /// Write a deck: one predicted wave, seeded as velocities
+    #[command(after_help = VERIFY_EXAMPLES, after_long_help = with_keys(VERIFY_EXAMPLES, &keys()))]
+    Deck(Box<DeckArguments>),
+    /// Run a deck where the code is installed, and read it
+    Run {
+        /// The folder of the deck.
+        deck: PathBuf,
+        /// The program that runs it [default: lmp, or python3 for PySPH].
+        #[arg(long, value_name = "PATH")]
+        program: Option<PathBuf>,
+    },
+    /// Read an output: does the measured rate agree with the predicted one?
+    Read {
+        /// The output, or the folder of the deck.
+        output: PathBuf,
+        /// The case of the deck [default: case.json beside the output].
+        #[arg(long, value_name = "FILE")]
+        case: Option<PathBuf>,
+    },
+    /// The codes with their dialects: their choices, and how they deviate from the papers
+    Codes,
+}
+
+/// A deck.
+#[derive(Debug, Args)]
+pub struct DeckArguments {
+    /// The code: lammps-smd-tlsph, lammps-smd-ulsph, lammps-peri, pysph, or plain for any other.
+    #[arg(long, value_name = "NAME")]
+    pub code: String,
+    /// The problem. What the code has settled need not be set.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// Principal stretches along the axes [default: those of the study].
+    #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
+    pub stretch: Option<String>,
+    /// Reference wave vector, for example 3.141592654,0 (in units of 1/length).
+    #[arg(long, value_name = "K1,K2", allow_hyphen_values = true)]
+    pub wave_vector: String,
+    /// Which of its waves, counted from 1 by increasing omega^2.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub branch: usize,
+    /// Time step [default: what resolves the wave well].
+    #[arg(long, value_name = "DT", value_parser = positive)]
+    pub time_step: Option<f64>,
+    /// Time steps [default: most of a period, or four e-foldings].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=1_000_000))]
+    pub steps: Option<u32>,
+    /// The relative difference of rates that counts as agreement [default: what the code has been seen to keep].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub tolerance: Option<f64>,
+    /// How the code takes a time step, with --code plain: velocity-verlet, extrapolated-stress, late-density or late-acceleration
+    /// [default: velocity-verlet].
+    #[arg(long, value_name = "NAME", value_parser = stepping)]
+    pub stepping: Option<Stepping>,
+    /// Folder for the deck and its case.json.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// A positive number as typed.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a positive number, for example 0.05".to_owned()),
+    }
+}
+
+fn stepping(text: &str) -> Result<Stepping, String> {
+    let known = Stepping::ALL.into_iter().find(|own| own.name() == text);
+    known.ok_or_else(|| {
+        let names = Stepping::ALL.map(Stepping::name);
+        format!("available are {}", names.join(", "))
+    })
 }
 
 /// What to draw of which stores.

@@ -9,10 +9,11 @@ mod localize;
 mod modes;
 mod plot;
 mod tune;
+mod verify;
 
 use crate::arguments::{
     Arguments, Command, CourseArguments, ProblemArguments, StrainArguments, ThresholdArguments,
-    TrustArguments,
+    TrustArguments, VerifyTask,
 };
 use crate::fail_on::FailOn;
 use crate::printing::{self, Format, print_text};
@@ -163,6 +164,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Tune(arguments) => tune::tune(&arguments),
         Command::Recommend(arguments) => compare::recommend(&arguments),
         Command::Plot(arguments) => plot::plot(&arguments),
+        Command::Verify { task } => verify::verify(&task),
         Command::Reproduce { out } => reproduce(&out),
     }
 }
@@ -179,6 +181,12 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),
         Command::Check { .. } => Some("looking at states"),
+        Command::Verify {
+            task: VerifyTask::Deck(_),
+        } => Some("computing waves"),
+        Command::Verify {
+            task: VerifyTask::Run { .. },
+        } => Some("running the deck"),
         _ => None,
     }
 }

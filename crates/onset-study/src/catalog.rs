@@ -551,6 +551,23 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "penalty-forms",
+        "discretization.penalty-form",
+        &[
+            (
+                "published",
+                "along each bond -alpha/2 E V_I V_J W_IJ / X_IJ^2 (delta_I + delta_J), delta_I = (F_I X_IJ - x_IJ).x_IJ / |x_IJ|",
+                "Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87",
+            ),
+            (
+                "smd",
+                "the same with alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h), R and r the reference and the current length of \
+                 the bond, h = R0; the coefficient is the hourglass amplitude hg",
+                "LAMMPS, pair_smd_tlsph.cpp",
+            ),
+        ],
+    ),
+    (
         "viscosities",
         "discretization.viscosity-switch",
         &[

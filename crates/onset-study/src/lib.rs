@@ -27,5 +27,6 @@ pub mod settings;
 pub mod shell;
 pub mod store;
 pub mod tune;
+pub mod verify;
 
 pub use onset::verdict::Verdict;

@@ -117,6 +117,7 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         radius: radius(choices),
         corrected: settings.method.corrected,
         penalty: settings.method.penalty,
+        penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),
         velocity_smoothing: settings.method.velocity_smoothing,
     }

@@ -18,6 +18,7 @@ fn every_command_explains_itself() {
         "card",
         "audit",
         "umat-utilities",
+        "verify",
         "schema",
         "completions",
         "man",

@@ -21,6 +21,6 @@ pub use diagram::{Corner, CriticalWave, DensityOfStates, Diagram};
 pub use dispersion::{DispersionAnswer, Waves};
 pub use notes::{notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
-pub use problem::{Problem, ProblemError, Strain};
+pub use problem::{Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
 pub use summary::{AxisSummary, StudySummary};

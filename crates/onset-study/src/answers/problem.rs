@@ -227,8 +227,11 @@ impl Strain {
     }
 }
 
-/// A list of finite numbers separated by commas.
-pub(super) fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError> {
+/// A list of finite numbers separated by commas; `what` is the argument, for messages.
+///
+/// # Errors
+/// [`ProblemError`] for what is no finite number.
+pub fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError> {
     let number = |item: &str| {
         let value: f64 = item.trim().parse().map_err(|_| ProblemError::NotANumber {
             what,

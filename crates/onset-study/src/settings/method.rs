@@ -7,7 +7,7 @@ use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
-use onset::scheme::stabilization::{SmoothedMotion, ViscositySwitch};
+use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, ViscositySwitch};
 use onset::scheme::{Calibration, GridFunctions, GridMass, Influence, PartialVolumes, PointLayout};
 use serde::{Deserialize, Serialize};
 
@@ -93,6 +93,8 @@ pub struct MethodSettings {
     pub density_evolution: DensityEvolution,
     /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
     pub penalty: f64,
+    /// Total-Lagrangian SPH: how the penalty is written.
+    pub penalty_form: PenaltyForm,
     /// SPH: linear coefficient of artificial viscosity; zero without.
     pub viscosity: f64,
     /// SPH: when artificial viscosity acts, and with which lengths.
@@ -159,6 +161,7 @@ impl Default for MethodSettings {
             momentum: MomentumForm::Symmetric,
             density_evolution: DensityEvolution::Continuity,
             penalty: 0.0,
+            penalty_form: PenaltyForm::Published,
             viscosity: 0.0,
             viscosity_switch: ViscositySwitch::Averaged,
             artificial_stress: 0.0,
@@ -237,6 +240,7 @@ pub(super) const APPROXIMATED: Cases = &[&[is(METHOD, &["kernel", "conforming"])
 const SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph", "updated-sph"])]];
 const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
 const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
+const PENALIZED: Cases = &[&[is_not("discretization.penalty", &["0"])]];
 const UPDATED_SPH: Cases = &[&[is(METHOD, &["updated-sph"])]];
 const ARTIFICIALLY_STRESSED: Cases = &[&[is_not("discretization.artificial-stress", &["0"])]];
 const SMOOTHED: Cases = &[&[
@@ -296,6 +300,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "total-Lagrangian SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller)",
     )
     .only_with(TOTAL_SPH),
+    key(
+        "discretization.penalty-form",
+        Kind::Words(&["published", "smd"]),
+        "total-Lagrangian SPH: the penalty as it was published, or with the regularized denominators of LAMMPS' SMD, whose hourglass \
+         amplitude is then the coefficient",
+    )
+    .only_with(PENALIZED),
     key(
         "discretization.viscosity",
         Kind::Number("1"),

@@ -25,6 +25,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         "total-lagrangian-sph",
         &[
             &[],
+            &["penalty=0.4"],
             &["viscosity=0.5"],
             &["cells=2", "perturbation=0.05"],
             &["lattice=rectangular", "aspect=1.1"],

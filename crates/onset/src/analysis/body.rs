@@ -197,6 +197,15 @@ impl<const D: usize> Analysis for Body<D> {
         }))
     }
 
+    fn carried(
+        &self,
+        f: &DeformationGradient,
+        k: &[f64],
+    ) -> Result<Option<DMatrix<Complex>>, MethodError> {
+        let carried = self.discretization.carried(&*self.material, f)?;
+        Ok(carried.map(|system| system.dynamical_matrix_at(&vector(k))))
+    }
+
     fn gradient_norm(
         &self,
         f: &DeformationGradient,

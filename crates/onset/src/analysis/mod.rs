@@ -113,6 +113,17 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] when material or method cannot be evaluated there.
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError>;
 
+    /// The part of `D(k)` by what particles carry along, positions held; see
+    /// [`Discretization::carried`](crate::scheme::Discretization::carried). 1/time^2.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn carried(
+        &self,
+        f: &DeformationGradient,
+        k: &[f64],
+    ) -> Result<Option<DMatrix<Complex>>, MethodError>;
+
     /// The squared norm of the discrete gradient of a wave over that of the exact one, where the method tells it.
     ///
     /// # Errors

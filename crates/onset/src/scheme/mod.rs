@@ -164,6 +164,21 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(false)
     }
 
+    /// The part of the waves at a state by what particles carry along with them: deformation gradients and densities follow the wave,
+    /// positions are held. Codes that integrate stress or density in time follow this part by velocities and the rest of it by
+    /// positions, which differ once time is discrete; see [`Stepping`](crate::time_step::Stepping). `None` where the method does
+    /// not tell the two apart.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn carried(
+        &self,
+        _material: &dyn Hyperelastic,
+        _f: &DeformationGradient,
+    ) -> Result<Option<WaveSystem<D>>, MethodError> {
+        Ok(None)
+    }
+
     /// Whether forces never depend on velocities.
     fn is_undamped(&self) -> bool {
         false

@@ -5,8 +5,10 @@
 //! circle than solutions of the equations themselves grow: what grows anyway needs no step, what does not must not.
 
 mod amplification;
+mod stepping;
 
 pub use amplification::{Amplification, critical_time_step, critical_time_step_at};
+pub use stepping::Stepping;
 
 /// Explicit integrators.
 ///

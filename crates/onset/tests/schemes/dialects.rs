@@ -20,7 +20,9 @@ use onset::scheme::element::{
 use onset::scheme::sph::{
     DensityEvolution, MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSphChoices,
 };
-use onset::scheme::stabilization::{ArtificialViscosity, SmoothedMotion, ViscositySwitch};
+use onset::scheme::stabilization::{
+    ArtificialViscosity, PenaltyForm, SmoothedMotion, ViscositySwitch,
+};
 use std::f64::consts::PI;
 
 const DENSITY: f64 = 1.3;
@@ -513,4 +515,111 @@ fn hourglass_control_of_radioss_is_viscous_in_the_plane() {
         matches!(refused, MethodError::Incompatible { .. }),
         "{refused}"
     );
+}
+
+#[test]
+fn the_penalty_of_smd_is_that_of_its_regularized_denominators() {
+    // Particles that alternate in sign strain nothing, so that the penalty alone resists: each bond between opposite ones moves apart by
+    // 2 u, once for either end.
+    let (hourglass, young, poisson) = (1.7, 2.1, 0.3);
+    let material = saint_venant_kirchhoff(
+        young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
+        0.5 * young / (1.0 + poisson),
+    );
+    let scheme = TotalLagrangianSph::new(
+        crystal::<2>(LatticeKind::Square),
+        TotalLagrangianChoices {
+            density: DENSITY,
+            radius: RADIUS,
+            penalty: hourglass,
+            penalty_form: PenaltyForm::Smd,
+            ..TotalLagrangianChoices::default()
+        },
+    )
+    .expect("a scheme");
+    let state = DeformationGradient::identity();
+    let system = scheme.waves(&*material, &state).expect("a state");
+    let mut expected = 0.0;
+    for (x, y) in (-2..=2).flat_map(|x| (-2..=2).map(move |y| (f64::from(x), f64::from(y)))) {
+        let r = x.hypot(y);
+        if (x + y) % 2.0 != 0.0 && r < RADIUS {
+            let h = RADIUS;
+            let denominators = (r * r + 0.01 * h * h) * (r + 0.1 * h) * (r + 0.01 * h);
+            expected += hourglass * young * kernel(r)[0] / denominators * x * x;
+        }
+    }
+    let matrix = system.dynamical_matrix_at(&Vector2::new(PI, PI));
+    assert!(
+        (matrix[(0, 0)].re / (expected / DENSITY) - 1.0).abs() < 1e-12,
+        "{matrix}"
+    );
+    // What particles carry along is the stress, which does not see it.
+    let carried = scheme
+        .carried(&*material, &state)
+        .expect("a state")
+        .expect("told apart");
+    assert!(carried.dynamical_matrix_at(&Vector2::new(PI, PI)).camax() < 1e-12);
+    let k = Vector2::new(0.7, -1.3);
+    let penalized = system.dynamical_matrix_at(&k) - carried.dynamical_matrix_at(&k);
+    assert!(penalized.camax() > 1e-3);
+}
+
+#[test]
+fn what_is_not_carried_along_is_the_stress_on_kernels_that_move() {
+    let entries = [[1.08, 0.1], [-0.04, 0.95]];
+    let f = DeformationGradient::plane_strain(entries, 1.0).expect("a state");
+    let map = Matrix2::new(1.08, 0.1, -0.04, 0.95);
+    let material = ModifiedMooneyRivlin::default();
+    let scheme = updated(
+        crystal::<2>(LatticeKind::Square),
+        UpdatedSphChoices {
+            density: DENSITY,
+            radius: RADIUS,
+            momentum: MomentumForm::Mean,
+            density_evolution: DensityEvolution::Continuity,
+            ..UpdatedSphChoices::default()
+        },
+    );
+    let stress = material.response(&f).expect("a state").cauchy();
+    let stress = Matrix2::new(
+        stress[(0, 0)],
+        stress[(0, 1)],
+        stress[(1, 0)],
+        stress[(1, 1)],
+    );
+    let current = DENSITY / map.determinant();
+    let carried = scheme
+        .carried(&material, &f)
+        .expect("a state")
+        .expect("told apart");
+    let whole = waves(&scheme, &f);
+    for k in [
+        Vector2::new(0.7, -1.3),
+        Vector2::new(PI, 0.0),
+        Vector2::new(2.1, 2.6),
+    ] {
+        // -2 m/rho^2 s sum (1 - cos k.X) grad grad W, with densities and stresses as they are.
+        let mut positions = Matrix2::zeros();
+        for (x, y) in (-4..=4).flat_map(|x| (-4..=4).map(move |y| (f64::from(x), f64::from(y)))) {
+            let reference = Vector2::new(x, y);
+            let vector = map * reference;
+            let r = vector.norm();
+            if r == 0.0 || r >= RADIUS {
+                continue;
+            }
+            let (step, along) = (1e-5, vector / r);
+            let second = (kernel(r + step)[1] - kernel(r - step)[1]) / (2.0 * step);
+            let plane = along * along.transpose();
+            let hessian = plane * second + (Matrix2::identity() - plane) * (kernel(r)[1] / r);
+            positions += hessian * (1.0 - k.dot(&reference).cos());
+        }
+        let expected = stress * positions * (-2.0 * DENSITY / (current * current));
+        let found = whole.dynamical_matrix_at(&k) - carried.dynamical_matrix_at(&k);
+        for i in 0..2 {
+            for j in 0..2 {
+                let error = (found[(i, j)].re - expected[(i, j)]).abs();
+                assert!(error < 1e-7 * (1.0 + expected.amax()), "{found} {expected}");
+            }
+        }
+    }
 }

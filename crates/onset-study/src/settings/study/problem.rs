@@ -1,6 +1,8 @@
 //! One material and one discretization out of a study, for questions about single states.
 
-use super::super::{Key, MaterialSettings, Origin, Quantity, SettingError, Settings, units};
+use super::super::{
+    Key, MaterialSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value, units,
+};
 use super::{Study, file};
 
 impl Settings {
@@ -26,6 +28,60 @@ impl Settings {
         })?;
         settings.check(open)?;
         Ok(settings)
+    }
+}
+
+impl Settings {
+    /// Material, discretization and state of a study file, changed by assignments, for a code that computes in one way: `dialect` are the
+    /// keys that this settles with their values. Who sets one of them must set the same.
+    ///
+    /// # Errors
+    /// [`SettingError`] as for [`Settings::of_file`], and for a key of the dialect that is set to something else.
+    pub fn of_dialect<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        dialect: &[(&'static str, &'static str)],
+        assignments: &[S],
+    ) -> Result<(Self, StateSettings), SettingError> {
+        let study = file::read(name, text)?;
+        let mut settings = study.settings.clone();
+        for assignment in assignments {
+            settings.assign(assignment.as_ref())?;
+        }
+        for (name, word) in dialect {
+            settings.follow(name, word)?;
+        }
+        study.check_nothing_is_left_open(|key| settings.origin(key.name).is_some())?;
+        settings.check(&[])?;
+        Ok((settings, study.state))
+    }
+
+    /// Sets a key of a dialect where it is read and not set yet.
+    fn follow(&mut self, name: &'static str, word: &str) -> Result<(), SettingError> {
+        let Some(key) = Key::named(name).filter(|key| self.unmet(key).is_none()) else {
+            return Ok(());
+        };
+        let mut meant = self.clone();
+        meant.set(
+            name,
+            &Value::typed(word, Some(key.kind)),
+            Origin::Combination,
+        )?;
+        let Some(origin) = self.origin(name) else {
+            *self = meant;
+            return Ok(());
+        };
+        if self.value(name) == meant.value(name) {
+            return Ok(());
+        }
+        let set = self
+            .value(name)
+            .map_or(String::new(), |value| value.to_string());
+        Err(SettingError::new(
+            origin.clone(),
+            format!("`{name}` is {set}; the code computes with {word}"),
+        )
+        .hint(format!("leave `{name}` out ({})", key.meaning)))
     }
 }
 

@@ -18,6 +18,8 @@ pub(super) struct Surroundings<'a, const D: usize> {
     pub(super) density_evolution: DensityEvolution,
     pub(super) reference_density: f64,
     pub(super) repulsion: Option<Repulsion>,
+    /// Whether positions stay where they are, so that only what particles carry along follows a displacement.
+    pub(super) holds_positions: bool,
 }
 
 /// What a particle sees of the others of its interaction, by their numbers in it: itself first.
@@ -96,6 +98,9 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let surroundings = self.surroundings;
         let position = |(number, x): (usize, &[f64; D])| -> [R; D] {
+            if surroundings.holds_positions {
+                return x.map(R::constant);
+            }
             let shift = self.shift(number, motion.displacements);
             std::array::from_fn(|i| shift[i] + x[i])
         };

@@ -3,7 +3,7 @@
 use super::super::lagrangian::{LagrangianPoint, forces_at_rest, strains, stressed};
 use super::super::layout::{Layout, assert_positive};
 use super::super::stabilization::{
-    ArtificialViscosity, BondPenalty, Compliance, Slope, ViscousBond, ViscousScales,
+    ArtificialViscosity, BondPenalty, Compliance, PenaltyForm, Slope, ViscousBond, ViscousScales,
     assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
@@ -37,6 +37,8 @@ pub struct TotalLagrangianChoices {
     pub corrected: bool,
     /// The coefficient `alpha` of the zero-energy-mode penalty; zero without.
     pub penalty: f64,
+    /// How the penalty is written.
+    pub penalty_form: PenaltyForm,
     /// Artificial viscosity.
     pub viscosity: Option<ArtificialViscosity>,
     /// The coefficient `epsilon` of XSPH; zero without.
@@ -51,6 +53,7 @@ impl Default for TotalLagrangianChoices {
             radius: 2.0,
             corrected: true,
             penalty: 0.0,
+            penalty_form: PenaltyForm::Published,
             viscosity: None,
             velocity_smoothing: 0.0,
         }
@@ -154,7 +157,8 @@ impl<const D: usize> TotalLagrangianSph<D> {
     ) -> Vec<BondPenalty<'a, D>> {
         let volumes = self.crystal.volumes();
         let penalty = |(neighborhood, point): (&Neighborhood<D>, &LagrangianPoint<D>)| {
-            let factor = 0.5 * self.choices.penalty * point.volume();
+            let form = self.choices.penalty_form;
+            let factor = 0.5 * form.coefficient(self.choices.penalty) * point.volume();
             let bonds = neighborhood.particles.iter().zip(&neighborhood.vectors);
             let weights = bonds
                 .zip(&neighborhood.weights)
@@ -166,6 +170,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
                 neighborhood.vectors.clone(),
                 point.gradients().iter().map(|b| (*b).into()).collect(),
                 weights.collect(),
+                form.offsets(self.choices.radius),
                 response,
             )
         };
@@ -235,6 +240,19 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
             &densities,
             weights,
         )))
+    }
+
+    fn carried(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<WaveSystem<D>>, MethodError> {
+        // Kernels and bonds of material coordinates do not move: the stress follows the deformation gradients, and the penalty, which
+        // measures the distances themselves, the positions.
+        let points = stressed(&self.points, material, f)?;
+        let points: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
+        let masses = lumped_masses(&self.crystal, self.choices.density);
+        linearized(&self.crystal, Mass::Lumped(masses), &points).map(Some)
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {

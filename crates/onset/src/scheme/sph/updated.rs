@@ -236,6 +236,7 @@ impl<const D: usize> UpdatedSph<D> {
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
+        holds_positions: bool,
         work: impl FnOnce(&State<D>, &[SphInteraction<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
         let state = self.state(f)?;
@@ -247,6 +248,7 @@ impl<const D: usize> UpdatedSph<D> {
             density_evolution: self.choices.density_evolution,
             reference_density: self.choices.density,
             repulsion: self.repulsion(&state.layout, &response),
+            holds_positions,
         };
         let sites = 0..self.crystal.sites().len();
         let mut interactions: Vec<SphInteraction<'_, D>> = sites
@@ -396,7 +398,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let epsilon = self.choices.velocity_smoothing;
-        self.with_interactions(material, f, |state, interactions| {
+        self.with_interactions(material, f, false, |state, interactions| {
             let mass = Mass::Lumped(self.masses.clone());
             let system = linearized(&self.crystal, mass, interactions)?;
             // Positions that alone follow smoothed velocities are shifted where forces are computed.
@@ -409,6 +411,21 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
             let drift = smoothed_velocities(&self.crystal, epsilon, masses, densities, pairs);
             Ok(system.with_drift(drift))
         })?
+    }
+
+    fn carried(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<WaveSystem<D>>, MethodError> {
+        self.with_interactions(material, f, true, |_, interactions| {
+            linearized(
+                &self.crystal,
+                Mass::Lumped(self.masses.clone()),
+                interactions,
+            )
+        })?
+        .map(Some)
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
@@ -428,7 +445,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        self.with_interactions(material, f, |_, interactions| {
+        self.with_interactions(material, f, false, |_, interactions| {
             forces_at_rest(patch, interactions, displacements)
         })
     }

@@ -16,6 +16,7 @@ pub use artificial_stress::ArtificialStress;
 pub use viscosity::{ArtificialViscosity, ViscositySwitch};
 
 pub(super) use artificial_stress::Repulsion;
+pub use penalty::PenaltyForm;
 pub(super) use penalty::{BondPenalty, Compliance};
 pub use velocity_smoothing::SmoothedMotion;
 pub(super) use velocity_smoothing::{smoothed_velocities, smoothing_share};

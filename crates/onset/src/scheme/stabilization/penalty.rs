@@ -8,6 +8,54 @@ use crate::material::{Hyperelastic, MaterialError};
 use crate::real::Real;
 use nalgebra::{Matrix6, Vector6};
 
+/// How the zero-energy-mode penalty is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum PenaltyForm {
+    /// As Ganzenmueller published it, with the coefficient `alpha`.
+    Published,
+    /// As LAMMPS' SMD computes it: the coefficient is its hourglass amplitude `hg`, with which
+    /// `alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)` for bonds of reference length `R` and current length `r` and the
+    /// support radius `h`: denominators that cannot vanish weaken it, by more than half for nearest neighbors.
+    Smd,
+}
+
+/// Lengths that are added to those of bonds in the denominators of the penalty: squared to the reference length, and to the current
+/// length in either factor of its square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) struct Offsets {
+    reference_squared: f64,
+    current: [f64; 2],
+}
+
+impl PenaltyForm {
+    /// The `alpha` of a coefficient, denominators apart.
+    pub(in super::super) fn coefficient(self, given: f64) -> f64 {
+        match self {
+            Self::Published => given,
+            Self::Smd => 0.5 * given,
+        }
+    }
+
+    /// What is added in the denominators with a support radius.
+    pub(in super::super) fn offsets(self, radius: f64) -> Offsets {
+        match self {
+            Self::Published => Offsets {
+                reference_squared: 0.0,
+                current: [0.0; 2],
+            },
+            Self::Smd => Offsets {
+                reference_squared: 0.01 * radius * radius,
+                current: [0.1 * radius, 0.01 * radius],
+            },
+        }
+    }
+}
+
 /// The forces along the bonds of a particle by which its deformation gradient misses them:
 ///
 /// `f_J = -f_I = c_J delta_J x_IJ / |x_IJ|`, `delta_J = (F_I X_IJ - x_IJ) . x_IJ / |x_IJ|`, `c_J = alpha/2 E V_I V_J W_IJ / |X_IJ|^2`
@@ -22,6 +70,7 @@ pub(in super::super) struct BondPenalty<'a, const D: usize> {
     gradients: Vec<[f64; D]>,
     /// `c_J`; force/length.
     stiffness: Vec<f64>,
+    offsets: Offsets,
     response: &'a PointResponse<'a, D>,
 }
 
@@ -32,12 +81,16 @@ impl<'a, const D: usize> BondPenalty<'a, D> {
         vectors: Vec<[f64; D]>,
         gradients: Vec<[f64; D]>,
         weights: Vec<f64>,
+        offsets: Offsets,
         response: &'a PointResponse<'a, D>,
     ) -> Self {
         let squared = |x: &[f64; D]| x.iter().map(|component| component * component).sum::<f64>();
         let both = weights.iter().zip(&vectors);
         Self {
-            stiffness: both.map(|(weight, x)| weight / squared(x)).collect(),
+            stiffness: both
+                .map(|(weight, x)| weight / (squared(x) + offsets.reference_squared))
+                .collect(),
+            offsets,
             particles,
             vectors,
             gradients,
@@ -66,7 +119,11 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
                 |a: &[R; D], b: &[R; D]| (0..D).fold(R::constant(0.0), |sum, i| sum + a[i] * b[i]);
             // F_I X_IJ - x_IJ, without the homogeneous part that both have.
             let error: [R; D] = std::array::from_fn(|i| missed[i] - relative[i]);
-            let along = dot(&error, &x) / dot(&x, &x) * self.stiffness[j];
+            // |x|^2, each factor with its offset.
+            let length = dot(&x, &x).sqrt();
+            let [first, second] = self.offsets.current;
+            let squared = (length + first) * (length + second);
+            let along = dot(&error, &x) / squared * self.stiffness[j];
             for i in 0..D {
                 let force = x[i] * along;
                 forces[j][i] = forces[j][i] + force;

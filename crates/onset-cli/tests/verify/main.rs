@@ -1,0 +1,126 @@
+//! `onset verify`: what it says of runs that are right, wrong, noisy, cut off, or of another study.
+//!
+//! `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
+//! themselves, where the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask test` and
+//! `cargo xtask verify --all` install them.
+
+mod lammps;
+mod made;
+mod pysph;
+mod refusals;
+mod zoo;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A folder of a test, removed in the end.
+struct Place(PathBuf);
+
+impl Place {
+    fn new() -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("onset-verify-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).expect("a folder");
+        Self(folder)
+    }
+
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.join(name)).expect("a file of the deck")
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.0.join(name), text).expect("written");
+    }
+
+    /// The case of the deck.
+    fn case(&self) -> Value {
+        serde_json::from_str(&self.read("case.json")).expect("a document")
+    }
+
+    /// Changes a file of the deck, which must change.
+    fn edit(&self, name: &str, change: impl Fn(&str) -> String) {
+        let (before, after) = (self.read(name), change(&self.read(name)));
+        assert_ne!(before, after, "{name} has not changed");
+        self.write(name, &after);
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// How the command ended.
+struct Answer {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+impl Answer {
+    fn document(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{}", self.stderr))
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        self.document()[name].as_f64().expect("a number")
+    }
+}
+
+/// `onset verify` with arguments separated by blanks, and others.
+fn verify(line: &str, others: &[&str]) -> Answer {
+    let output = Command::new(env!("CARGO_BIN_EXE_onset"))
+        .arg("verify")
+        .args(line.split_whitespace())
+        .args(others)
+        .output()
+        .expect("the command starts");
+    Answer {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+/// A deck in a folder of its own.
+fn deck(line: &str) -> Place {
+    let place = Place::new();
+    let answer = verify(&format!("deck {line}"), &["--out", text(place.path())]);
+    assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
+    place
+}
+
+/// What is said of an output of a deck.
+fn read(place: &Place, output: &str) -> Answer {
+    verify("read --json", &[text(&place.path().join(output))])
+}
+
+/// Runs a deck.
+fn run(place: &Place, program: &Path) -> Answer {
+    verify(
+        "run --json",
+        &[text(place.path()), "--program", text(program)],
+    )
+}
+
+/// The program that a variable names; `None` says aloud what is not tested.
+fn program(variable: &str, what: &str) -> Option<PathBuf> {
+    let named = std::env::var_os(variable).map(PathBuf::from);
+    if named.is_none() {
+        eprintln!("note: NOT TESTED: {what}. {variable} names no program");
+    }
+    named
+}

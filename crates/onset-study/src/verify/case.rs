@@ -1,0 +1,465 @@
+//! A case: one wave of one state, and all that its output is read with.
+
+use super::prediction::{mode, predicted};
+use super::{Block, Code, Deck, Prediction, VerifyError};
+use crate::answers::{Problem, ProblemError};
+use crate::json;
+use crate::number::{exact, vector};
+use crate::output::{Files, text};
+use crate::settings::{Family, Settings};
+use onset::algebra::Complex;
+use onset::kinematics::DeformationGradient;
+use onset::time_step::{Integrator, Stepping};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::f64::consts::TAU;
+use std::fmt;
+use std::path::Path;
+
+/// The file of a case, beside its deck.
+pub const CASE_FILE: &str = "case.json";
+
+/// What case files say of themselves.
+const FORMAT: &str = "onset verify 1";
+
+/// The wave that is asked for, and for how long it is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// Stretches along the axes.
+    pub stretches: [f64; 3],
+    /// Reference wave vector; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// Which of its waves, counted from 1 by increasing `omega^2`.
+    pub branch: usize,
+    /// Time; what resolves the wave and its neighbors when left out.
+    pub time_step: Option<f64>,
+    /// Time steps; a period, or four e-foldings, when left out.
+    pub steps: Option<usize>,
+    /// The relative difference of rates that counts as agreement; that of the code when left out.
+    pub tolerance: Option<f64>,
+    /// How the code takes a time step, where only the user knows.
+    pub stepping: Option<Stepping>,
+}
+
+/// One wave of one homogeneous state in a code.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// The format of the file.
+    pub format: String,
+    /// The first twelve digits of the SHA-256 sum of the file with an empty mark: marks decks and outputs.
+    pub id: String,
+    /// The code.
+    pub code: String,
+    /// Stretches of the homogeneous state along the axes.
+    pub stretches: [f64; 3],
+    /// Reference wave vector; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// Reference density; mass/volume.
+    pub density: f64,
+    /// The particles.
+    pub block: Block,
+    /// Whether the block is periodic; otherwise its rim is held.
+    pub is_periodic: bool,
+    /// The farthest that particles see each other at the state; length.
+    pub reach: f64,
+    /// Largest velocity of the seed; length/time.
+    pub speed: f64,
+    /// Time.
+    pub time_step: f64,
+    /// Time steps of the run.
+    pub steps: usize,
+    /// Time steps between frames.
+    pub every: usize,
+    /// What is predicted.
+    pub prediction: Prediction,
+    /// The relative difference of rates that counts as agreement.
+    pub tolerance: f64,
+    /// Every choice in effect.
+    pub settings: serde_json::Value,
+}
+
+/// The most particles of a deck.
+const LARGEST: usize = 40_000;
+/// The most frames of an output.
+const FRAMES: usize = 400;
+/// The fewest time steps of a run.
+const STEPS: f64 = 160.0;
+/// A wave vector may miss the nearest one that fits a periodic block by this share of the reciprocal vector, as when typed.
+const TYPED: f64 = 1e-6;
+/// Half of the measured core, in spacings.
+const CORE: f64 = 9.0;
+/// How much faster than the fastest wave a signal from the rim is taken to be.
+const SAFETY: f64 = 2.0;
+
+impl Case {
+    /// The case of a question, with the files of its deck.
+    ///
+    /// # Errors
+    /// [`VerifyError`] for what the code cannot compute, and a wave that cannot be measured.
+    pub fn new(
+        code: &dyn Code,
+        settings: Settings,
+        question: &Question,
+    ) -> Result<(Self, Files), VerifyError> {
+        let problem = Problem::new(settings)?;
+        let f = DeformationGradient::from_stretches(question.stretches)?;
+        let dimension = problem.dimension();
+        if question.wave_vector.len() != dimension {
+            return Err(VerifyError::Problem(ProblemError::Numbers {
+                what: "--wave-vector",
+                given: question.wave_vector.len(),
+                expected: dimension.to_string(),
+            }));
+        }
+        let stepping = match question.stepping {
+            Some(stepping) => stepping,
+            None => code.stepping(&problem, &f)?,
+        };
+        let sides = sides(code, &problem)?;
+        let reach = reach(&problem.settings, question.stretches);
+        let critical = problem
+            .analysis
+            .critical_time_step(&f, Integrator::KickDriftKick)?;
+        let typed = mode(
+            &problem,
+            &f,
+            &question.wave_vector,
+            question.branch,
+            critical,
+        )?;
+        let rate = typed.0.abs().sqrt();
+        let is_growing = typed.0 < 0.0;
+        let (time_step, steps) = steps(question, rate, is_growing, critical);
+        let duration = time_step * steps as f64;
+        let (block, k) = match code.is_periodic() {
+            true => periodic(&sides, question, reach)?,
+            false => {
+                // Of sound, or of the shortest waves: half of their frequency times the spacing.
+                let sound = sound(&problem, &f, &sides)?;
+                let fastest = sound.max(problem.analysis.spacing() / critical);
+                let apart = SAFETY * fastest * duration + 2.0 * reach;
+                (held(&sides, apart, reach), question.wave_vector.clone())
+            }
+        };
+        if block.particles() > LARGEST {
+            return Err(VerifyError::Wave {
+                what: format!(
+                    "the block has {} particles, more than {LARGEST}: waves from its rim must not arrive before the end",
+                    block.particles()
+                ),
+                hint: "choose fewer --steps, or a smaller --time-step".to_owned(),
+            });
+        }
+        let wave = mode(&problem, &f, &k, question.branch, critical)?;
+        let prediction = predicted(&problem, &f, &k, wave, stepping, time_step)?;
+        let amplitude = if is_growing { 1e-7 } else { 1e-6 };
+        let settings = serde_json::to_value(problem.settings.effective());
+        let mut case = Self {
+            format: FORMAT.to_owned(),
+            id: String::new(),
+            code: code.name().to_owned(),
+            stretches: question.stretches,
+            wave_vector: k,
+            density: problem.settings.discretization.density,
+            block,
+            is_periodic: code.is_periodic(),
+            reach,
+            speed: amplitude * rate * problem.analysis.spacing(),
+            time_step,
+            steps,
+            every: steps.div_ceil(FRAMES),
+            prediction,
+            tolerance: question.tolerance.unwrap_or(code.tolerance()),
+            settings: settings.unwrap_or_default(),
+        };
+        case.id = mark(&case.document());
+        let mut files = code.deck(&Deck {
+            case: &case,
+            problem: &problem,
+            f: &f,
+        })?;
+        files.push(text(CASE_FILE, case.document()));
+        Ok((case, files))
+    }
+
+    /// Reads a case.
+    ///
+    /// # Errors
+    /// [`VerifyError`] when the file cannot be read, is none, or was changed since it was written.
+    pub fn of_file(path: &Path) -> Result<Self, VerifyError> {
+        let text = std::fs::read_to_string(path).map_err(|source| VerifyError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        let wrong = |what: String| VerifyError::Case {
+            path: path.to_owned(),
+            what,
+        };
+        let case: Self = serde_json::from_str(&text)
+            .map_err(|error| wrong(format!("this is no case of `onset verify`: {error}")))?;
+        if case.format != FORMAT {
+            return Err(wrong(format!(
+                "the format is {}; expected {FORMAT}",
+                case.format
+            )));
+        }
+        let unmarked = text.replacen(&format!("\"{}\"", case.id), "\"\"", 1);
+        if mark(&unmarked) != case.id {
+            return Err(wrong(
+                "the case was changed since its deck was written".to_owned(),
+            ));
+        }
+        Ok(case)
+    }
+
+    fn document(&self) -> String {
+        json::document(self).unwrap_or_default()
+    }
+
+    /// The distance of neighbors in the reference state; length.
+    pub fn spacing(&self) -> f64 {
+        self.block
+            .sides
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where a particle is in the homogeneous state; length.
+    pub fn place(&self, index: usize) -> [f64; 3] {
+        let reference = self.block.reference(index);
+        std::array::from_fn(|i| reference[i] * self.stretches[i])
+    }
+
+    /// The lengths of the periodic block at the state.
+    pub fn lengths(&self) -> Vec<f64> {
+        let axes = self.block.counts.iter().zip(&self.block.sides);
+        let lengths = axes.zip(self.stretches);
+        lengths
+            .map(|((count, side), stretch)| *count as f64 * side * stretch)
+            .collect()
+    }
+
+    /// `cos(k.X)`.
+    pub fn phase(&self, index: usize) -> f64 {
+        let reference = self.block.reference(index);
+        let along = self.wave_vector.iter().zip(reference);
+        along.map(|(k, x)| k * x).sum::<f64>().cos()
+    }
+
+    /// The velocity that seeds the wave at a particle; length/time.
+    pub fn seed(&self, index: usize) -> [f64; 3] {
+        let size = self.speed * self.phase(index);
+        let mut velocity = [0.0; 3];
+        for (own, g) in velocity.iter_mut().zip(&self.prediction.polarization) {
+            *own = size * g;
+        }
+        velocity
+    }
+
+    /// How far a particle is from its place, by the nearest image where the block is periodic; length.
+    pub fn displacement(&self, index: usize, position: &[f64; 3]) -> Vec<f64> {
+        let place = self.place(index);
+        let lengths = self.lengths();
+        let along = |axis: usize| {
+            let apart = position[axis] - place[axis];
+            match self.is_periodic {
+                true => apart - lengths[axis] * (apart / lengths[axis]).round(),
+                false => apart,
+            }
+        };
+        (0..self.block.dimension()).map(along).collect()
+    }
+
+    /// The growing rate, or the one with the positive frequency.
+    pub fn rate(&self) -> Complex {
+        self.prediction.rates[0].into()
+    }
+
+    /// The frames of a complete output.
+    pub fn frames(&self) -> usize {
+        self.steps / self.every + 1
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = &self.prediction.rates;
+        writeln!(formatter, "code         {}, case {}", self.code, self.id)?;
+        writeln!(
+            formatter,
+            "wave         k = {}, polarization {}, stretches {}",
+            vector(&self.wave_vector),
+            vector(&self.prediction.polarization),
+            vector(&self.stretches)
+        )?;
+        writeln!(
+            formatter,
+            "omega^2      {:.9}",
+            self.prediction.omega_squared
+        )?;
+        match first.is_growth() {
+            true => writeln!(
+                formatter,
+                "predicted    growth rates {:.9} and {:.9}",
+                first.growth, second.growth
+            )?,
+            false => writeln!(
+                formatter,
+                "predicted    frequency {:.9}, growth rate {:+.3e}",
+                first.frequency, first.growth
+            )?,
+        }
+        let counts: Vec<String> = self.block.counts.iter().map(usize::to_string).collect();
+        let rim = if self.is_periodic {
+            "periodic"
+        } else {
+            "with a held rim"
+        };
+        writeln!(
+            formatter,
+            "block        {} particles, {rim}",
+            counts.join(" x ")
+        )?;
+        write!(
+            formatter,
+            "run          {} steps of {} ({})",
+            self.steps,
+            exact(self.time_step),
+            self.prediction.stepping.name()
+        )
+    }
+}
+
+/// What marks the outputs of a case.
+fn mark(unmarked: &str) -> String {
+    let sum = Sha256::digest(unmarked.as_bytes());
+    sum.iter()
+        .take(6)
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// The sides of a cell of a lattice along the axes with one particle in a cell.
+fn sides(code: &dyn Code, problem: &Problem) -> Result<Vec<f64>, VerifyError> {
+    let reciprocal = problem.analysis.reciprocal();
+    let is_orthogonal = reciprocal.iter().enumerate().all(|(i, b)| {
+        let along = b[i];
+        along > 0.0 && (0..3).all(|j| j == i || b[j].abs() <= 1e-12 * along)
+    });
+    if !is_orthogonal || problem.analysis.sites() != 1 {
+        return Err(VerifyError::Refused {
+            code: code.name(),
+            what: format!(
+                "decks are blocks of a lattice along the axes, not {}",
+                problem.settings.zone().name()
+            ),
+            hint: "set discretization.lattice to chain, square, rectangular or simple-cubic, without basis and perturbation"
+                .to_owned(),
+        });
+    }
+    Ok(reciprocal
+        .iter()
+        .enumerate()
+        .map(|(i, b)| TAU / b[i])
+        .collect())
+}
+
+/// The largest speed of sound along the axes, at rest or at a state; length/time.
+fn sound(problem: &Problem, f: &DeformationGradient, sides: &[f64]) -> Result<f64, VerifyError> {
+    let mut fastest = 0.0_f64;
+    for state in [DeformationGradient::identity(), *f] {
+        let waves = problem.analysis.waves(&state)?;
+        for (axis, side) in sides.iter().enumerate() {
+            let mut k = vec![0.0; sides.len()];
+            k[axis] = side.recip();
+            let squares = waves.continuum_omega_squared(&k).into_iter();
+            let largest = squares.fold(0.0, f64::max);
+            fastest = fastest.max(largest.sqrt() * side);
+        }
+    }
+    Ok(fastest)
+}
+
+/// How far particles see each other at a state; length.
+fn reach(settings: &Settings, stretches: [f64; 3]) -> f64 {
+    let spacing = settings.discretization.spacing;
+    let stretch = stretches.iter().copied().fold(1.0, f64::max);
+    match settings.method.method {
+        Family::Peridynamics => stretch * spacing * (settings.method.horizon + 0.5),
+        Family::UpdatedSph => spacing * settings.discretization.support,
+        _ => stretch * spacing * settings.discretization.support,
+    }
+}
+
+/// The time step and how many of them: a bit less than a period, or four e-foldings.
+fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f64, usize) {
+    let duration = if is_growing { 4.0 } else { 5.0 } / rate;
+    match (question.time_step, question.steps) {
+        (Some(step), Some(count)) => (step, count),
+        (Some(step), None) => (step, (duration / step).ceil().max(STEPS) as usize),
+        (None, count) => {
+            let fewest = (duration / (0.1 * critical)).ceil().max(STEPS) as usize;
+            let count = count.unwrap_or(fewest);
+            (duration / count as f64, count)
+        }
+    }
+}
+
+/// The smallest periodic block that holds a whole number of wavelengths, and the wave vector that it holds.
+fn periodic(
+    sides: &[f64],
+    question: &Question,
+    reach: f64,
+) -> Result<(Block, Vec<f64>), VerifyError> {
+    let most = [4096, 128, 24][sides.len() - 1];
+    let mut fitted = question.wave_vector.clone();
+    let mut counts = Vec::new();
+    for (axis, side) in sides.iter().enumerate() {
+        let current = side * question.stretches[axis];
+        let fewest = ((2.2 * reach / current).ceil() as usize + 1).max(8);
+        let turns = |count: usize| question.wave_vector[axis] * side * count as f64 / TAU;
+        let fits = |count: &usize| {
+            let turns = turns(*count);
+            (turns - turns.round()).abs() <= TYPED * *count as f64
+        };
+        let Some(count) = (fewest..=most).find(fits) else {
+            return Err(VerifyError::Wave {
+                what: format!(
+                    "no periodic block of {fewest} to {most} particles along axis {} holds a whole number of wavelengths",
+                    axis + 1
+                ),
+                hint: format!(
+                    "choose a component that is a fraction of {:.9}, such as {:.9}",
+                    TAU / side,
+                    TAU / side / 5.0
+                ),
+            });
+        };
+        fitted[axis] = turns(count).round() * TAU / (side * count as f64);
+        counts.push(count);
+    }
+    let block = Block {
+        measured: counts.iter().map(|count| [0, *count]).collect(),
+        sides: sides.to_vec(),
+        counts,
+    };
+    Ok((block, fitted))
+}
+
+/// A block with a rim so far away from its core that nothing arrives from there.
+fn held(sides: &[f64], apart: f64, reach: f64) -> Block {
+    let mut block = Block {
+        counts: Vec::new(),
+        sides: sides.to_vec(),
+        measured: Vec::new(),
+    };
+    let smallest = sides.iter().copied().fold(f64::INFINITY, f64::min);
+    for side in sides {
+        let core = (2.0 * CORE * smallest / side).round() as usize;
+        let margin = ((apart + reach) / side).ceil() as usize + 1;
+        block.counts.push(core + 2 * margin);
+        block.measured.push([margin, margin + core]);
+    }
+    block
+}

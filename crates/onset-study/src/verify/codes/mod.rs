@@ -1,0 +1,106 @@
+//! The codes that are known, a file each.
+
+mod lammps;
+mod lammps_peri;
+mod lammps_smd_tlsph;
+mod lammps_smd_ulsph;
+mod plain;
+mod pysph;
+
+use super::{Code, VerifyError};
+use serde::Serialize;
+use std::fmt;
+
+/// All codes.
+pub const CODES: [&dyn Code; 5] = [
+    &lammps_smd_tlsph::TotalSmd,
+    &lammps_smd_ulsph::UpdatedSmd,
+    &lammps_peri::Peri,
+    &pysph::PySph,
+    &plain::Plain,
+];
+
+/// The code with a name.
+///
+/// # Errors
+/// [`VerifyError::Unknown`] where there is none.
+pub fn named(name: &str) -> Result<&'static dyn Code, VerifyError> {
+    let found = CODES.into_iter().find(|code| code.name() == name);
+    found.ok_or_else(|| VerifyError::Unknown {
+        name: name.to_owned(),
+        known: CODES.map(|code| code.name()).to_vec(),
+    })
+}
+
+/// The codes with their dialects, as they are listed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Codes(pub Vec<ListedCode>);
+
+/// A code as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ListedCode {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// Whether blocks are periodic.
+    pub is_periodic: bool,
+    /// Its choices.
+    pub dialect: Vec<ListedChoice>,
+    /// What else deviates.
+    pub remarks: &'static [&'static str],
+}
+
+/// A choice of a code as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ListedChoice {
+    /// The key.
+    pub key: &'static str,
+    /// Its value.
+    pub value: &'static str,
+    /// How it deviates from what was published; empty where it does not.
+    pub deviation: &'static str,
+}
+
+impl Codes {
+    /// All of them.
+    pub fn all() -> Self {
+        let listed = |code: &dyn Code| ListedCode {
+            name: code.name(),
+            title: code.title(),
+            is_periodic: code.is_periodic(),
+            dialect: code
+                .dialect()
+                .iter()
+                .map(|choice| ListedChoice {
+                    key: choice.key,
+                    value: choice.value,
+                    deviation: choice.deviation,
+                })
+                .collect(),
+            remarks: code.remarks(),
+        };
+        Self(CODES.into_iter().map(listed).collect())
+    }
+}
+
+impl fmt::Display for Codes {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (n, code) in self.0.iter().enumerate() {
+            if n > 0 {
+                writeln!(formatter, "\n")?;
+            }
+            write!(formatter, "{}: {}", code.name, code.title)?;
+            for choice in &code.dialect {
+                write!(formatter, "\n  {} = {}", choice.key, choice.value)?;
+                if !choice.deviation.is_empty() {
+                    write!(formatter, "\n    {}", choice.deviation)?;
+                }
+            }
+            for remark in code.remarks {
+                write!(formatter, "\n  {remark}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,191 @@
+//! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress.
+//!
+//! Source: Ramachandran and others, ACM Trans. Math. Softw. 47 (2021) 34; `pysph/sph/integrator.py`, `pysph/sph/solid_mech/basic.py`.
+
+use super::super::law::Volumetric;
+use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
+use super::plain;
+use crate::answers::Problem;
+use crate::output::{Files, text};
+use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
+use onset::time_step::Stepping;
+use std::path::Path;
+
+/// The adapter.
+pub(super) struct PySph;
+
+const NAME: &str = "pysph";
+
+/// The script, which reads the particles of the deck and the numbers before it.
+const SCRIPT: &str = include_str!("pysph_wave.py");
+
+fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
+    VerifyError::Refused {
+        code: NAME,
+        what: what.into(),
+        hint: hint.to_owned(),
+    }
+}
+
+/// Pressure of the law at the state; that it is one of density alone.
+fn pressure(problem: &Problem, f: &DeformationGradient) -> Result<Volumetric, VerifyError> {
+    if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
+        return Err(refused(
+            "decks are planar, with the stretch 1 out of the plane",
+            "set discretization.lattice=square, and leave out the third stretch",
+        ));
+    }
+    let own = Volumetric::of(&*problem.material, f).map_err(MethodError::from)?;
+    let own = own.ok_or_else(|| {
+        refused(
+            "decks use the isothermal equation of state, a function of the density alone",
+            "choose a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
+        )
+    })?;
+    if own.slope <= 0.0 {
+        return Err(refused(
+            "the pressure of the law falls with the density at this state",
+            "choose another state",
+        ));
+    }
+    Ok(own)
+}
+
+fn script(deck: &Deck<'_>) -> Result<String, VerifyError> {
+    let case = deck.case;
+    let settings = &deck.problem.settings;
+    let own = pressure(deck.problem, deck.f)?;
+    // p = p0 + c^2 (rho - rho0), the tangent of the law at the state.
+    let square = own.slope / case.density;
+    let change = case.density / deck.f.jacobian() - case.density;
+    let numbers = [
+        ("DENSITY", case.density),
+        ("SOUND", square.sqrt()),
+        ("PRESSURE", own.pressure - square * change),
+        (
+            "SMOOTHING",
+            0.5 * settings.discretization.support * settings.discretization.spacing,
+        ),
+        ("SPACING", settings.discretization.spacing),
+        ("ARTIFICIAL_STRESS", settings.method.artificial_stress),
+        ("EXPONENT", settings.method.artificial_stress_exponent),
+        ("TIME_STEP", case.time_step),
+        ("LENGTH_X", case.lengths()[0]),
+        ("LENGTH_Y", case.lengths()[1]),
+    ];
+    let numbers = numbers.map(|(name, value)| format!("{name} = {value:.17e}\n"));
+    Ok(format!(
+        "# {NAME}, onset case {id}: run with `python wave.py`, read with `onset verify read`\n\
+         CASE = \"{id}\"\nSTEPS = {}\nEVERY = {}\n{}{SCRIPT}",
+        case.steps,
+        case.every,
+        numbers.concat(),
+        id = case.id,
+    ))
+}
+
+impl Code for PySph {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn title(&self) -> &'static str {
+        "updated SPH of solids in PySPH, with the artificial stress of Gray, Monaghan and Swift"
+    }
+
+    fn dialect(&self) -> &'static [Settled] {
+        &[
+            Settled {
+                key: "discretization.method",
+                value: "updated-sph",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.lattice",
+                value: "square",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.kernel",
+                value: "cubic-spline",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.momentum",
+                value: "symmetric",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.density-evolution",
+                value: "continuity",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.corrected",
+                value: "false",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.support-size",
+                value: "fixed",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.viscosity",
+                value: "0",
+                deviation: "",
+            },
+            Settled {
+                key: "discretization.velocity-smoothing",
+                value: "0",
+                deviation: "",
+            },
+        ]
+    }
+
+    fn remarks(&self) -> &'static [&'static str] {
+        &[
+            "PECIntegrator predicts with the accelerations of the step before: a two-step method of Adams and Bashforth",
+        ]
+    }
+
+    fn is_periodic(&self) -> bool {
+        true
+    }
+
+    fn tolerance(&self) -> f64 {
+        1e-4
+    }
+
+    fn stepping(
+        &self,
+        problem: &Problem,
+        f: &DeformationGradient,
+    ) -> Result<Stepping, VerifyError> {
+        pressure(problem, f).map(|_| Stepping::LateAcceleration)
+    }
+
+    fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError> {
+        Ok(vec![
+            text("wave.py", script(deck)?),
+            text("particles.csv", plain::particles(deck)),
+        ])
+    }
+
+    fn program(&self) -> Option<Program> {
+        Some(Program {
+            name: "python3",
+            arguments: &["wave.py", "--disable-output"],
+            install: "`pip install pysph` brings it, with a C++ compiler; name the interpreter of its environment with --program",
+        })
+    }
+
+    fn output(&self) -> &'static str {
+        "wave.csv"
+    }
+
+    fn read(&self, _: &Path, text: &str, projector: Projector<'_>) -> Result<Record, VerifyError> {
+        plain::read_csv(text, projector)
+    }
+}

@@ -1,0 +1,398 @@
+//! The rates of a record by variable projection.
+//!
+//! The record `y(t)` of a wave is `c0 + a C(t) + b S(t)` with
+//! `C = exp(m t) cosh(sqrt(d) t)`, `S = exp(m t) sinh(sqrt(d) t) / sqrt(d)`: the two solutions `exp(s t)`, `s = m +- sqrt(d)`, which travel where
+//! `d < 0` and grow or decay where `d > 0`, without a seam between them; and a constant, which codes that integrate stress or density leave
+//! behind. For given `(m, d)` the three amplitudes follow from linear least squares, and what is left of the record is a function of
+//! two numbers alone: Levenberg's and Marquardt's iteration with Kaufman's Jacobian finds its least from several starts.
+//!
+//! Sources: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49.
+
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use onset::algebra::Complex;
+use thiserror::Error;
+
+/// What a record says of a wave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// The growing solution, or the one with the positive frequency; 1/time.
+    pub rate: Complex,
+    /// How far it may be from the true one, in the plane of complex rates: four standard deviations, or what the rate moves by when the
+    /// last three tenths of the record are left out, whichever is more. 1/time.
+    pub uncertainty: f64,
+    /// What is left of the record, root mean square, over its largest amplitude.
+    pub residual: f64,
+}
+
+/// Why no rate can be fitted.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum FitError {
+    /// Too few samples.
+    #[error(
+        "the record has {count} frame(s); at least {needed} are needed\n  hint: run the whole deck"
+    )]
+    Short {
+        /// How many there are.
+        count: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// Times that do not increase.
+    #[error(
+        "time {time:e} follows {before:e}: times must increase\n  hint: write the frames of one run, one after the other"
+    )]
+    Order {
+        /// The time before.
+        before: f64,
+        /// The time that is not later.
+        time: f64,
+    },
+    /// Nothing moves.
+    #[error("no particle moves\n  hint: were the velocities of the deck set?")]
+    Still,
+}
+
+/// The fewest samples of a record.
+const SAMPLES: usize = 16;
+/// Starts that are refined, of those of a scan.
+const STARTS: usize = 3;
+/// Iterations of a refinement.
+const ITERATIONS: usize = 200;
+/// Standard deviations that count as the uncertainty.
+const DEVIATIONS: f64 = 4.0;
+/// The part of the record that alone must tell the same.
+const PART: f64 = 0.7;
+
+/// Fits the rates of a record; the two that are expected are a start among others.
+///
+/// # Errors
+/// [`FitError`] for a record that is too short, out of order, or zero.
+pub fn fitted(samples: &[(f64, f64)], expected: [Complex; 2]) -> Result<Fit, FitError> {
+    if samples.len() < SAMPLES {
+        return Err(FitError::Short {
+            count: samples.len(),
+            needed: SAMPLES,
+        });
+    }
+    if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+        return Err(FitError::Order {
+            before: pair[0].0,
+            time: pair[1].0,
+        });
+    }
+    let whole = Series::new(samples)?;
+    let best = whole.best(expected);
+    let count = (PART * samples.len() as f64).ceil() as usize;
+    let part = Series::new(&samples[..count.max(SAMPLES)])?;
+    let shorter = part.duration / whole.duration;
+    let shorter = part.refined(Vector2::new(
+        best.place[0] * shorter,
+        best.place[1] * shorter * shorter,
+    ));
+    let rate = whole.rate(&best);
+    let moved = (part.rate(&shorter) - rate).norm();
+    Ok(Fit {
+        rate,
+        uncertainty: moved.max(DEVIATIONS * whole.deviation(&best)),
+        residual: best.residual,
+    })
+}
+
+/// A record with times from 0 to 1 and amplitudes up to 1.
+struct Series {
+    times: Vec<f64>,
+    values: DVector<f64>,
+    duration: f64,
+}
+
+/// `m`, `d`, and what they leave of the record.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    place: Vector2<f64>,
+    residual: f64,
+}
+
+/// `cosh(sqrt(d) t)` and `sinh(sqrt(d) t) / sqrt(d)`, analytic in `d`.
+fn pair(d: f64, t: f64) -> [f64; 2] {
+    let z = d * t * t;
+    if z.abs() < 1e-6 {
+        return [
+            1.0 + z / 2.0 * (1.0 + z / 12.0),
+            t * (1.0 + z / 6.0 * (1.0 + z / 20.0)),
+        ];
+    }
+    let root = z.abs().sqrt();
+    match z > 0.0 {
+        true => [root.cosh(), t * root.sinh() / root],
+        false => [root.cos(), t * root.sin() / root],
+    }
+}
+
+/// Their derivatives by `d`: `t S / 2`, and `(t C - S) / (2 d)`.
+fn slopes(d: f64, t: f64) -> [f64; 2] {
+    let z = d * t * t;
+    let [c, s] = pair(d, t);
+    let second = if z.abs() < 1e-4 {
+        t * t * t / 6.0 * (1.0 + z / 10.0 * (1.0 + z / 28.0))
+    } else {
+        (t * c - s) / (2.0 * d)
+    };
+    [0.5 * t * s, second]
+}
+
+impl Series {
+    fn new(samples: &[(f64, f64)]) -> Result<Self, FitError> {
+        let start = samples[0].0;
+        let duration = samples[samples.len() - 1].0 - start;
+        let largest = samples
+            .iter()
+            .fold(0.0_f64, |most, (_, y)| most.max(y.abs()));
+        if largest == 0.0 {
+            return Err(FitError::Still);
+        }
+        let times = samples.iter().map(|(t, _)| (t - start) / duration);
+        Ok(Self {
+            times: times.collect(),
+            values: DVector::from_iterator(samples.len(), samples.iter().map(|(_, y)| y / largest)),
+            duration,
+        })
+    }
+
+    /// The three functions of a place, orthogonalized, and what is left of the record.
+    fn projected(&self, place: &Vector2<f64>) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+        let (m, d) = (place[0], place[1]);
+        let functions = DMatrix::from_fn(self.times.len(), 3, |row, column| {
+            let t = self.times[row];
+            match column {
+                2 => 1.0,
+                column => (m * t).exp() * pair(d, t)[column],
+            }
+        });
+        let decomposition = functions.qr();
+        let (q, r) = (decomposition.q(), decomposition.r());
+        let left = &self.values - &q * (q.transpose() * &self.values);
+        (q, r, left)
+    }
+
+    fn point(&self, place: Vector2<f64>) -> Point {
+        let (_, _, left) = self.projected(&place);
+        let residual = left.norm() / (self.times.len() as f64).sqrt();
+        Point {
+            place,
+            residual: if residual.is_finite() {
+                residual
+            } else {
+                f64::INFINITY
+            },
+        }
+    }
+
+    /// What is left of the record, and Kaufman's Jacobian of it: minus the part of `dPhi c` that the functions do not hold.
+    fn jacobian(&self, place: &Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let (q, r, left) = self.projected(place);
+        let amplitudes = r.solve_upper_triangular(&(q.transpose() * &self.values));
+        let amplitudes = amplitudes.unwrap_or_else(|| DVector::zeros(3));
+        let (m, d) = (place[0], place[1]);
+        let change = DMatrix::from_fn(self.times.len(), 2, |row, column| {
+            let t = self.times[row];
+            let own = match column {
+                0 => pair(d, t).map(|f| f * t),
+                _ => slopes(d, t),
+            };
+            (m * t).exp() * (own[0] * amplitudes[0] + own[1] * amplitudes[1])
+        });
+        let jacobian = &q * (q.transpose() * &change) - change;
+        (left, jacobian)
+    }
+
+    /// Levenberg and Marquardt from a start.
+    fn refined(&self, start: Vector2<f64>) -> Point {
+        let mut point = self.point(start);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            let (left, jacobian) = self.jacobian(&point.place);
+            let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian)
+                .fixed_view::<2, 2>(0, 0)
+                .into();
+            let gradient: Vector2<f64> = (jacobian.transpose() * left)
+                .fixed_view::<2, 1>(0, 0)
+                .into();
+            let mut improved = false;
+            while damping < 1e12 {
+                let damped = normal + Matrix2::from_diagonal(&normal.diagonal()) * damping;
+                let Some(step) = damped.try_inverse().map(|inverse| inverse * gradient) else {
+                    break;
+                };
+                let tried = self.point(point.place - step);
+                if tried.residual < point.residual {
+                    point = tried;
+                    damping = (damping * 0.1).max(1e-15);
+                    improved = true;
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if !improved {
+                break;
+            }
+        }
+        point
+    }
+
+    /// The best of refinements from what is expected, and from the best of a scan among traveling and among growing waves: those that grow
+    /// look much like those that travel slowly, on the other side of a long valley.
+    fn best(&self, expected: [Complex; 2]) -> Point {
+        let [first, second] = expected.map(|rate| rate * self.duration);
+        let half = (first - second) * 0.5;
+        let expected = Vector2::new(0.5 * (first + second).re, (half * half).re);
+        let mut best = self.refined(expected);
+        for family in [self.traveling(), self.growing()] {
+            let mut points: Vec<Point> =
+                family.into_iter().map(|start| self.point(start)).collect();
+            points.sort_by(|a, b| a.residual.total_cmp(&b.residual));
+            for point in points.iter().take(STARTS) {
+                let refined = self.refined(point.place);
+                if refined.residual < best.residual {
+                    best = refined;
+                }
+            }
+        }
+        best
+    }
+
+    /// Starts at all frequencies that the samples resolve.
+    fn traveling(&self) -> Vec<Vector2<f64>> {
+        let fastest = 0.5 * std::f64::consts::PI * self.times.len() as f64;
+        let mut starts = Vec::new();
+        let mut frequency = 0.25;
+        while frequency < fastest {
+            starts.push(Vector2::new(0.0, -frequency * frequency));
+            // A start must lie within the valley of the record's own frequency, whose width is that of a turn.
+            frequency += 0.5_f64.max(0.02 * frequency);
+        }
+        starts
+    }
+
+    /// Starts at growth up to a factor of 10^5.
+    fn growing(&self) -> Vec<Vector2<f64>> {
+        (1..=24)
+            .map(|growth| Vector2::new(0.0, f64::from(growth * growth) / 4.0))
+            .collect()
+    }
+
+    fn rate(&self, point: &Point) -> Complex {
+        let (m, d) = (point.place[0], point.place[1]);
+        (Complex::new(m, 0.0) + Complex::new(d, 0.0).sqrt()) / self.duration
+    }
+
+    /// The standard deviation of the rate, from what is left of the record.
+    fn deviation(&self, point: &Point) -> f64 {
+        let (left, jacobian) = self.jacobian(&point.place);
+        let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian)
+            .fixed_view::<2, 2>(0, 0)
+            .into();
+        let Some(inverse) = normal.try_inverse() else {
+            return f64::INFINITY;
+        };
+        let variance = left.norm_squared() / (self.times.len() - 5) as f64;
+        let covariance = inverse * variance;
+        // s = m + sqrt(d).
+        let by_d = Complex::new(0.5, 0.0) / Complex::new(point.place[1], 0.0).sqrt();
+        let own = covariance[(0, 0)]
+            + 2.0 * by_d.re * covariance[(0, 1)]
+            + by_d.norm_sqr() * covariance[(1, 1)];
+        match own.is_finite() {
+            true => own.max(0.0).sqrt() / self.duration,
+            false => f64::INFINITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FitError, fitted};
+    use onset::algebra::Complex;
+
+    fn traveling(frequency: f64) -> [Complex; 2] {
+        [1.0, -1.0].map(|sign| Complex::new(0.0, sign * frequency))
+    }
+
+    fn record(count: usize, step: f64, y: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        (0..count)
+            .map(|n| n as f64 * step)
+            .map(|t| (t, y(t)))
+            .collect()
+    }
+
+    #[test]
+    fn rates_are_found_whatever_was_expected() {
+        for (growth, frequency) in [(0.0_f64, 0.4_f64), (-0.01, 1.3), (0.02, 6.0)] {
+            let y = |t: f64| 0.3 + (growth * t).exp() * (frequency * t + 0.2).sin();
+            let samples = record(240, 0.05, y);
+            for factor in [1.0, 0.5, 1.7] {
+                let expected = traveling(factor * frequency);
+                let fit = fitted(&samples, expected).expect("a fit");
+                let true_rate = Complex::new(growth, frequency);
+                assert!((fit.rate - true_rate).norm() < 1e-9, "{fit:?} {true_rate}");
+                assert!(fit.uncertainty < 1e-8, "{fit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn growth_is_told_from_oscillation() {
+        let samples = record(200, 0.02, |t| {
+            1e-3 + (0.7 * t).exp() - 0.9 * (-0.71 * t).exp()
+        });
+        let fit = fitted(&samples, traveling(0.7)).expect("a fit");
+        assert!((fit.rate - Complex::new(0.7, 0.0)).norm() < 1e-7, "{fit:?}");
+        // Far into growth the decaying part and the constant are small.
+        let samples = record(400, 0.02, |t| 1e-9 * (0.856 * t).sinh());
+        let fit = fitted(&samples, traveling(0.8)).expect("a fit");
+        assert!(
+            (fit.rate - Complex::new(0.856, 0.0)).norm() < 1e-7,
+            "{fit:?}"
+        );
+        let still = record(60, 0.1, |t| 2.0 + t);
+        let fit = fitted(&still, traveling(0.5)).expect("a fit");
+        assert!(fit.rate.norm() < 1e-3, "a double root at zero: {fit:?}");
+    }
+
+    #[test]
+    fn noise_makes_rates_uncertain_and_the_uncertainty_covers_the_error() {
+        let mut covered = 0;
+        for seed in 0..40_u64 {
+            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+            let mut noise = || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+            };
+            let mut samples = record(200, 0.05, |t| (1.1 * t).sin());
+            samples.iter_mut().for_each(|(_, y)| *y += 1e-3 * noise());
+            let fit = fitted(&samples, traveling(1.1)).expect("a fit");
+            let error = (fit.rate - Complex::new(0.0, 1.1)).norm();
+            assert!(fit.uncertainty > 1e-6, "{fit:?}");
+            covered += usize::from(error <= fit.uncertainty);
+        }
+        assert!(covered >= 39, "{covered} of 40");
+    }
+
+    #[test]
+    fn records_without_a_wave_are_refused() {
+        let expected = traveling(1.0);
+        let short = fitted(&record(8, 0.1, f64::sin), expected);
+        assert!(matches!(short, Err(FitError::Short { count: 8, .. })));
+        assert_eq!(
+            fitted(&record(40, 0.1, |_| 0.0), expected),
+            Err(FitError::Still)
+        );
+        let mut samples = record(40, 0.1, f64::sin);
+        samples.swap(3, 4);
+        assert!(matches!(
+            fitted(&samples, expected),
+            Err(FitError::Order { .. })
+        ));
+    }
+}

@@ -1,0 +1,253 @@
+//! Whether a code does what is predicted.
+
+use super::{CASE_FILE, Case, Fit, Projector, Rate, Record, VerifyError, fitted, named};
+use crate::number::{exact, told, vector};
+use onset::algebra::Complex;
+use serde::Serialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What a measurement says of a prediction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The rates are the same within the tolerance, and are measured as sharply.
+    Agrees,
+    /// They are not, beyond what is uncertain.
+    Differs,
+    /// The record does not tell.
+    Undecided,
+}
+
+impl Outcome {
+    /// The word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::Differs => "differs",
+            Self::Undecided => "undecided",
+        }
+    }
+
+    /// The exit code: 0, 1, 3.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Agrees => 0,
+            Self::Differs => 1,
+            Self::Undecided => 3,
+        }
+    }
+}
+
+/// A measured wave beside the predicted one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judgment {
+    /// What it says.
+    pub outcome: Outcome,
+    /// Why, where it is undecided; empty otherwise.
+    pub reason: String,
+    /// The code.
+    pub code: String,
+    /// The mark of the case.
+    pub case: String,
+    /// Reference wave vector; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// Direction of the displacements.
+    pub polarization: Vec<f64>,
+    /// Stretches of the state.
+    pub stretches: [f64; 3],
+    /// `omega^2` of the linearized equations; 1/time^2.
+    pub omega_squared: f64,
+    /// `omega^2` that the measured rate stands for, the effect of the time step taken out; 1/time^2.
+    pub measured_omega_squared: f64,
+    /// Time.
+    pub time_step: f64,
+    /// The rate in discrete time; 1/time.
+    pub predicted: Rate,
+    /// The rate of the record; 1/time.
+    pub measured: Rate,
+    /// How far the two are apart, relative to the predicted one.
+    pub difference: f64,
+    /// How far the measured one may be from the true one, relative to the predicted one.
+    pub uncertainty: f64,
+    /// The difference that counts as agreement.
+    pub tolerance: f64,
+    /// What is left of the record, root mean square, over its largest amplitude.
+    pub residual: f64,
+    /// Frames that were read.
+    pub frames: usize,
+    /// Frames of a complete output.
+    pub expected_frames: usize,
+}
+
+/// A record of which this share is left is not one wave.
+const ONE_WAVE: f64 = 0.02;
+
+/// Reads an output and judges it. The path is that of the output, or of the folder of the deck; the case is that beside it unless another file
+/// is named.
+///
+/// # Errors
+/// [`VerifyError`] for a file that cannot be read, or is not of the case.
+pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
+    let folder = match path.is_dir() {
+        true => path.to_owned(),
+        false => path.parent().map_or_else(PathBuf::new, Path::to_owned),
+    };
+    let case = Case::of_file(case.unwrap_or(&folder.join(CASE_FILE)))?;
+    let code = named(&case.code)?;
+    let path = match path.is_dir() {
+        true => path.join(code.output()),
+        false => path.to_owned(),
+    };
+    let bytes = std::fs::read(&path).map_err(|source| VerifyError::Unreadable {
+        path: path.clone(),
+        source,
+    })?;
+    let projector = Projector::new(&case, &path);
+    let text = String::from_utf8(bytes).map_err(|_| {
+        projector.wrong(0, "this is no text", "give the output that the deck writes")
+    })?;
+    let record = code.read(&path, &text, projector)?;
+    judge(&case, &record)
+}
+
+/// Judges a record.
+///
+/// # Errors
+/// [`VerifyError::Fit`] for a record without a wave.
+pub fn judge(case: &Case, record: &Record) -> Result<Judgment, VerifyError> {
+    let predicted = case.rate();
+    let fit =
+        fitted(&record.samples, case.prediction.rates.map(Complex::from)).map_err(|source| {
+            VerifyError::Fit {
+                path: record.path.clone(),
+                source,
+            }
+        })?;
+    let difference = (fit.rate - predicted).norm() / predicted.norm();
+    let uncertainty = fit.uncertainty / predicted.norm();
+    let (outcome, reason) = outcome(case, record, &fit, difference, uncertainty);
+    // To first order in what the two differ by, the step does the same to both.
+    let root = Complex::new(-case.prediction.omega_squared, 0.0).sqrt();
+    let corrected = root * (fit.rate / predicted);
+    Ok(Judgment {
+        outcome,
+        reason,
+        code: case.code.clone(),
+        case: case.id.clone(),
+        wave_vector: case.wave_vector.clone(),
+        polarization: case.prediction.polarization.clone(),
+        stretches: case.stretches,
+        omega_squared: case.prediction.omega_squared,
+        measured_omega_squared: -(corrected * corrected).re,
+        time_step: case.time_step,
+        predicted: predicted.into(),
+        measured: fit.rate.into(),
+        difference,
+        uncertainty,
+        tolerance: case.tolerance,
+        residual: fit.residual,
+        frames: record.samples.len(),
+        expected_frames: case.frames(),
+    })
+}
+
+fn outcome(
+    case: &Case,
+    record: &Record,
+    fit: &Fit,
+    difference: f64,
+    uncertainty: f64,
+) -> (Outcome, String) {
+    let end = record.samples.last().map_or(0.0, |(time, _)| *time);
+    let whole = case.time_step * (case.steps / case.every * case.every) as f64;
+    if record.is_cut || end < whole * (1.0 - 1e-9) {
+        let cut = if record.is_cut {
+            ", within a frame"
+        } else {
+            ""
+        };
+        return (
+            Outcome::Undecided,
+            format!(
+                "the output ends at time {}{cut}; the run of the deck ends at {}",
+                told(end),
+                told(whole)
+            ),
+        );
+    }
+    if fit.residual > ONE_WAVE {
+        return (
+            Outcome::Undecided,
+            format!(
+                "the record is not one wave: {:.1} % of it are left unexplained",
+                100.0 * fit.residual
+            ),
+        );
+    }
+    if difference > case.tolerance + uncertainty {
+        return (Outcome::Differs, String::new());
+    }
+    if uncertainty > case.tolerance {
+        return (
+            Outcome::Undecided,
+            format!(
+                "the rate is uncertain by {uncertainty:.1e}, more than the tolerance {:.1e}",
+                case.tolerance
+            ),
+        );
+    }
+    match difference <= case.tolerance {
+        true => (Outcome::Agrees, String::new()),
+        false => (
+            Outcome::Undecided,
+            "the difference is beyond the tolerance, and within what is uncertain".to_owned(),
+        ),
+    }
+}
+
+impl fmt::Display for Judgment {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rate = |rate: &Rate| match rate.is_growth() {
+            true => format!("growth rate {:.9}", rate.growth),
+            false => format!(
+                "frequency {:.9}, growth rate {:+.3e}",
+                rate.frequency, rate.growth
+            ),
+        };
+        writeln!(formatter, "outcome      {}", self.outcome.name())?;
+        if !self.reason.is_empty() {
+            writeln!(formatter, "             {}", self.reason)?;
+        }
+        writeln!(formatter, "code         {}, case {}", self.code, self.case)?;
+        writeln!(
+            formatter,
+            "wave         k = {}, polarization {}, stretches {}",
+            vector(&self.wave_vector),
+            vector(&self.polarization),
+            vector(&self.stretches)
+        )?;
+        writeln!(
+            formatter,
+            "omega^2      {:.9} predicted, {:.9} measured",
+            self.omega_squared, self.measured_omega_squared
+        )?;
+        writeln!(
+            formatter,
+            "predicted    {}, in discrete time with step {}",
+            rate(&self.predicted),
+            exact(self.time_step)
+        )?;
+        writeln!(formatter, "measured     {}", rate(&self.measured))?;
+        writeln!(
+            formatter,
+            "difference   {:.1e} of the rate, uncertain by {:.1e}; tolerance {:.1e}",
+            self.difference, self.uncertainty, self.tolerance
+        )?;
+        write!(
+            formatter,
+            "record       {} of {} frames, {:.1e} of the amplitude left unexplained",
+            self.frames, self.expected_frames, self.residual
+        )
+    }
+}

@@ -1,0 +1,137 @@
+//! What decks ask of a law: is it isotropic and free of stress at rest, does it resist changes of volume alone?
+
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, MaterialError};
+
+/// What may be missing of a symmetry, relative to the stiffness: rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Lame's constants of a material that is isotropic and free of stress in the reference state; stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Isotropic {
+    pub(super) lambda: f64,
+    pub(super) mu: f64,
+}
+
+impl Isotropic {
+    /// Those of a law; `None` where it is not isotropic, or stressed.
+    pub(super) fn of(law: &dyn Hyperelastic) -> Result<Option<Self>, MaterialError> {
+        let response = law.response(&DeformationGradient::identity())?;
+        let tangent = &response.tangent;
+        let own = Self {
+            lambda: tangent[(0, 0, 1, 1)],
+            mu: tangent[(0, 1, 0, 1)],
+        };
+        let scale = ROUNDING * tangent.largest();
+        let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let is_isotropic = indices().all(|[i, j, k, l]| {
+            let shear = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
+            let expected = own.lambda * delta(i, j) * delta(k, l) + own.mu * shear;
+            (tangent[(i, j, k, l)] - expected).abs() <= scale
+        });
+        let is_free = response.first_piola.amax() <= scale;
+        Ok((is_isotropic && is_free).then_some(own))
+    }
+
+    /// Young's modulus; stress.
+    pub(super) fn young(&self) -> f64 {
+        self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
+    }
+
+    /// Poisson's ratio.
+    pub(super) fn poisson(&self) -> f64 {
+        0.5 * self.lambda / (self.lambda + self.mu)
+    }
+}
+
+/// Pressure and its derivative by the ratio of densities `rho/rho0 = 1/J` of a law `W(J)` at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Volumetric {
+    /// `p = -W'(J)`; stress.
+    pub(super) pressure: f64,
+    /// `dp/d(1/J) = J^2 W''(J)`; stress.
+    pub(super) slope: f64,
+}
+
+impl Volumetric {
+    /// Those of a law; `None` where it resists more than changes of volume there.
+    ///
+    /// `P_iJ = W' J F^-1_Ji` and `A_iJkL = (W'' J^2 + W' J) F^-1_Ji F^-1_Lk - W' J F^-1_Li F^-1_Jk`, for `F` along the axes.
+    pub(super) fn of(
+        law: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<Self>, MaterialError> {
+        let response = law.response(f)?;
+        let inverse = f.components().iter().enumerate();
+        let inverse: Vec<f64> = inverse.map(|(i, row)| row[i].recip()).collect();
+        let at = |i: usize, j: usize| if i == j { inverse[i] } else { 0.0 };
+        let jacobian = f.jacobian();
+        let first = response.first_piola[(0, 0)] / (jacobian * inverse[0]);
+        let second = response.tangent[(0, 0, 0, 0)] / (jacobian * inverse[0]).powi(2);
+        let scale = ROUNDING * response.tangent.largest();
+        let is_volumetric = indices().all(|[i, j, k, l]| {
+            let both = (second * jacobian + first) * jacobian * at(j, i) * at(l, k);
+            let expected = both - first * jacobian * at(l, i) * at(j, k);
+            (response.tangent[(i, j, k, l)] - expected).abs() <= scale
+        });
+        let is_pressure = (0..3).all(|i| {
+            (0..3).all(|j| {
+                let expected = first * jacobian * at(j, i);
+                (response.first_piola[(i, j)] - expected).abs() <= scale
+            })
+        });
+        Ok((is_volumetric && is_pressure).then_some(Self {
+            pressure: -first,
+            slope: jacobian * jacobian * second,
+        }))
+    }
+}
+
+fn indices() -> impl Iterator<Item = [usize; 4]> {
+    (0..81).map(|n| [n / 27, n / 9 % 3, n / 3 % 3, n % 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Isotropic, Volumetric};
+    use crate::settings::Settings;
+    use onset::kinematics::DeformationGradient;
+
+    fn law(assignments: &[&str]) -> Box<dyn onset::material::Hyperelastic> {
+        let settings = Settings::from_assignments(assignments).expect("settings");
+        settings.material.build().expect("a law")
+    }
+
+    #[test]
+    fn a_law_of_the_volume_is_told_with_its_pressure() {
+        let law = law(&[
+            "material.model=formula",
+            "material.energy=K*(J-ln(J))",
+            "material.K=2",
+        ]);
+        let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
+        let own = Volumetric::of(&*law, &f)
+            .expect("a response")
+            .expect("volumetric");
+        let jacobian = f.jacobian();
+        // p = K (1/J - 1), whose slope by 1/J is K.
+        assert!((own.pressure - 2.0 * (1.0 / jacobian - 1.0)).abs() < 1e-12);
+        assert!((own.slope - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rubber_is_isotropic_and_resists_more_than_changes_of_volume() {
+        let law = law(&[
+            "material.model=neo-hooke",
+            "material.mu=0.4",
+            "material.lambda=2",
+        ]);
+        let own = Isotropic::of(&*law)
+            .expect("a response")
+            .expect("isotropic");
+        assert!((own.mu - 0.4).abs() < 1e-12 && (own.lambda - 2.0).abs() < 1e-12);
+        assert!((own.young() / (2.0 * own.mu * (1.0 + own.poisson())) - 1.0).abs() < 1e-14);
+        let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
+        assert_eq!(Volumetric::of(&*law, &f).expect("a response"), None);
+    }
+}

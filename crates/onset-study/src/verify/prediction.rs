@@ -1,0 +1,180 @@
+//! What the linearized equations say of a wave, in continuous and in discrete time.
+
+use super::VerifyError;
+use crate::answers::Problem;
+use nalgebra::DMatrix;
+use onset::algebra::Complex;
+use onset::kinematics::DeformationGradient;
+use onset::time_step::Stepping;
+use serde::{Deserialize, Serialize};
+
+/// A solution `exp(s t)`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rate {
+    /// `Re s`; 1/time.
+    pub growth: f64,
+    /// `Im s`; 1/time.
+    pub frequency: f64,
+}
+
+impl Rate {
+    /// Whether it grows or decays without a frequency, rounding apart.
+    pub fn is_growth(&self) -> bool {
+        self.frequency.abs() <= 1e-9 * self.growth.abs()
+    }
+}
+
+impl From<Complex> for Rate {
+    fn from(s: Complex) -> Self {
+        Self {
+            growth: s.re,
+            frequency: s.im,
+        }
+    }
+}
+
+impl From<Rate> for Complex {
+    fn from(rate: Rate) -> Self {
+        Self::new(rate.growth, rate.frequency)
+    }
+}
+
+/// A wave with its rates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// `omega^2` of the linearized equations; 1/time^2.
+    pub omega_squared: f64,
+    /// The direction of the displacements, a unit vector.
+    pub polarization: Vec<f64>,
+    /// The rates in discrete time: the growing one or the one with the positive frequency, and the other.
+    pub rates: [Rate; 2],
+    /// How the code takes a time step.
+    pub stepping: Stepping,
+}
+
+/// Imaginary parts of what should be real, and `omega^2` of what should be at rest, may be this share of the largest `omega^2` of all waves:
+/// rounding.
+const ROUNDING: f64 = 1e-10;
+/// The discrete rate may differ from that of the equations by this share.
+const RESOLVED: f64 = 0.3;
+
+/// `D(k)` as real numbers.
+pub(super) fn matrix(
+    problem: &Problem,
+    f: &DeformationGradient,
+    k: &[f64],
+) -> Result<DMatrix<f64>, VerifyError> {
+    let matrix = problem.analysis.waves(f)?.dynamical_matrix_at(k);
+    let largest = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    if matrix.iter().any(|z| z.im.abs() > ROUNDING * largest) {
+        return Err(VerifyError::Wave {
+            what: "the wave is not standing: its dynamical matrix is complex".to_owned(),
+            hint: "verify waves of a lattice with one particle in a cell".to_owned(),
+        });
+    }
+    Ok(matrix.map(|z| z.re))
+}
+
+/// The mode with a number, counted from 1 by increasing `omega^2`: `omega^2`, and the polarization. `critical` is the largest stable step,
+/// which tells the largest `omega^2`.
+pub(super) fn mode(
+    problem: &Problem,
+    f: &DeformationGradient,
+    k: &[f64],
+    number: usize,
+    critical: f64,
+) -> Result<(f64, Vec<f64>), VerifyError> {
+    let matrix = matrix(problem, f, k)?;
+    let values = problem.analysis.waves(f)?.omega_squared(k);
+    let Some(value) = number.checked_sub(1).and_then(|n| values.get(n)) else {
+        return Err(VerifyError::Wave {
+            what: format!("there is no branch {number}"),
+            hint: format!(
+                "branches are counted from 1 to {} by increasing omega^2",
+                values.len()
+            ),
+        });
+    };
+    let largest = 4.0 / (critical * critical);
+    if value.im.abs() > ROUNDING * largest {
+        return Err(VerifyError::Wave {
+            what: "this wave flutters: its omega^2 is complex".to_owned(),
+            hint: "choose another --branch or --wave-vector".to_owned(),
+        });
+    }
+    if value.re.abs() <= ROUNDING * largest {
+        return Err(VerifyError::Wave {
+            what: "this wave has zero energy: there is no rate to measure".to_owned(),
+            hint: "choose another --branch or --wave-vector, or a stabilization other than 0"
+                .to_owned(),
+        });
+    }
+    Ok((value.re, polarization(&matrix, value.re)))
+}
+
+/// The unit vector of an eigenvalue that is nearest to an axis: of equal eigenvalues, the projection of an axis onto their space.
+fn polarization(matrix: &DMatrix<f64>, value: f64) -> Vec<f64> {
+    let n = matrix.nrows();
+    let shifted = matrix - DMatrix::identity(n, n) * value;
+    let limit = 1e-7 * (matrix.amax() + value.abs());
+    let svd = shifted.svd(false, true);
+    let (sizes, vectors) = (&svd.singular_values, svd.v_t.as_ref());
+    let mut projection = DMatrix::zeros(n, n);
+    if let Some(vectors) = vectors {
+        let smallest = sizes.min();
+        for (size, row) in sizes.iter().zip(vectors.row_iter()) {
+            if *size <= limit.max(smallest) {
+                projection += row.transpose() * row;
+            }
+        }
+    }
+    // The first axis of those that are equally near.
+    let mut nearest = 0;
+    for axis in 1..n {
+        if projection.column(axis).norm() > projection.column(nearest).norm() + 1e-6 {
+            nearest = axis;
+        }
+    }
+    let column = projection.column(nearest).normalize();
+    column
+        .iter()
+        .map(|x| if x.abs() < 1e-12 { 0.0 } else { *x })
+        .collect()
+}
+
+/// The rates in discrete time.
+pub(super) fn predicted(
+    problem: &Problem,
+    f: &DeformationGradient,
+    k: &[f64],
+    (omega_squared, polarization): (f64, Vec<f64>),
+    stepping: Stepping,
+    step: f64,
+) -> Result<Prediction, VerifyError> {
+    let whole = matrix(problem, f, k)?.map(|x| Complex::new(x, 0.0));
+    let none = DMatrix::zeros(whole.nrows(), whole.ncols());
+    let carried = match stepping.carries() {
+        true => problem.analysis.carried(f, k)?.unwrap_or(none),
+        false => none,
+    };
+    let rates = stepping.rates(&(whole - &carried), &carried, step);
+    let root = Complex::new(-omega_squared, 0.0).sqrt();
+    let near = |wanted: Complex| {
+        let apart = |z: &&Complex| (*z - wanted).norm();
+        let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        nearest.filter(|z| apart(z) <= RESOLVED * root.norm())
+    };
+    // Of a growing wave the growing solution goes first, of a traveling one that with the positive frequency.
+    match (near(root), near(-root)) {
+        (Some(first), Some(second)) => Ok(Prediction {
+            omega_squared,
+            polarization,
+            rates: [(*first).into(), (*second).into()],
+            stepping,
+        }),
+        _ => Err(VerifyError::Wave {
+            what: format!("the time step {step:e} does not resolve the wave"),
+            hint: "choose a smaller --time-step".to_owned(),
+        }),
+    }
+}

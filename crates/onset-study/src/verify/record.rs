@@ -1,0 +1,170 @@
+//! What is read of a run: the amplitude of the wave at each time.
+
+use super::{Case, VerifyError};
+use std::path::{Path, PathBuf};
+
+/// Displacements beyond this share of the spacing are no small perturbations, or not of this lattice.
+const LARGEST: f64 = 0.1;
+
+/// The amplitudes of a wave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// The file.
+    pub path: PathBuf,
+    /// Times and amplitudes, `sum (u.g) cos(k.X) / sum cos^2(k.X)`; length.
+    pub samples: Vec<(f64, f64)>,
+    /// Whether the file ends within a frame.
+    pub is_cut: bool,
+}
+
+/// Projects the particles of a run on the wave of a case, one frame after the other.
+pub struct Projector<'a> {
+    case: &'a Case,
+    path: PathBuf,
+    seen: Vec<bool>,
+    count: usize,
+    sum: f64,
+    /// `sum cos^2` over all that are measured.
+    norm: f64,
+    samples: Vec<(f64, f64)>,
+}
+
+impl<'a> Projector<'a> {
+    /// For an output of a case.
+    pub fn new(case: &'a Case, path: &Path) -> Self {
+        let all = 0..case.block.particles();
+        let measured = all.filter(|index| case.block.is_measured(*index));
+        Self {
+            path: path.to_owned(),
+            seen: vec![false; case.block.particles()],
+            count: 0,
+            sum: 0.0,
+            norm: measured.map(|index| case.phase(index).powi(2)).sum(),
+            samples: Vec::new(),
+            case,
+        }
+    }
+
+    /// The case.
+    pub fn case(&self) -> &Case {
+        self.case
+    }
+
+    /// An output that is not one of the case.
+    pub fn wrong(&self, line: usize, what: impl Into<String>, hint: &'static str) -> VerifyError {
+        VerifyError::Output {
+            path: self.path.clone(),
+            line,
+            what: what.into(),
+            hint,
+        }
+    }
+
+    /// That the mark of a case in an output is that of this one.
+    ///
+    /// # Errors
+    /// [`VerifyError::Output`] where it is another or missing.
+    pub fn require_mark(&self, line: usize, mark: Option<&str>) -> Result<(), VerifyError> {
+        match mark {
+            Some(mark) if mark == self.case.id => Ok(()),
+            Some(other) => Err(self.wrong(
+                line,
+                format!(
+                    "this is an output of case {other}; the case beside it is {}",
+                    self.case.id
+                ),
+                "read it with the case.json of its own deck, --case FILE",
+            )),
+            None => Err(self.wrong(
+                line,
+                format!(
+                    "the output does not say that it is of case {}",
+                    self.case.id
+                ),
+                "run the deck as it was written; the page `verify` of the book tells the formats",
+            )),
+        }
+    }
+
+    /// A particle of the frame, by its number counted from 1. Particles that are not measured are passed over.
+    ///
+    /// # Errors
+    /// [`VerifyError::Output`] for one that is not of the case, twice there, or not near its place.
+    pub fn particle(
+        &mut self,
+        line: usize,
+        number: f64,
+        position: [f64; 3],
+    ) -> Result<(), VerifyError> {
+        let block = &self.case.block;
+        let is_number = number >= 1.0 && number <= block.particles() as f64;
+        if !is_number || number.fract() != 0.0 {
+            return Err(self.wrong(
+                line,
+                format!(
+                    "there is no particle {number}; the case has {}",
+                    block.particles()
+                ),
+                "give particles the numbers of the deck",
+            ));
+        }
+        let index = number as usize - 1;
+        let dimension = block.dimension();
+        if let Some(wrong) = position[..dimension].iter().find(|x| !x.is_finite()) {
+            return Err(self.wrong(
+                line,
+                format!("particle {number} is at {wrong}: the run has failed"),
+                "a step above the critical one? run the deck as it was written",
+            ));
+        }
+        if !block.is_measured(index) {
+            return Ok(());
+        }
+        if std::mem::replace(&mut self.seen[index], true) {
+            return Err(self.wrong(
+                line,
+                format!("particle {number} is there twice in one frame"),
+                "write each particle once",
+            ));
+        }
+        let displacement = self.case.displacement(index, &position);
+        let largest = displacement
+            .iter()
+            .fold(0.0_f64, |most, u| most.max(u.abs()));
+        if largest > LARGEST * self.case.spacing() {
+            return Err(self.wrong(
+                line,
+                format!(
+                    "particle {number} is {largest:.3e} away from its place in the homogeneous state, the spacing being {:e}",
+                    self.case.spacing()
+                ),
+                "is this the output of another deck, or did the run leave the state? choose fewer --steps for waves that grow",
+            ));
+        }
+        let polarization = self.case.prediction.polarization.iter();
+        let along: f64 = polarization.zip(displacement).map(|(g, u)| g * u).sum();
+        self.sum += along * self.case.phase(index);
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Ends a frame; how many of its particles are missing.
+    pub fn end_frame(&mut self, time: f64) -> usize {
+        let missing = self.case.block.measured_particles() - self.count;
+        if missing == 0 {
+            self.samples.push((time, self.sum / self.norm));
+        }
+        self.seen.fill(false);
+        (self.count, self.sum) = (0, 0.0);
+        missing
+    }
+
+    /// The record. The last frame may be incomplete where the file ends with it.
+    pub fn finish(self, is_cut: bool) -> Record {
+        Record {
+            path: self.path,
+            samples: self.samples,
+            is_cut,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Running a deck where the code is installed.
+
+use super::{CASE_FILE, Case, Judgment, VerifyError, named, read};
+use std::fs::File;
+use std::io::ErrorKind;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// What a program prints.
+const LOG: &str = "run.log";
+/// Lines that are shown of a failed run.
+const TAIL: usize = 8;
+
+/// Runs the deck in a folder and judges its output; `program` takes the place of the usual one.
+///
+/// # Errors
+/// [`VerifyError`] when the program cannot be started or fails, and as for [`read`].
+pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyError> {
+    let case = Case::of_file(&folder.join(CASE_FILE))?;
+    let code = named(&case.code)?;
+    let Some(usual) = code.program() else {
+        return Err(VerifyError::Refused {
+            code: code.name(),
+            what: "only you know how this code is run".to_owned(),
+            hint: format!(
+                "run it, and read its {} with `onset verify read`",
+                code.output()
+            ),
+        });
+    };
+    // The child runs in the folder: a path is made whole before.
+    let program = match program {
+        Some(path) if path.components().count() > 1 => {
+            std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+        }
+        Some(name) => name.to_owned(),
+        None => usual.name.into(),
+    };
+    let log = folder.join(LOG);
+    let unwritable = |source| VerifyError::Unreadable {
+        path: log.clone(),
+        source,
+    };
+    let printed = File::create(&log).map_err(unwritable)?;
+    let errors = printed.try_clone().map_err(unwritable)?;
+    // What an earlier run has left is not taken for the output of this one.
+    match std::fs::remove_file(folder.join(code.output())) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(unwritable(error)),
+        _ => {}
+    }
+    let status = Command::new(&program)
+        .args(usual.arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(printed)
+        .stderr(errors)
+        .status()
+        .map_err(|source| VerifyError::NotInstalled {
+            program: program.display().to_string(),
+            source,
+            hint: usual.install,
+        })?;
+    if !status.success() {
+        let printed = std::fs::read(&log).unwrap_or_default();
+        let printed = String::from_utf8_lossy(&printed).into_owned();
+        let lines: Vec<&str> = printed.lines().collect();
+        let tail = lines[lines.len().saturating_sub(TAIL)..].iter();
+        return Err(VerifyError::Failed {
+            program: program.display().to_string(),
+            status: status.to_string(),
+            tail: tail
+                .map(|line| format!("    {line}\n"))
+                .collect::<String>()
+                .trim_end()
+                .to_owned(),
+            log,
+        });
+    }
+    read(folder, None)
+}

