@@ -5,6 +5,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::exponentials::beyond_linear;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -87,8 +88,9 @@ impl PrincipalEnergy for Ogden {
         let change = volume.exp() - 1.0;
         let volumetric = change * change * (0.5 * self.kappa);
         self.terms.iter().fold(volumetric, |sum, (mu, alpha)| {
-            let [a, b, c] = deviators.map(|log| (log * *alpha).exp());
-            sum + (a + b + c - 3.0) * (mu / alpha)
+            // The deviators sum to zero: what is linear in them drops out, and small exponents keep their digits.
+            let [a, b, c] = deviators.map(|log| beyond_linear(log * *alpha));
+            sum + (a + b + c) * (mu / alpha)
         })
     }
 }
