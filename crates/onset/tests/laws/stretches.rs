@@ -368,17 +368,20 @@ fn tiny_exponents_lose_no_digits() {
             .expect("a law")
     };
     let alpha = 1e-12;
-    let none = [("mu2", 0.0), ("mu3", 0.0)];
     let ogden = [
-        &[("mu1", 2.0 / alpha), ("alpha1", alpha), ("kappa", 3.0)],
-        &none[..],
-    ]
-    .concat();
+        ("mu1", 2.0 / alpha),
+        ("alpha1", alpha),
+        ("mu2", 0.0),
+        ("mu3", 0.0),
+        ("kappa", 3.0),
+    ];
     let foam = [
-        &[("mu1", 1.0), ("alpha1", alpha), ("beta1", 0.5)],
-        &none[..],
-    ]
-    .concat();
+        ("mu1", 1.0),
+        ("alpha1", alpha),
+        ("beta1", 0.5),
+        ("mu2", 0.0),
+        ("mu3", 0.0),
+    ];
     for (law, limit) in [
         (
             library_law("ogden", &ogden),

@@ -3,7 +3,7 @@
 //! Energies as the Abaqus Theory Guide has them: polynomials of `I1bar - 3` and `I2bar - 3` with `(J - 1)^(2i)/D_i`; Ogden and foams with
 //! `2 mu_i/alpha_i^2`; Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
 
-use super::law::{Energy, ForeignLaw, Volume, volume_part};
+use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
 use super::{Trouble, number};
 
 /// Constants on a data line.
@@ -294,7 +294,7 @@ fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> 
     let energy = format!(
         "let x = (1 - beta)*I1bar + beta*I2bar - 3; let m = locking^2 - 3; \
          mu*if(x < 1e-14, x/2, -m*(ln(1 - sqrt(x/m)) + sqrt(x/m)) - 2/3*a*(x/2)^1.5) + {}",
-        volume_part(Volume::Logarithm)
+        LOGARITHM_OF_VOLUME
     );
     let constants = named(&[("mu", c[0]), ("locking", c[1]), ("a", c[2]), ("beta", c[3])]);
     Ok(ForeignLaw::new(
@@ -375,7 +375,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     for invariant in ["I4", "I6"].into_iter().take(families) {
         energy.push_str(&format!(" + k1/(2*k2)*(exp(k2*{}) - 1)", strain(invariant)));
     }
-    energy.push_str(&format!(" + {}", volume_part(Volume::Logarithm)));
+    energy.push_str(&format!(" + {}", LOGARITHM_OF_VOLUME));
     let constants = named(&[
         ("c10", c[0]),
         ("k1", c[2]),

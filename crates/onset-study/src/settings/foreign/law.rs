@@ -30,15 +30,6 @@ pub(super) enum Energy {
     Formula(String),
 }
 
-/// How compressibility is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Volume {
-    /// `sum_i (J - 1)^(2 i) / D_i`.
-    Powers,
-    /// `((J^2 - 1)/2 - ln J) / D`.
-    Logarithm,
-}
-
 /// The bulk modulus of a material that the program takes as incompressible, in shear moduli.
 const NEARLY: f64 = 1000.0;
 
@@ -216,10 +207,5 @@ pub(super) fn powers_of_volume(compressibilities: &[f64]) -> String {
     format!("kappa/2*(J - 1)^2{}", higher.collect::<String>())
 }
 
-/// The volumetric part with one constant.
-pub(super) fn volume_part(volume: Volume) -> &'static str {
-    match volume {
-        Volume::Powers => "kappa/2*(J - 1)^2",
-        Volume::Logarithm => "kappa/2*((J^2 - 1)/2 - ln(J))",
-    }
-}
+/// `((J^2 - 1)/2 - ln J) / D` with `kappa = 2/D`.
+pub(super) const LOGARITHM_OF_VOLUME: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";

@@ -8,7 +8,6 @@ mod ansys;
 mod law;
 
 use super::{Origin, SettingError};
-use law::ForeignLaw;
 use std::str::FromStr;
 
 /// A program whose blocks can be read.
