@@ -230,7 +230,7 @@ fn treloars_fit_is_stable_throughout() {
     }
     let compressible = path(&*law, Mode::Equibiaxial, Lateral::PlaneStress);
     let lost = limit(&compressible, Criterion::DruckerAbaqus, false).expect("lost");
-    assert_close(lost, 0.2887, 1e-4);
+    assert_close(lost, 0.2887, 5e-4);
     let track = follow(&compressible, Criterion::DruckerAbaqus, false).expect("defined");
     let Some(Witness::StrainRate { rate }) = track.witness() else {
         panic!("a rate");

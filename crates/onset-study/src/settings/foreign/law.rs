@@ -116,11 +116,19 @@ impl ForeignLaw {
             terms.push(format!("{name}{}", powers.concat()));
             own.push((name, *value));
         }
-        let energy = format!(
-            "let x = I1bar - 3; let y = I2bar - 3; {} + {}",
-            terms.join(" + "),
-            powers_of_volume(compressibilities)
-        );
+        let has = |of: fn(&(usize, usize)) -> usize| {
+            let mut counted = constants.iter().filter(counts);
+            counted.any(|(powers, _)| of(powers) > 0)
+        };
+        let mut energy = String::new();
+        if has(|(i, _)| *i) {
+            energy.push_str("let x = I1bar - 3; ");
+        }
+        if has(|(_, j)| *j) {
+            energy.push_str("let y = I2bar - 3; ");
+        }
+        terms.push(powers_of_volume(compressibilities));
+        energy.push_str(&terms.join(" + "));
         Self::new(line, title, Energy::Formula(energy), own, volume)
     }
 

@@ -48,7 +48,7 @@ pub struct Reading {
 /// // Abaqus writes 2 mu/alpha^2 where this program, as Ogden, writes mu/alpha.
 /// let block = "*HYPERELASTIC, OGDEN, N=1\n2.0, 4.0, 0.02";
 /// let reading = law_from(Program::Abaqus, "a block", block, &[])?;
-/// let expected = ["material.model=ogden", "material.mu1=1", "material.alpha1=4", "material.kappa=100"];
+/// let expected = ["material.model=ogden", "material.mu1=1", "material.alpha1=4", "material.mu2=0", "material.mu3=0", "material.kappa=100"];
 /// assert_eq!(reading.assignments, expected);
 /// # Ok::<(), onset_study::settings::SettingError>(())
 /// ```
