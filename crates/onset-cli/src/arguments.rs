@@ -8,6 +8,7 @@ use onset_study::audit::Convention;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
+use onset_study::settings::Program;
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
 use onset_study::verify::Stepping;
 use std::ops::Range;
@@ -106,11 +107,13 @@ const PATH_EXAMPLES: &str = "Examples:
 const CRITERIA_EXAMPLES: &str = "Examples:
   onset criteria --set material.model=ogden
   onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
+  onset criteria --set material.model=ogden --incompressible
   onset criteria --mode uniaxial --range 0.2,5 --out figures";
 const CARD_EXAMPLES: &str = "Examples:
   onset card --set material.model=blatz-ko
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
-  onset card STUDY.toml --range 0.5,2";
+  onset card STUDY.toml --range 0.5,2
+  onset card rubber.inp --from abaqus";
 const MODES_EXAMPLES: &str = "Examples:
   onset modes --set discretization.quadrature=nodal --out modes
   onset modes --set discretization.method=tlsph
@@ -616,6 +619,10 @@ pub struct TrustArguments {
 pub struct LawArguments {
     /// A study file whose law is meant, - for standard input [default: the law of --set alone].
     pub file: Option<PathBuf>,
+    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...) or ansys (TB,HYPER ...), whose constants are read with the meaning
+    /// that they have there.
+    #[arg(long, value_name = "PROGRAM", requires = "file")]
+    pub from: Option<Program>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -640,6 +647,9 @@ pub struct CriteriaArguments {
     /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
     #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
     pub modes: Vec<Mode>,
+    /// Ask the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, the volumetric part does not count.
+    #[arg(long)]
+    pub incompressible: bool,
     /// Folder for criteria.svg and criteria.png; no figure when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

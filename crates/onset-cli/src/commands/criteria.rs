@@ -1,16 +1,20 @@
 //! `onset criteria` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, law, with_energy, with_files};
+use super::{Failure, law, source, with_energy, with_files};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
 use crate::printing::print;
 use onset_study::criteria::Question;
 use onset_study::output::Output;
-use onset_study::settings::MaterialSettings;
+use onset_study::settings::{MaterialSettings, law_from};
 use std::process::ExitCode;
 
 /// Criteria side by side.
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law, &arguments.modes)?;
+    let question = match arguments.incompressible {
+        true => question.incompressible().map_err(Failure::input)?,
+        false => question,
+    };
     let output = arguments.out.as_deref();
     let names = ["criteria.svg", "criteria.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
@@ -46,16 +50,21 @@ fn question(
     arguments: &LawArguments,
     modes: &[onset_study::criteria::Mode],
 ) -> Result<Question, Failure> {
-    let material = material(arguments)?;
-    Question::new(&material, arguments.range, modes).map_err(Failure::input)
+    let (material, notes) = material(arguments)?;
+    let question = Question::new(&material, arguments.range, modes).map_err(Failure::input)?;
+    Ok(question.with_notes(notes))
 }
 
-/// The law of a study, or of the assignments alone.
-fn material(arguments: &LawArguments) -> Result<MaterialSettings, Failure> {
-    let assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
-    law(
-        arguments.file.as_deref(),
-        &assignments,
-        &arguments.trust.trust(),
-    )
+/// The law of a study, of a block of another program, or of the assignments alone, with what there is to know of it.
+fn material(arguments: &LawArguments) -> Result<(MaterialSettings, Vec<String>), Failure> {
+    let mut assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
+    let trust = arguments.trust.trust();
+    let (Some(program), Some(file)) = (arguments.from, arguments.file.as_deref()) else {
+        let own = law(arguments.file.as_deref(), &assignments, &trust)?;
+        return Ok((own, Vec::new()));
+    };
+    let (name, text) = source(file)?;
+    let read = law_from(program, &name, &text, &assignments).map_err(Failure::input)?;
+    assignments.splice(0..0, read.assignments);
+    Ok((law(None, &assignments, &trust)?, read.notes))
 }

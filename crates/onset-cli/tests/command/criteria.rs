@@ -106,3 +106,177 @@ fn wrong_ranges_modes_and_laws_are_refused() {
         );
     }
 }
+
+/// A block in a file of its own.
+fn block(name: &str, text: &str) -> String {
+    let folder = fresh_place(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("block.inp");
+    std::fs::write(&file, text).expect("a file");
+    file.display().to_string()
+}
+
+/// Treloar's rubber in the constants of Abaqus, `mu_i alpha_i / 2` of Ogden's, is the default of `ogden`.
+#[test]
+fn a_block_of_abaqus_is_the_same_law_as_ogdens_constants() {
+    let text = "** Treloar\n*MATERIAL, NAME=RUBBER\n*Hyperelastic, n=3, OGDEN\n0.40157, 1.3, 0.0029425, 5.0, 0.009807, -2.0, 0.02, 0.0\n0.0\n*DENSITY\n1e-9\n";
+    let file = block("abaqus-ogden", text);
+    let read = document(&format!("criteria {file} --from abaqus --mode equibiaxial"));
+    let own = document("criteria --set material.model=ogden --mode equibiaxial");
+    for (name, value) in [
+        ("mu1", 0.6178),
+        ("mu2", 0.001_177),
+        ("mu3", -0.009_807),
+        ("kappa", 100.0),
+    ] {
+        let found = number(&read, &format!("/material/parameters/{name}"));
+        assert!((found / value - 1.0).abs() < 1e-12, "{name} {found}");
+    }
+    let lost = |answer: &Value| {
+        number(
+            criterion(&answer["loadings"][0], "drucker-abaqus"),
+            "/compression/limit",
+        )
+    };
+    assert_close(lost(&read), lost(&own), 1e-9);
+    assert_close(lost(&own), 0.2887, 5e-4);
+    let answer = onset(&["criteria", &file, "--from", "abaqus", "--mode", "uniaxial"]);
+    assert!(
+        answer.stdout.contains("shear modulus 0.4143"),
+        "{}",
+        answer.stdout
+    );
+    assert!(
+        answer.stdout.contains("--set material.model=ogden"),
+        "{}",
+        answer.stdout
+    );
+}
+
+#[test]
+fn incompressible_response_has_surfaces_and_no_pressure() {
+    let law = "--set material.model=neo-hooke";
+    let answer = document(&format!("criteria {law} --incompressible"));
+    assert_eq!(answer["loadings"].as_array().expect("a list").len(), 4);
+    let equibiaxial = &answer["loadings"][1];
+    let wrinkles = criterion(equibiaxial, "surface");
+    // Biot: 0.666.
+    assert_close(
+        number(wrinkles, "/compression/limit"),
+        0.295_597_742_522_f64.cbrt(),
+        1e-9,
+    );
+    assert_eq!(
+        wrinkles["compression"]["changes"][0]["witness"]["kind"],
+        "surface-wave"
+    );
+    assert!(criterion(equibiaxial, "strong-ellipticity")["compression"]["limit"].is_null());
+    for (arguments, fact) in [
+        (
+            "criteria --incompressible --set material.model=cubic-crystal",
+            "is not isotropic",
+        ),
+        (
+            "criteria --incompressible --mode hydrostatic",
+            "keeps its volume",
+        ),
+    ] {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        let answer = onset(&arguments);
+        assert_eq!(answer.code, Some(2), "{arguments:?}");
+        assert!(answer.stderr.contains(fact), "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn a_limit_along_jumps_is_told_to_be_an_upper_bound() {
+    let arguments = [
+        "criteria",
+        "--set",
+        "material.model=neo-hooke",
+        "--mode",
+        "equibiaxial",
+    ];
+    let answer = onset(&arguments);
+    assert!(answer.stdout.contains("4.2433644"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("upper bound"), "{}", answer.stdout);
+    assert!(
+        answer.stdout.contains("verified in intervals"),
+        "{}",
+        answer.stdout
+    );
+}
+
+#[test]
+fn blocks_that_determine_no_law_are_refused_with_their_line() {
+    for (name, program, text, fact) in [
+        (
+            "none",
+            "abaqus",
+            "*ELASTIC\n1, 0.3\n",
+            "expected *HYPERELASTIC",
+        ),
+        (
+            "marlow",
+            "abaqus",
+            "*HYPERELASTIC, MARLOW\n",
+            "table of test data",
+        ),
+        (
+            "fit",
+            "abaqus",
+            "*HYPERELASTIC, OGDEN, TEST DATA INPUT\n",
+            "test data",
+        ),
+        (
+            "few",
+            "abaqus",
+            "*HYPERELASTIC, POLYNOMIAL, N=3\n1, 2, 3\n",
+            "2 data lines with 12 constants",
+        ),
+        (
+            "many",
+            "abaqus",
+            "*HYPERELASTIC, NEO HOOKE\n1, 2, 3, 4\n",
+            ":2:",
+        ),
+        (
+            "word",
+            "abaqus",
+            "*HYPERELASTIC, NEO HOOKE\nC10, 2\n",
+            "`C10` is no number",
+        ),
+        (
+            "form",
+            "abaqus",
+            "*HYPERELASTIC, USER\n1\n",
+            "`USER`, which is not read",
+        ),
+        (
+            "angles",
+            "abaqus",
+            "*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS=2\n7.64e-3, 0.02, 0.9966, 524.6, 0.226\n",
+            "material.fiber1-angle",
+        ),
+        ("tb", "ansys", "MP,EX,1,2\n", "expected TB,HYPER"),
+        (
+            "user",
+            "ansys",
+            "TB,HYPER,1,,2,USER\n",
+            "`USER` is not read",
+        ),
+    ] {
+        let file = block(&format!("block-{name}"), text);
+        let answer = onset(&["criteria", &file, "--from", program, "--mode", "uniaxial"]);
+        assert_eq!(answer.code, Some(2), "{name}: {}", answer.stdout);
+        assert!(answer.stderr.contains(fact), "{name}: {}", answer.stderr);
+    }
+    let answer = onset(&["criteria", "--from", "abaqus"]);
+    assert_eq!(answer.code, Some(2));
+    let answer = onset(&["criteria", "x.inp", "--from", "comsol"]);
+    assert!(
+        answer.stderr.contains("abaqus or ansys"),
+        "{}",
+        answer.stderr
+    );
+}

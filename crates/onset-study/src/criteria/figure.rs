@@ -79,7 +79,8 @@ fn kind(criterion: Criterion) -> (Color, &'static str) {
         Criterion::Hill | Criterion::HillRotationFree => {
             (palette::ORANGE, "incremental work under dead loads")
         }
-        Criterion::Drucker | Criterion::DruckerAbaqus => {
+        Criterion::Surface => (palette::SKY, "waves at free faces"),
+        Criterion::Drucker | Criterion::DruckerAbaqus | Criterion::DruckerIncompressible => {
             (palette::GREEN, "stress work in logarithmic strain")
         }
         Criterion::LoadMaximum => (palette::VERMILION, "maximum of the load"),

@@ -26,6 +26,19 @@ pub enum CriteriaError {
     /// The law.
     #[error("{0}")]
     Material(#[from] MaterialError),
+    /// A law whose incompressible response is not known.
+    #[error(
+        "{law} is not isotropic; expected an isotropic law beside --incompressible\n  hint: leave --incompressible out, a large bulk modulus comes near to it"
+    )]
+    NotIsotropic {
+        /// Its name.
+        law: String,
+    },
+    /// No loading that keeps the volume.
+    #[error(
+        "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
+    )]
+    ChangesVolume,
     /// A loading of it.
     #[error("{title}: {source}{}{}", hint(source), told(notes))]
     Loading {
@@ -44,7 +57,7 @@ fn hint(error: &LoadingError) -> &'static str {
         LoadingError::Law(_) => {
             "\n  hint: choose constants of the law, or a --range, with which it has numbers"
         }
-        LoadingError::NoReference => "",
+        LoadingError::NoReference | LoadingError::ChangesVolume => "",
     }
 }
 
@@ -65,6 +78,10 @@ pub struct LawAnswer {
     pub units: BTreeMap<String, &'static str>,
     /// Whether it is isotropic, found out by turning the reference.
     pub isotropic: bool,
+    /// Whether its incompressible response is asked.
+    pub incompressible: bool,
+    /// Shear and bulk modulus at small strains; `null` of a law that is not isotropic or has stress at `F = 1`.
+    pub moduli: Option<[f64; 2]>,
     /// What a reader must know of it.
     pub notes: Vec<String>,
 }
@@ -89,7 +106,13 @@ pub struct Definition {
     pub definition: &'static str,
     /// Where it is from.
     pub source: &'static str,
+    /// What its limits are where they are not exact.
+    pub note: Option<&'static str>,
 }
+
+/// What a limit of rank-one convexity is.
+const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference: jumps that gain energy earlier may exist and not have been \
+                           found; at the limit the jump that is named gains energy";
 
 /// The answer: every criterion along every loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -215,6 +238,8 @@ impl Question {
                     .collect(),
                 units: units.filter_map(|(name, _)| has_unit(name)).collect(),
                 isotropic: is_isotropic(&*material),
+                incompressible: false,
+                moduli: moduli(&*material),
                 notes: notes_on_law(&*material),
             },
             material,
@@ -223,26 +248,64 @@ impl Question {
         })
     }
 
+    /// With more that a reader must know of the law.
+    pub fn with_notes(mut self, notes: Vec<String>) -> Self {
+        self.law.notes.extend(notes);
+        self
+    }
+
+    /// The same question of the incompressible response of the law: its volumetric part does not count, the pressure follows from a free face.
+    ///
+    /// # Errors
+    /// [`CriteriaError::NotIsotropic`] of a law that is not isotropic, [`CriteriaError::ChangesVolume`] when none of the modes keeps the volume.
+    pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
+        if !self.law.isotropic {
+            return Err(CriteriaError::NotIsotropic {
+                law: self.law.model,
+            });
+        }
+        let asked = |loading: &Loading| self.loadings.iter().any(|own| own.mode == loading.mode);
+        self.loadings = Loading::INCOMPRESSIBLE.into_iter().filter(asked).collect();
+        if self.loadings.is_empty() {
+            return Err(CriteriaError::ChangesVolume);
+        }
+        self.law.incompressible = true;
+        Ok(self)
+    }
+
+    /// The criteria that have an answer of their own: of incompressible response one check of Drucker's, and surfaces.
+    fn criteria(&self) -> Vec<Criterion> {
+        let left_out = match self.law.incompressible {
+            true => Criterion::DruckerAbaqus,
+            false => Criterion::Surface,
+        };
+        let mut criteria = Criterion::ALL.to_vec();
+        criteria.retain(|criterion| *criterion != left_out);
+        criteria
+    }
+
     /// Every criterion along every loading.
     ///
     /// # Errors
     /// [`CriteriaError`] when the law has no state in the reference.
     pub fn answer(&self) -> Result<CriteriaAnswer, CriteriaError> {
+        let criteria = self.criteria();
         let loadings: Vec<LoadingAnswer> = self
             .loadings
             .par_iter()
-            .map(|loading| self.along(*loading, &Criterion::ALL))
+            .map(|loading| self.along(*loading, &criteria))
             .collect::<Result<_, _>>()?;
         let definition = |criterion: Criterion| Definition {
             criterion,
             definition: criterion.definition(),
             source: criterion.source(),
+            note: (criterion == Criterion::RankOneConvexity).then_some(UPPER_BOUND),
         };
         Ok(CriteriaAnswer {
             material: self.law.clone(),
             range: [self.range.low(), self.range.high()],
             polyconvexity: self.polyconvexity(&loadings),
-            criteria: Criterion::ALL.map(definition).to_vec(),
+            criteria: criteria.into_iter().map(definition).collect(),
             disagreements: sentence::disagreements(&loadings),
             loadings,
         })
@@ -259,14 +322,25 @@ impl Question {
         let refuted = loadings
             .iter()
             .find_map(|loading| Some((loading.title, loading.refutes_polyconvexity()?)));
-        match (known.knowledge, refuted) {
+        // What refutes it may be the volumetric part.
+        let is_of_volume = self.law.incompressible && known.knowledge == Knowledge::NotPolyconvex;
+        let knowledge = match is_of_volume {
+            true => Knowledge::Unknown,
+            false => known.knowledge,
+        };
+        match (knowledge, refuted) {
             (Knowledge::Unknown, Some((title, stretch))) => PolyconvexityAnswer {
                 knowledge: Knowledge::NotPolyconvex,
                 reason: format!("it is not rank-one convex: {title}, stretch {stretch:.6}"),
                 source: "computed".to_owned(),
             },
+            _ if is_of_volume => PolyconvexityAnswer {
+                knowledge,
+                reason: "what is recorded is about the compressible law".to_owned(),
+                source: String::new(),
+            },
             _ => PolyconvexityAnswer {
-                knowledge: known.knowledge,
+                knowledge,
                 reason: known.reason.to_owned(),
                 source: known.source.to_owned(),
             },
@@ -278,12 +352,15 @@ impl Question {
         loading: Loading,
         criteria: &[Criterion],
     ) -> Result<LoadingAnswer, CriteriaError> {
-        let path = LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range)
-            .map_err(|source| CriteriaError::Loading {
-                title: loading.title(),
-                source,
-                notes: self.law.notes.clone(),
-            })?;
+        let path = match self.law.incompressible {
+            true => LoadingPath::incompressible(&*self.material, loading, &self.range),
+            false => LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range),
+        };
+        let path = path.map_err(|source| CriteriaError::Loading {
+            title: loading.title(),
+            source,
+            notes: self.law.notes.clone(),
+        })?;
         let has_energy = has_energy(&*self.material);
         let reach = (self.range.low(), self.range.high());
         let tracks = |tension: bool| -> Vec<Option<Track>> {
@@ -317,6 +394,13 @@ impl Question {
             other_states: other_states(&path),
             criteria,
         })
+    }
+}
+
+impl CriterionAnswer {
+    /// Whether it is lost somewhere.
+    fn has_limit(&self) -> bool {
+        self.compression.limit.is_some() || self.tension.limit.is_some()
     }
 }
 
@@ -360,6 +444,15 @@ impl EndAnswer {
             },
         }
     }
+}
+
+/// Shear and bulk modulus at small strains, by which constants in a wrong convention show.
+fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
+    let response = material.undeformed().ok()?;
+    let is_stressed = !notes_on_law(material).is_empty();
+    let shear = response.tangent[(0, 1, 0, 1)];
+    let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
+    (is_isotropic(material) && !is_stressed).then_some([shear, bulk])
 }
 
 /// A setting as it is written in JSON.

@@ -18,13 +18,13 @@ impl Display for CriteriaAnswer {
             writeln!(formatter, "\n{}", loading.title)?;
             writeln!(
                 formatter,
-                "  {:<20} {:>16} {:>16}   at the loss",
+                "  {:<22} {:>16} {:>16}   at the loss",
                 "", "compression", "tension"
             )?;
             for answer in &loading.criteria {
                 writeln!(
                     formatter,
-                    "  {:<20} {:>16} {:>16}   {}",
+                    "  {:<22} {:>16} {:>16}   {}",
                     answer.criterion.name(),
                     cell(answer, &answer.compression),
                     cell(answer, &answer.tension),
@@ -52,6 +52,15 @@ impl Display for CriteriaAnswer {
                 )?;
             }
         }
+        for definition in &self.criteria {
+            let limits = self.loadings.iter().flat_map(|loading| &loading.criteria);
+            let mut own = limits.filter(|answer| answer.criterion == definition.criterion);
+            if let Some(note) = definition.note
+                && own.any(|answer| answer.has_limit())
+            {
+                writeln!(formatter, "\n{}: {note}.", definition.criterion.name())?;
+            }
+        }
         if !self.disagreements.is_empty() {
             writeln!(formatter, "\nWhere criteria disagree")?;
         }
@@ -75,16 +84,26 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
             None => format!("{name} = {value}"),
         })
         .collect();
-    let symmetry = match law.isotropic {
-        true => "isotropic",
-        false => "not isotropic",
+    let symmetry = match (law.isotropic, law.incompressible) {
+        (true, true) => {
+            "isotropic, incompressible: pressure from a free face, the volumetric part does not count"
+        }
+        (true, false) => "isotropic",
+        (false, _) => "not isotropic",
     };
     format!("{} ({}), {symmetry}", law.model, parameters.join(", "))
 }
 
 /// The heading with the notes on a law.
 pub(super) fn opening(law: &super::LawAnswer) -> String {
-    format!("{}.{}", heading(law), told(&law.notes))
+    let moduli = law.moduli.map_or(String::new(), |moduli| {
+        let [shear, bulk] = moduli.map(six_digits);
+        match law.incompressible {
+            true => format!("\nAt small strains: shear modulus {shear}."),
+            false => format!("\nAt small strains: shear modulus {shear}, bulk modulus {bulk}."),
+        }
+    });
+    format!("{}.{moduli}{}", heading(law), told(&law.notes))
 }
 
 /// What is known about polyconvexity, in a line.
@@ -144,17 +163,30 @@ pub(super) fn witness(witness: &Witness) -> String {
         } => format!("N = {}, g = {}", vector(direction), vector(polarization)),
         Witness::DeformationRate { rate } => format!("Fdot = {}", matrix(rate)),
         Witness::StrainRate { rate } => format!("D = {}", matrix(rate)),
+        Witness::SurfaceWave { normal, direction } => {
+            format!("face {}, wave along {}", vector(normal), vector(direction))
+        }
         Witness::Jump {
             amplitude,
             direction,
             at_edge,
+            verified,
         } => {
             let edge = if *at_edge {
-                " (to the edge of the range)"
+                ", to the edge of the range"
             } else {
                 ""
             };
-            format!("a = {}, N = {}{edge}", vector(amplitude), vector(direction))
+            let sure = if *verified {
+                "gain verified in intervals"
+            } else {
+                "gain to rounding, not verified in intervals"
+            };
+            format!(
+                "a = {}, N = {} ({sure}{edge})",
+                vector(amplitude),
+                vector(direction)
+            )
         }
     }
 }

@@ -5,6 +5,7 @@ use super::{
     Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
     ratio_of_stretches,
 };
+use nalgebra::Vector3;
 
 /// A change of a criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,45 +179,55 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
 
 /// Every how many states of a path finite jumps are looked for.
 const STRIDE: usize = 8;
+/// Parts of the way before the loss of ellipticity at which they are looked for too.
+const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
+/// How often another family of jumps is looked for where the one that was followed gains nothing any more.
+const FAMILIES: usize = 6;
+/// Parts of a parameter by which the state is moved outward until intervals prove the gain.
+const OUTWARD: i32 = 22;
 
 /// Rank-one convexity along one side of a path: finite jumps are looked for at every eighth state up to the `elliptic` limit, where
-/// infinitesimal ones gain energy, and the first one found is followed back to where it breaks even. Beyond the limit nothing is looked for.
+/// infinitesimal ones gain energy, and closely before it. The first one found is followed back to where it breaks even, where others are looked
+/// for in turn. Beyond the limit nothing is looked for.
 ///
-/// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound. Where the best jump leads to the edge of the
-/// reach, the limit depends on the reach, and is good to about 1e-3 only.
+/// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound of the distance from the reference up to
+/// which the law is rank-one convex. At the limit the gain is proved in intervals where the law knows them ([`JumpSearch::proves`]). Where the best
+/// jump leads to the edge of the reach, the limit depends on the reach, and is good to about 1e-3 only.
 pub fn follow_jumps(
     path: &LoadingPath<'_>,
     elliptic: &Track,
     reach: (f64, f64),
     tension: bool,
 ) -> Track {
-    let search = JumpSearch::new(path.material(), reach);
-    let states = side(path, tension);
-    let limit = elliptic
-        .limit()
-        .map_or(f64::INFINITY, |limit| limit.ln().abs());
-    let inside = states
-        .iter()
-        .step_by(STRIDE)
-        .filter(|state| state.parameter.abs() < limit)
-        .filter(|state| ratio_of_stretches(&state.response) <= LARGEST_RATIO);
-    let mut before = 0.0;
-    for state in inside {
-        let found = search.lowest(&state.response).filter(Jump::gains);
-        let Some(jump) = found else {
-            before = state.parameter;
+    let jumps = Jumps {
+        path,
+        search: match path.is_incompressible() {
+            true => JumpSearch::new(path.material(), reach).incompressible(),
+            false => JumpSearch::new(path.material(), reach),
+        },
+        wave: elliptic.witness().and_then(|witness| match witness {
+            Witness::Wave {
+                direction,
+                polarization,
+            } => Some(((*direction).into(), (*polarization).into())),
+            _ => None,
+        }),
+    };
+    let places = jumps.places(elliptic, tension);
+    for (n, place) in places.iter().enumerate() {
+        let Some(jump) = jumps.gaining(*place) else {
             continue;
         };
-        if state.parameter == 0.0 {
+        if *place == 0.0 {
+            let verified = path
+                .at(0.0)
+                .is_some_and(|state| jumps.search.proves(&state.response, &jump));
             return Track {
                 holds_at_start: false,
-                events: vec![event(true, 0.0, 0.0, jump.witness())],
+                events: vec![event(true, 0.0, 0.0, jump.witness(verified))],
             };
         }
-        return Track {
-            holds_at_start: true,
-            events: vec![break_even(path, &search, before, (state.parameter, jump))],
-        };
+        return jumps.break_even(&places[..n], (*place, jump));
     }
     // Up to the limit of ellipticity no finite jump gains energy; there, small ones do.
     Track {
@@ -225,25 +236,114 @@ pub fn follow_jumps(
     }
 }
 
-/// Where a jump that gains energy at `behind`, and its like nearer to the reference, gains none.
-fn break_even(
-    path: &LoadingPath<'_>,
-    search: &JumpSearch<'_>,
-    mut before: f64,
-    (mut behind, mut jump): (f64, Jump),
-) -> Event {
-    for _ in 0..60 {
-        let middle = 0.5 * (before + behind);
-        if (behind - before).abs() <= RESOLUTION || middle == before || middle == behind {
-            break;
+/// Finite jumps along a path.
+struct Jumps<'p, 'a> {
+    path: &'p LoadingPath<'a>,
+    search: JumpSearch<'a>,
+    /// Direction and polarization of the wave at the loss of ellipticity.
+    wave: Option<(Vector3<f64>, Vector3<f64>)>,
+}
+
+impl Jumps<'_, '_> {
+    /// Parameters at which jumps are looked for, the reference first.
+    fn places(&self, elliptic: &Track, tension: bool) -> Vec<f64> {
+        let limit = elliptic.limit().map(f64::ln);
+        let within = |s: f64| limit.is_none_or(|limit| s.abs() < limit.abs());
+        let along = side(self.path, tension)
+            .iter()
+            .step_by(STRIDE)
+            .filter(|state| ratio_of_stretches(&state.response) <= LARGEST_RATIO)
+            .map(|state| state.parameter);
+        let before = limit.into_iter().flat_map(|limit| {
+            BEFORE_LOSS
+                .into_iter()
+                .map(move |part| limit * (1.0 - part))
+        });
+        let mut places: Vec<f64> = along.chain(before).filter(|s| within(*s)).collect();
+        places.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        places.dedup();
+        places
+    }
+
+    /// A jump that gains energy at a place, as far as the search tells.
+    fn gaining(&self, s: f64) -> Option<Jump> {
+        let state = self.path.at(s)?;
+        let found = self.search.lowest_beside(&state.response, self.wave);
+        found.filter(Jump::gains)
+    }
+
+    /// The same in the valley of another jump.
+    fn followed(&self, s: f64, jump: &Jump) -> Option<Jump> {
+        let state = self.path.at(s)?;
+        let found = self.search.descend(&state.response, jump);
+        found.filter(Jump::gains)
+    }
+
+    /// From a place at which a jump gains energy back to where none does that is found; `places` lie before it.
+    fn break_even(&self, places: &[f64], (mut behind, mut jump): (f64, Jump)) -> Track {
+        let mut before = 0.0;
+        for _ in 0..FAMILIES {
+            before = 0.0;
+            for place in places.iter().rev() {
+                if place.abs() >= behind.abs() {
+                    continue;
+                }
+                match self.followed(*place, &jump) {
+                    Some(found) => (behind, jump) = (*place, found),
+                    None => {
+                        before = *place;
+                        break;
+                    }
+                }
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (before + behind);
+                if (behind - before).abs() <= RESOLUTION || middle == before || middle == behind {
+                    break;
+                }
+                match self.followed(middle, &jump) {
+                    Some(found) => (behind, jump) = (middle, found),
+                    None => before = middle,
+                }
+            }
+            let Some(other) = Some(before)
+                .filter(|s| *s != 0.0)
+                .and_then(|s| self.gaining(s))
+            else {
+                break;
+            };
+            (behind, jump) = (before, other);
         }
-        let followed = path
-            .at(middle)
-            .and_then(|state| search.descend(&state.response, &jump));
-        match followed {
-            Some(found) if found.gains() => (behind, jump) = (middle, found),
-            _ => before = middle,
+        let (place, jump, verified) = self.proved(behind, jump);
+        Track {
+            holds_at_start: behind != 0.0,
+            events: vec![Event {
+                tolerance: (place - before).abs(),
+                ..event(true, place, place, jump.witness(verified))
+            }],
         }
     }
-    event(true, before, behind, jump.witness())
+
+    /// The jump at the nearest place, a little further out if need be, at which intervals prove its gain; where they do not, the jump as it is.
+    fn proved(&self, s: f64, jump: Jump) -> (f64, Jump, bool) {
+        let mut last = jump;
+        for n in 0..OUTWARD {
+            let place = if n == 0 {
+                s
+            } else {
+                s * (1.0 + 1e-14 * 2.0_f64.powi(n))
+            };
+            let Some(state) = self.path.at(place) else {
+                break;
+            };
+            let Some(found) = self.search.descend(&state.response, &last) else {
+                break;
+            };
+            if self.search.proves(&state.response, &found) {
+                return (place, found, true);
+            }
+            last = found;
+        }
+        (s, jump, false)
+    }
 }

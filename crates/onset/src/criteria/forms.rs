@@ -26,22 +26,20 @@ impl QuadraticForm {
     }
 
     /// The smallest value at combinations of some orthonormal rates, of unit length, with the combination.
-    pub(super) fn smallest<const M: usize>(
-        &self,
-        rates: &[Matrix3<f64>; M],
-    ) -> (f64, Matrix3<f64>) {
+    pub(super) fn smallest(&self, rates: &[Matrix3<f64>]) -> (f64, Matrix3<f64>) {
         self.smallest_with(rates, rates, |_, _| 0.0)
     }
 
     /// The smallest `X : A : X + extra(D, D)` at combinations `D` of orthonormal tensors with the rates `X` that belong to them;
     /// with the combination `D`.
-    pub(super) fn smallest_with<const M: usize>(
+    pub(super) fn smallest_with(
         &self,
-        rates: &[Matrix3<f64>; M],
-        tensors: &[Matrix3<f64>; M],
+        rates: &[Matrix3<f64>],
+        tensors: &[Matrix3<f64>],
         extra: impl Fn(&Matrix3<f64>, &Matrix3<f64>) -> f64,
     ) -> (f64, Matrix3<f64>) {
-        let matrix = DMatrix::from_fn(M, M, |a, b| {
+        let count = tensors.len();
+        let matrix = DMatrix::from_fn(count, count, |a, b| {
             self.at(&rates[a], &rates[b]) + extra(&tensors[a], &tensors[b])
         });
         let Some(eigen) = SymmetricEigen::try_new(matrix, f64::EPSILON, 500) else {

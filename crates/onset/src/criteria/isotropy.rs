@@ -1,6 +1,6 @@
 //! Isotropic laws: whether a law is one, and what its tangent is in principal axes.
 
-use super::{Witness, wave};
+use super::{Witness, oriented, wave};
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -152,6 +152,114 @@ impl PrincipalTangent {
                 let direction = x.map(f64::sqrt);
                 let polarization = direction.component_mul(&signs);
                 lowest = (value, self.wave(&direction, &polarization));
+            }
+        }
+        lowest
+    }
+
+    /// The smallest value of the same form for waves that keep the volume, with its wave.
+    ///
+    /// They have `g . F^-T N = sum x_i / lambda_i = 0`. The shears with `g` and `N` along different axes do; of the other waves the splitting of
+    /// [`PrincipalTangent::softest_wave`] leaves the signs with which the sum can vanish, and on the simplex a segment, on which the form is a
+    /// quadratic function of one variable. These are the conditions of Zee and Sternberg, Arch. Ration. Mech. Anal. 83 (1983) 53.
+    pub(super) fn softest_isochoric_wave(&self, stretches: &Vector3<f64>) -> (f64, Witness) {
+        let mut lowest = self.softest_shear();
+        for odd in 0..3 {
+            let ends = [(odd + 1) % 3, (odd + 2) % 3]
+                .map(|other| Self::isochoric_vertex(stretches, other, odd));
+            let (value, wave) = self.lowest_between(&ends);
+            if value < lowest.0 {
+                lowest = (value, wave);
+            }
+        }
+        lowest
+    }
+
+    /// The same for waves in the plane of the two principal axes beside the third coordinate axis.
+    pub(super) fn softest_isochoric_wave_in_plane(
+        &self,
+        stretches: &Vector3<f64>,
+    ) -> (f64, Witness) {
+        let out = self.right.row(2).map(f64::abs).transpose().imax();
+        let (i, j) = ((out + 1) % 3, (out + 2) % 3);
+        let shears = [(i, j), (j, i)];
+        let softest = if self.shear[shears[0]] <= self.shear[shears[1]] {
+            shears[0]
+        } else {
+            shears[1]
+        };
+        let shear = self.wave(&Vector3::ith(softest.1, 1.0), &Vector3::ith(softest.0, 1.0));
+        let vertex = Self::isochoric_vertex(stretches, i, j);
+        let (value, wave) = self.lowest_between(&[vertex, vertex]);
+        match value < self.shear[softest] {
+            true => (value, wave),
+            false => (self.shear[softest], shear),
+        }
+    }
+
+    /// `x` with `x_i` positive, `x_j` negative and nothing else, `sum x_i / lambda_i = 0`, `sum |x_i| = 1`.
+    fn isochoric_vertex(stretches: &Vector3<f64>, i: usize, j: usize) -> Vector3<f64> {
+        let sum = stretches[i] + stretches[j];
+        let mut x = Vector3::zeros();
+        x[i] = stretches[i] / sum;
+        x[j] = -stretches[j] / sum;
+        x
+    }
+
+    /// The smallest value of the form between two `x` whose components do not differ in sign, with its wave.
+    fn lowest_between(&self, ends: &[Vector3<f64>; 2]) -> (f64, Witness) {
+        let signs = (ends[0] + ends[1]).map(|x| if x < 0.0 { -1.0 } else { 1.0 });
+        let matrix = Matrix3::from_fn(|i, j| {
+            if i == j {
+                return self.normal[(i, i)];
+            }
+            let shear = 0.5 * (self.shear[(i, j)] + self.shear[(j, i)]);
+            (self.normal[(i, j)] + self.cross[(i, j)]) + signs[i] * signs[j] * shear
+        });
+        let along = ends[1] - ends[0];
+        let curvature = along.dot(&(matrix * along));
+        let slope = along.dot(&(matrix * ends[0]));
+        let inside = (curvature > 0.0).then(|| (-slope / curvature).clamp(0.0, 1.0));
+        let places = [Some(0.0), Some(1.0), inside].into_iter().flatten();
+        let at = |t: f64| ends[0] + along * t;
+        let (value, x) = places.map(at).map(|x| (x.dot(&(matrix * x)), x)).fold(
+            (f64::INFINITY, ends[0]),
+            |best, next| {
+                if next.0 < best.0 { next } else { best }
+            },
+        );
+        let direction = x.map(|x| x.abs().sqrt());
+        (
+            value,
+            self.wave(&direction, &direction.component_mul(&signs)),
+        )
+    }
+
+    /// The smallest measure of [`Criterion::Surface`](super::Criterion::Surface) over waves along principal axes at faces with a normal along
+    /// one of some coordinate axes, which have to be principal ones; `None` where none is.
+    pub(super) fn softest_surface_wave(
+        &self,
+        stretches: &Vector3<f64>,
+        faces: &[usize],
+    ) -> Option<(f64, Witness)> {
+        let is_along =
+            |axis: usize, face: usize| (self.right[(face, axis)].abs() - 1.0).abs() < 1e-9;
+        let of_face = |face: usize| (0..3).find(|axis| is_along(*axis, face));
+        let mut lowest: Option<(f64, Witness)> = None;
+        for j in faces.iter().filter_map(|face| of_face(*face)) {
+            for i in [(j + 1) % 3, (j + 2) % 3] {
+                let (a, b) = (stretches[i], stretches[j]);
+                // The moduli pushed forward along the axes, J = 1.
+                let alpha = a * a * self.shear[(j, i)];
+                let gamma = b * b * self.shear[(i, j)];
+                let twice_beta = a * a * self.normal[(i, i)] + b * b * self.normal[(j, j)]
+                    - 2.0 * a * b * (self.normal[(i, j)] + self.cross[(i, j)]);
+                let value = (a / b) * (twice_beta + 2.0 * gamma) + alpha - gamma;
+                if lowest.is_none_or(|lowest| value < lowest.0) {
+                    let axis = |n: usize| oriented(&self.right.column(n).into_owned());
+                    let (normal, direction) = (axis(j), axis(i));
+                    lowest = Some((value, Witness::SurfaceWave { normal, direction }));
+                }
             }
         }
         lowest

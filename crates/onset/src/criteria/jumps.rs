@@ -1,8 +1,10 @@
 //! Finite jumps of the deformation gradient that cost less than nothing.
 
-use super::Witness;
+use super::incompressible::cofactor;
+use super::{Witness, principal_axes};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
+use crate::real::Interval;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A jump `a (x) N` of the deformation gradient with its scaled excess of energy.
@@ -26,21 +28,24 @@ impl Jump {
         self.excess < -self.rounding
     }
 
-    /// The jump as a witness.
-    pub fn witness(&self) -> Witness {
+    /// The jump as a witness; `verified` where it was [proved](JumpSearch::proves) to gain energy.
+    pub fn witness(&self, verified: bool) -> Witness {
         Witness::Jump {
             amplitude: self.amplitude.into(),
             direction: self.direction.into(),
             at_edge: self.at_edge,
+            verified,
         }
     }
 }
 
 /// Searches for finite jumps that gain energy.
 ///
-/// Starts: thirteen normals with jumps of several sizes along the axes, both ways; the lowest of them are followed downhill (quasi-Newton,
-/// `BFGS`) in amplitude and normal together. Jumps lead to states with principal stretches within the reach only, since many laws lack
-/// growth at enormous strains. A jump that gains energy disproves rank-one convexity (up to rounding); none found is no proof of it.
+/// Starts: normals and polarizations along the thirteen axes of a cube in the principal frame, with amplitudes in ratio to the stretch along the
+/// polarization, both ways; the lowest of them, one for each pair of axes, are followed downhill (quasi-Newton, `BFGS`) in amplitude and normal
+/// together. Jumps lead to states with principal stretches within the reach only, since many laws lack
+/// growth at enormous strains. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
+/// exact arithmetic; none found is no proof of it.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -50,39 +55,112 @@ impl Jump {
 /// let search = JumpSearch::new(&law, (0.1, 10.0));
 /// // In uniaxial strain 3.5 waves travel still (they do up to 3.732), but a large jump gains energy.
 /// let f = DeformationGradient::from_stretches([3.5, 1.0, 1.0])?;
-/// let jump = search.lowest(&law.response(&f)?).ok_or("no jump")?;
-/// assert!(jump.excess < 0.0);
+/// let state = law.response(&f)?;
+/// let jump = search.lowest(&state).ok_or("no jump")?;
+/// assert!(jump.excess < 0.0 && search.proves(&state, &jump));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct JumpSearch<'a> {
     material: &'a dyn Hyperelastic,
     reach: (f64, f64),
+    incompressible: bool,
 }
 
 /// Smaller jumps count as infinitesimal: their excess is that of a wave.
 const SMALLEST: f64 = 1e-3;
 /// How many of the lowest starts are followed.
-const FOLLOWED: usize = 8;
+const FOLLOWED: usize = 16;
 /// Steps of a descent.
-const STEPS: usize = 60;
+const STEPS: usize = 80;
+/// Axes of a cube: normals of its faces, its edges and its corners.
+const AXES: [[f64; 3]; 13] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [0.0, 1.0, 1.0],
+    [0.0, 1.0, -1.0],
+    [1.0, 1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, -1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+/// Amplitudes to start from, in ratio to the stretch along the polarization.
+const AMPLITUDES: [f64; 8] = [-3.0, -0.85, -0.5, -0.25, 0.3, 0.8, 2.0, 5.0];
+/// Amplitudes to start from along a wave that stops.
+const ALONG_WAVE: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.2];
 
 impl<'a> JumpSearch<'a> {
     /// A search in a law among jumps to states with principal stretches within `reach`.
     pub fn new(material: &'a dyn Hyperelastic, reach: (f64, f64)) -> Self {
-        Self { material, reach }
+        Self {
+            material,
+            reach,
+            incompressible: false,
+        }
+    }
+
+    /// The same among jumps that keep the volume, `a . F^-T N = 0`.
+    pub fn incompressible(mut self) -> Self {
+        self.incompressible = true;
+        self
     }
 
     /// The jump with the lowest scaled excess that was found; `None` where every descent ends in an infinitesimal one.
     pub fn lowest(&self, state: &Response) -> Option<Jump> {
-        let mut starts: Vec<(f64, Vector6<f64>)> = starts()
-            .filter_map(|start| Some((self.excess(state, &start)?.0, start)))
-            .collect();
+        self.lowest_beside(state, None)
+    }
+
+    /// The same, with small jumps along a wave, direction and polarization, among the starts: where a wave stops whose third derivative of the
+    /// energy does not vanish, jumps along it have gained energy before.
+    pub fn lowest_beside(
+        &self,
+        state: &Response,
+        wave: Option<(Vector3<f64>, Vector3<f64>)>,
+    ) -> Option<Jump> {
+        let mut starts: Vec<(f64, Vector6<f64>)> = self.starts(state);
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts.truncate(FOLLOWED);
+        if let Some((n, g)) = wave {
+            let scale = stretch_along(state.deformation.matrix(), &g);
+            let both = ALONG_WAVE.into_iter().flat_map(|size| [size, -size]);
+            let amplitudes = both.map(|size| g * (size * scale));
+            starts.extend(
+                amplitudes.map(|a| (0.0, Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]))),
+            );
+        }
         starts
             .iter()
-            .take(FOLLOWED)
             .filter_map(|(_, start)| self.descent(state, *start))
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
+    }
+
+    /// The lowest start of every pair of normal and polarization, with its excess.
+    fn starts(&self, state: &Response) -> Vec<(f64, Vector6<f64>)> {
+        let f = state.deformation.matrix();
+        let (left, right) = principal_axes(&state.deformation);
+        let mut starts = Vec::with_capacity(AXES.len() * AXES.len());
+        for normal in AXES {
+            let n = (right * Vector3::from(normal)).normalize();
+            for axis in AXES {
+                let g = (left * Vector3::from(axis)).normalize();
+                let scale = stretch_along(f, &g);
+                let of_size = |size: f64| {
+                    let a = self.admitted(state, g * (size * scale), &n);
+                    if a.norm() < 0.1 * size.abs() * scale {
+                        return None;
+                    }
+                    let start = Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]);
+                    Some((self.energy_of(state, &a, &n)?.0, start))
+                };
+                let tried = AMPLITUDES.into_iter().filter_map(of_size);
+                starts.extend(tried.min_by(|a, b| a.0.total_cmp(&b.0)));
+            }
+        }
+        starts
     }
 
     /// The jump at the bottom of the valley that a jump at a state nearby lies in; `None` where it becomes infinitesimal.
@@ -91,29 +169,99 @@ impl<'a> JumpSearch<'a> {
         self.descent(state, Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]))
     }
 
-    /// The scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` where the jump leaves the reach or the law.
-    fn excess(&self, state: &Response, variables: &Vector6<f64>) -> Option<(f64, Vector6<f64>)> {
-        let a: Vector3<f64> = variables.fixed_rows::<3>(0).into();
-        let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
-        let (length, size) = (m.norm(), a.norm());
-        let n = m / length;
+    /// Whether a jump gains energy in exact arithmetic, by intervals of the law: `W(F + a (x) N) - W(F) - P : (a (x) N)` is below zero for all
+    /// numbers within the rounding of the program. Never for a law that knows no intervals, as a user's subroutine, and not for jumps that keep
+    /// the volume, which floating-point numbers do to rounding only.
+    pub fn proves(&self, state: &Response, jump: &Jump) -> bool {
+        if self.incompressible {
+            return false;
+        }
+        let point = |components: &[[f64; 3]; 3]| components.map(|row| row.map(Interval::point));
+        let here = point(state.deformation.components());
+        let leap: [[Interval; 3]; 3] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| Interval::point(jump.amplitude[i]) * jump.direction[j])
+        });
+        let there = std::array::from_fn(|i| std::array::from_fn(|j| here[i][j] + leap[i][j]));
+        let there = DeformationGradient::from_components(there);
+        if there.determinant().low <= 0.0 {
+            return false;
+        }
+        let before = self
+            .material
+            .enclosure(&DeformationGradient::from_components(here));
+        let after = self.material.enclosure(&there);
+        let mut gain = after.energy - before.energy;
+        for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+            gain = gain - before.first_piola[i][j] * leap[i][j];
+        }
+        gain.high < 0.0
+    }
+
+    /// `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2` with the change of stress; `None` where the jump leaves the reach or the law.
+    fn energy_of(
+        &self,
+        state: &Response,
+        a: &Vector3<f64>,
+        n: &Vector3<f64>,
+    ) -> Option<(f64, Matrix3<f64>)> {
         let f = state.deformation.matrix() + a * n.transpose();
-        let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
-        let f = DeformationGradient::new(components).ok()?;
-        let [largest, _, smallest] = f.principal_stretches();
-        if smallest < self.reach.0 || largest > self.reach.1 {
+        if !self.reaches(&f) {
             return None;
         }
-        let there = self.material.response(&f).ok()?;
-        let change = there.first_piola - state.first_piola;
-        let energy = there.energy - state.energy - a.dot(&(state.first_piola * n));
-        let scale = 2.0 / (size * size);
-        let excess = energy * scale;
-        let by_a = change * n * scale - a * (2.0 * excess / (size * size));
-        let by_n = change.transpose() * a * scale;
+        let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+        let f = DeformationGradient::from_components(components);
+        let (energy, stress) = self.material.energy_and_stress(&f).ok()?;
+        let gain = energy - state.energy - a.dot(&(state.first_piola * n));
+        let excess = gain * 2.0 / a.norm_squared();
+        excess
+            .is_finite()
+            .then_some((excess, stress - state.first_piola))
+    }
+
+    /// An amplitude, or its part that keeps the volume.
+    fn admitted(&self, state: &Response, a: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
+        if !self.incompressible {
+            return a;
+        }
+        let normal = cofactor(&state.deformation.matrix()) * n;
+        a - normal * (normal.dot(&a) / normal.norm_squared())
+    }
+
+    /// The scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` where the jump leaves the reach or the law.
+    fn excess(&self, state: &Response, variables: &Vector6<f64>) -> Option<(f64, Vector6<f64>)> {
+        let free: Vector3<f64> = variables.fixed_rows::<3>(0).into();
+        let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
+        let length = m.norm();
+        let n = m / length;
+        let a = self.admitted(state, free, &n);
+        let (excess, change) = self.energy_of(state, &a, &n)?;
+        let scale = 2.0 / a.norm_squared();
+        let mut by_a = (change * n - a * excess) * scale;
+        let mut by_n = change.transpose() * a * scale;
+        if self.incompressible {
+            // a = b - v (v . b) / |v|^2 with v = cof F N.
+            let cofactor = cofactor(&state.deformation.matrix());
+            let v = cofactor * n;
+            let square = v.norm_squared();
+            let (along, across) = (v.dot(&free) / square, v.dot(&by_a) / square);
+            let by_v = v * (2.0 * along * across * square)
+                - by_a * (along * square)
+                - free * (across * square);
+            by_n += cofactor.transpose() * by_v / square;
+            by_a -= v * across;
+        }
         let by_m = (by_n - n * n.dot(&by_n)) / length;
-        let gradient = Vector6::new(by_a[0], by_a[1], by_a[2], by_m[0], by_m[1], by_m[2]);
-        excess.is_finite().then_some((excess, gradient))
+        Some((
+            excess,
+            Vector6::new(by_a[0], by_a[1], by_a[2], by_m[0], by_m[1], by_m[2]),
+        ))
+    }
+
+    /// Whether a deformation has a positive determinant and principal stretches within the reach.
+    fn reaches(&self, f: &Matrix3<f64>) -> bool {
+        let squares = eigenvalues_of_square(f);
+        let (low, high) = self.reach;
+        f.determinant() > 0.0 && squares[0] >= low * low && squares[2] <= high * high
     }
 
     fn descent(&self, state: &Response, start: Vector6<f64>) -> Option<Jump> {
@@ -150,38 +298,37 @@ impl<'a> JumpSearch<'a> {
             x += moved;
             let settled = moved.norm() <= 1e-13 * x.norm();
             (value, gradient) = next;
-            let amplitude = x.fixed_rows::<3>(0).norm();
-            if amplitude < SMALLEST {
+            let n: Vector3<f64> = x.fixed_rows::<3>(3).into();
+            let amplitude = self.admitted(state, x.fixed_rows::<3>(0).into(), &n.normalize());
+            if amplitude.norm() < SMALLEST {
                 return None;
             }
             if settled {
                 break;
             }
         }
-        let a: Vector3<f64> = x.fixed_rows::<3>(0).into();
         let m: Vector3<f64> = x.fixed_rows::<3>(3).into();
+        let n = m / m.norm();
+        let a = self.admitted(state, x.fixed_rows::<3>(0).into(), &n);
         Some(Jump {
             amplitude: a,
-            direction: m / m.norm(),
+            direction: n,
             excess: value,
-            rounding: self.rounding(state, &x),
-            at_edge: self.is_at_edge(&(state.deformation.matrix() + a * m.transpose() / m.norm())),
+            rounding: Self::rounding(state, &a, &n),
+            at_edge: self.is_at_edge(&(state.deformation.matrix() + a * n.transpose())),
         })
     }
 
     /// How much of a scaled excess can be rounding: a thousand units in the last place of the energies that it is a difference of.
-    fn rounding(&self, state: &Response, variables: &Vector6<f64>) -> f64 {
-        let a: Vector3<f64> = variables.fixed_rows::<3>(0).into();
-        let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
-        let work = a.dot(&(state.first_piola * m)) / m.norm();
+    fn rounding(state: &Response, a: &Vector3<f64>, n: &Vector3<f64>) -> f64 {
+        let work = a.dot(&(state.first_piola * n));
         let energies = 2.0 * state.energy.abs() + 2.0 * work.abs();
         2e3 * f64::EPSILON * energies / a.norm_squared()
     }
 
     /// Whether a state has a principal stretch within a hundredth of an end of the reach.
     fn is_at_edge(&self, f: &Matrix3<f64>) -> bool {
-        let squares = (f.transpose() * f).symmetric_eigenvalues();
-        let (smallest, largest) = (squares.min().max(0.0).sqrt(), squares.max().sqrt());
+        let [smallest, _, largest] = eigenvalues_of_square(f).map(|square| square.max(0.0).sqrt());
         smallest < 1.01 * self.reach.0 || largest > 0.99 * self.reach.1
     }
 
@@ -208,31 +355,26 @@ impl<'a> JumpSearch<'a> {
     }
 }
 
-/// Amplitudes and normals to start from.
-fn starts() -> impl Iterator<Item = Vector6<f64>> {
-    let normals = [
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 1.0, 0.0],
-        [1.0, -1.0, 0.0],
-        [1.0, 0.0, 1.0],
-        [1.0, 0.0, -1.0],
-        [0.0, 1.0, 1.0],
-        [0.0, 1.0, -1.0],
-        [1.0, 1.0, 1.0],
-        [1.0, 1.0, -1.0],
-        [1.0, -1.0, 1.0],
-        [-1.0, 1.0, 1.0],
-    ];
-    let amplitudes = [-2.5, -0.8, -0.4, 0.5, 1.2, 3.0, 6.0];
-    normals.into_iter().flat_map(move |n| {
-        (0..3).flat_map(move |axis| {
-            amplitudes.into_iter().map(move |amplitude| {
-                let mut start = Vector6::new(0.0, 0.0, 0.0, n[0], n[1], n[2]);
-                start[axis] = amplitude;
-                start
-            })
-        })
-    })
+/// `|F^T g|`, the size of `F` along `g`: a principal stretch where `g` is a principal axis.
+fn stretch_along(f: Matrix3<f64>, g: &Vector3<f64>) -> f64 {
+    (f.transpose() * g).norm()
+}
+
+/// The eigenvalues of `F^T F`, smallest first: the roots of its characteristic polynomial by their angle.
+fn eigenvalues_of_square(f: &Matrix3<f64>) -> [f64; 3] {
+    let c = f.transpose() * f;
+    let mean = c.trace() / 3.0;
+    let deviator = c - Matrix3::identity() * mean;
+    let size = (deviator.norm_squared() / 6.0).sqrt();
+    if size <= f64::EPSILON * mean {
+        return [mean; 3];
+    }
+    let angle = (0.5 * (deviator / size).determinant())
+        .clamp(-1.0, 1.0)
+        .acos()
+        / 3.0;
+    let at = |turn: f64| mean + 2.0 * size * (angle + turn).cos();
+    let third = std::f64::consts::TAU / 3.0;
+    let (largest, smallest) = (at(0.0), at(third));
+    [smallest, 3.0 * mean - largest - smallest, largest]
 }

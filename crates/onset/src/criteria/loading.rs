@@ -1,6 +1,7 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
 use super::State;
+use super::incompressible::pressurized;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
 use nalgebra::{Matrix3, Vector2};
@@ -153,7 +154,7 @@ impl Loading {
     }
 
     /// `F` with what is imposed at `s = ln lambda`, and its derivative by `s`; free directions have length 1.
-    fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
+    pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
         let (mut f, mut rate) = (Matrix3::identity(), Matrix3::zeros());
         let mut stretched = |axis: usize, sign: f64| {
@@ -276,10 +277,18 @@ pub enum PathEnd {
     },
 }
 
+/// Whether the response of a law changes the volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Volume {
+    Changes,
+    Kept,
+}
+
 /// States of a loading, in tension and in compression, followed from the reference.
 pub struct LoadingPath<'a> {
     material: &'a dyn Hyperelastic,
     isotropic: bool,
+    volume: Volume,
     /// What is loaded.
     pub loading: Loading,
     /// States at increasing stretch, the reference first.
@@ -316,6 +325,11 @@ pub enum LoadingError {
          is without stress at F = 1, or near it"
     )]
     NoReference,
+    /// Incompressible response has no such loading.
+    #[error(
+        "an incompressible material keeps its volume; expected a loading with a free face: uniaxial, equibiaxial, planar or simple-shear"
+    )]
+    ChangesVolume,
 }
 
 /// Why there is no state.
@@ -335,17 +349,55 @@ impl<'a> LoadingPath<'a> {
         loading: Loading,
         range: &Range,
     ) -> Result<Self, LoadingError> {
-        let reference =
-            solve(material, loading, 0.0, Vector2::zeros()).map_err(|missing| match missing {
-                Missing::Law(error) => LoadingError::Law(error),
-                Missing::Equilibrium => LoadingError::NoReference,
-            })?;
-        let side = |end: f64| branch(material, loading, &reference, end.ln());
+        Self::with(material, isotropic, loading, range, Volume::Changes)
+    }
+
+    /// Follows a loading of the incompressible response of an isotropic law over a range: `J = 1`, and the pressure leaves the free face without
+    /// traction. The volumetric part of the law does not count. The loading is one of [`Loading::INCOMPRESSIBLE`].
+    ///
+    /// ```
+    /// use onset::criteria::{Criterion, Loading, LoadingPath, Range, follow};
+    /// use onset::material::Law;
+    /// // Biot (1963): in equibiaxial compression the surface of neo-Hooke's rubber wrinkles at lambda^3 = 0.2956.
+    /// let law = Law::named("neo-hooke").ok_or("no such law")?.build(&[])?;
+    /// let path = LoadingPath::incompressible(&*law, Loading::INCOMPRESSIBLE[1], &Range::default())?;
+    /// let limit = follow(&path, Criterion::Surface, false).and_then(|track| track.limit());
+    /// assert!((limit.unwrap_or(0.0) - 0.666_142).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LoadingError`] when the law has no state in the reference, [`LoadingError::ChangesVolume`] when the loading is another one.
+    pub fn incompressible(
+        material: &'a dyn Hyperelastic,
+        loading: Loading,
+        range: &Range,
+    ) -> Result<Self, LoadingError> {
+        if !Loading::INCOMPRESSIBLE.contains(&loading) {
+            return Err(LoadingError::ChangesVolume);
+        }
+        Self::with(material, true, loading, range, Volume::Kept)
+    }
+
+    fn with(
+        material: &'a dyn Hyperelastic,
+        isotropic: bool,
+        loading: Loading,
+        range: &Range,
+        volume: Volume,
+    ) -> Result<Self, LoadingError> {
+        let start = solve(material, loading, volume, 0.0, Vector2::zeros());
+        let reference = start.map_err(|missing| match missing {
+            Missing::Law(error) => LoadingError::Law(error),
+            Missing::Equilibrium => LoadingError::NoReference,
+        })?;
+        let side = |end: f64| branch(material, loading, volume, &reference, end.ln());
         let (tension, tension_end) = side(range.high);
         let (compression, compression_end) = side(range.low);
         Ok(Self {
             material,
             isotropic,
+            volume,
             loading,
             tension,
             compression,
@@ -362,6 +414,11 @@ impl<'a> LoadingPath<'a> {
     /// Whether the law is isotropic.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
+    }
+
+    /// Whether the response is incompressible.
+    pub fn is_incompressible(&self) -> bool {
+        self.volume == Volume::Kept
     }
 
     /// The state at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
@@ -381,7 +438,7 @@ impl<'a> LoadingPath<'a> {
             true => before,
             false => after,
         };
-        continued(self.material, self.loading, nearest, s).ok()
+        continued(self.material, self.loading, self.volume, nearest, s).ok()
     }
 
     /// The state at `s` as criteria ask it.
@@ -391,12 +448,20 @@ impl<'a> LoadingPath<'a> {
 
     /// A state of this path as criteria ask it.
     pub fn ask(&self, state: &PathState) -> State {
-        State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate)
+        let asked =
+            State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
+        match self.volume {
+            Volume::Changes => asked,
+            Volume::Kept => asked.incompressible(self.loading.free_faces()),
+        }
     }
 
     /// States with free faces other than the one followed, at a parameter: their deformations. Looked for from a grid of free stretches, so
     /// that none found is no proof.
     pub fn other_states(&self, s: f64) -> Vec<DeformationGradient> {
+        if self.is_incompressible() {
+            return Vec::new();
+        }
         let count = self.loading.free().len();
         let Some(own) = self.at(s).filter(|_| count > 0) else {
             return Vec::new();
@@ -406,8 +471,8 @@ impl<'a> LoadingPath<'a> {
         for first in starts {
             let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
             for second in seconds {
-                let Ok(state) = solve(self.material, self.loading, s, Vector2::new(first, *second))
-                else {
+                let start = Vector2::new(first, *second);
+                let Ok(state) = solve(self.material, self.loading, self.volume, s, start) else {
                     continue;
                 };
                 let new = |other: &PathState| (other.lateral - state.lateral).amax() > 1e-6;
@@ -483,6 +548,7 @@ impl DeformationPath for LoadingSection<'_, '_> {
 fn branch(
     material: &dyn Hyperelastic,
     loading: Loading,
+    volume: Volume,
     reference: &PathState,
     end: f64,
 ) -> (Vec<PathState>, PathEnd) {
@@ -505,7 +571,7 @@ fn branch(
                     },
                 );
             }
-            match continued(material, loading, &here, trial) {
+            match continued(material, loading, volume, &here, trial) {
                 Ok(state) => {
                     states.push(state.clone());
                     here = state;
@@ -541,12 +607,13 @@ fn branch(
 fn continued(
     material: &dyn Hyperelastic,
     loading: Loading,
+    volume: Volume,
     near: &PathState,
     s: f64,
 ) -> Result<PathState, Missing> {
     let step = s - near.parameter;
     let guess = near.lateral + near.slope * step;
-    let state = solve(material, loading, s, guess)?;
+    let state = solve(material, loading, volume, s, guess)?;
     let moved = (state.lateral - guess).amax();
     let admitted = 1e-9 + 0.3 * step.abs() * (1.0 + near.slope.amax());
     if moved <= admitted {
@@ -560,9 +627,13 @@ fn continued(
 fn solve(
     material: &dyn Hyperelastic,
     loading: Loading,
+    volume: Volume,
     s: f64,
     guess: Vector2<f64>,
 ) -> Result<PathState, Missing> {
+    if volume == Volume::Kept {
+        return isochoric(material, loading, s);
+    }
     let free = loading.free();
     let (imposed, imposed_rate) = loading.imposed(s);
     let mut lateral = guess;
@@ -598,6 +669,20 @@ fn solve(
         lateral += correction * (0.5 / size).min(1.0);
     }
     Err(Missing::Equilibrium)
+}
+
+/// The state of incompressible response, which is given by the stretch alone.
+fn isochoric(material: &dyn Hyperelastic, loading: Loading, s: f64) -> Result<PathState, Missing> {
+    let (f, rate) = loading.isochoric(s).ok_or(Missing::Equilibrium)?;
+    let response = respond(material, &f)?;
+    let face = loading.free_faces().first().copied();
+    Ok(PathState {
+        parameter: s,
+        response: pressurized(response, face.ok_or(Missing::Equilibrium)?),
+        rate,
+        lateral: Vector2::zeros(),
+        slope: Vector2::zeros(),
+    })
 }
 
 fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Missing> {

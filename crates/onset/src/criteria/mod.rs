@@ -19,7 +19,12 @@
 //! | [`HillRotationFree`](Criterion::HillRotationFree) | the same for `Fdot = R S`, `S` symmetric (rotations held) |
 //! | [`Drucker`](Criterion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
 //! | [`DruckerAbaqus`](Criterion::DruckerAbaqus) | `dtau_i dln(lambda_i) > 0` with principal axes held |
+//! | [`DruckerIncompressible`](Criterion::DruckerIncompressible) | the same for `sum dln(lambda_i) = 0` |
 //! | [`LoadMaximum`](Criterion::LoadMaximum) | the load rises along the loading itself |
+//! | [`Surface`](Criterion::Surface) | no wave at a free face stands still (incompressible response) |
+//!
+//! Of an isotropic law its incompressible response can be asked ([`LoadingPath::incompressible`]): states with `J = 1`, the pressure from a face
+//! without traction, and in every criterion only increments that keep the volume.
 //!
 //! What follows from what: [`RankOneConvexity`](Criterion::RankOneConvexity) at a state implies ellipticity (not strict) there; strong
 //! ellipticity of an isotropic law implies the Baker-Ericksen inequalities; [`Hill`](Criterion::Hill) implies strong ellipticity,
@@ -29,6 +34,7 @@
 mod box_of_stretches;
 mod follow;
 mod forms;
+mod incompressible;
 mod isotropy;
 mod jumps;
 mod loading;
@@ -49,6 +55,7 @@ use crate::continuum::{ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use forms::QuadraticForm;
+use incompressible::{cofactor, orthogonal_to, stretches_along};
 use isotropy::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 
@@ -79,8 +86,10 @@ pub enum Criterion {
     /// No layering with finite jumps costs less energy: `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest `2 (W(F + a (x) N) - W(F) -
-    /// P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof up to rounding, a
-    /// positive one says that none was found.
+    /// P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof up to rounding (or in
+    /// intervals: [`JumpSearch::proves`]), a positive one says that none was found: a limit along a loading is an upper bound, jumps that were
+    /// not found may gain energy nearer to the reference. It is never later than the loss of ellipticity, and earlier wherever the third
+    /// derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// The larger principal stress acts along the larger principal stretch: `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
     ///
@@ -114,12 +123,27 @@ pub enum Criterion {
     /// The matrix `dtau_i / dln(lambda_j)` is positive definite. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike
     /// materials, "Material stability" (checked there for stretches 0.1 to 10). The measure is its smallest eigenvalue. Units of stress.
     DruckerAbaqus,
+    /// Drucker stability as fitting codes check it for incompressible materials: `dtau_i dln(lambda_i) > 0` with principal axes held and
+    /// `sum dln(lambda_i) = 0`.
+    ///
+    /// No pressure does work on such increments, so that neither it nor the volumetric part of the law counts. Source: Abaqus Analysis Guide,
+    /// "Material stability": the matrix with two rows that is left when the third strain is eliminated is positive definite. The measure is the
+    /// smallest eigenvalue on the two increments, in logarithmic strain of unit length. Units of stress.
+    DruckerIncompressible,
     /// The load rises along the loading: `Pdot : Fdot > 0` along the path itself, with its traction-free faces.
     ///
     /// Under a prescribed load the specimen runs away where this ends (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars); under a
     /// prescribed elongation a homogeneous specimen does not notice. For a single loaded direction `Pdot : Fdot = dP/dlambda` times a
     /// positive number. The measure is `Pdot : Fdot` with the rate by the logarithm of the stretch. Units of stress.
     LoadMaximum,
+    /// No wave at a free face stands still: Biot's surface instability, of incompressible isotropic response.
+    ///
+    /// For waves along the principal axis `i` at a face normal to the axis `j` without traction, with the instantaneous moduli `A0` and
+    /// `eta = lambda_i / lambda_j`, it is `2 eta (beta + gamma) + alpha - gamma > 0`, `alpha = A0_ijij`, `gamma = A0_jiji`,
+    /// `2 beta = A0_iiii + A0_jjjj - 2 A0_iijj - 2 A0_ijji`. Source: Biot, Appl. Sci. Res. A 12 (1963) 168; Dowaikh and Ogden, IMA J. Appl. Math. 44
+    /// (1990) 261. Neo-Hooke's rubber wrinkles where `eta^3 + eta^2 + 3 eta = 1`. The measure is the smallest left side over free faces and axes in
+    /// them; waves at an angle to the axes are not looked at. Units of stress.
+    Surface,
 }
 
 /// The value of a criterion at a state; positive where it holds.
@@ -178,6 +202,13 @@ pub enum Witness {
         /// `D_ij`.
         rate: [[f64; 3]; 3],
     },
+    /// A wave along a free face that stands still.
+    SurfaceWave {
+        /// The unit normal of the face (reference).
+        normal: [f64; 3],
+        /// The unit direction of the wave in the face (reference).
+        direction: [f64; 3],
+    },
     /// A finite jump `a (x) N` of the deformation gradient.
     Jump {
         /// `a`.
@@ -186,12 +217,15 @@ pub enum Witness {
         direction: [f64; 3],
         /// Whether the jump leads to the edge of what was looked at; the limit then depends on the edge, and is rough.
         at_edge: bool,
+        /// Whether interval arithmetic proves that the jump gains energy; to rounding only where it does not, or where the law knows no
+        /// intervals.
+        verified: bool,
     },
 }
 
 impl Criterion {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::StrongEllipticity,
         Self::PlaneEllipticity,
         Self::RankOneConvexity,
@@ -200,7 +234,9 @@ impl Criterion {
         Self::HillRotationFree,
         Self::Drucker,
         Self::DruckerAbaqus,
+        Self::DruckerIncompressible,
         Self::LoadMaximum,
+        Self::Surface,
     ];
 
     /// The word used in files and tables.
@@ -214,7 +250,9 @@ impl Criterion {
             Self::HillRotationFree => "hill-rotation-free",
             Self::Drucker => "drucker",
             Self::DruckerAbaqus => "drucker-abaqus",
+            Self::DruckerIncompressible => "drucker-incompressible",
             Self::LoadMaximum => "load-maximum",
+            Self::Surface => "surface",
         }
     }
 
@@ -229,7 +267,9 @@ impl Criterion {
             Self::HillRotationFree => "Hill's criterion for rotation-free increments",
             Self::Drucker => "Drucker's criterion",
             Self::DruckerAbaqus => "Drucker stability as Abaqus checks it",
+            Self::DruckerIncompressible => "Drucker stability of incompressible response",
             Self::LoadMaximum => "a rising load",
+            Self::Surface => "stability of a free surface",
         }
     }
 
@@ -244,7 +284,13 @@ impl Criterion {
             Self::HillRotationFree => "Fdot : A : Fdot > 0 for all Fdot = R S, S symmetric",
             Self::Drucker => "tau° : D > 0 for all D, tau° the Jaumann rate of Kirchhoff stress",
             Self::DruckerAbaqus => "dtau_i dln(lambda_i) > 0 with principal axes held",
+            Self::DruckerIncompressible => {
+                "dtau_i dln(lambda_i) > 0 with principal axes held, sum dln(lambda_i) = 0"
+            }
             Self::LoadMaximum => "Pdot : Fdot > 0 along the loading",
+            Self::Surface => {
+                "2 eta (beta + gamma) + alpha - gamma > 0 at free faces, eta = lambda_i/lambda_j (incompressible)"
+            }
         }
     }
 
@@ -263,7 +309,12 @@ impl Criterion {
             Self::Drucker => {
                 "Drucker, J. Appl. Mech. 26 (1959) 101; Leblond, Eur. J. Mech. A 11 (1992) 447"
             }
-            Self::DruckerAbaqus => "Abaqus Analysis Guide, hyperelasticity, material stability",
+            Self::DruckerAbaqus | Self::DruckerIncompressible => {
+                "Abaqus Analysis Guide, hyperelasticity, material stability"
+            }
+            Self::Surface => {
+                "Biot, Appl. Sci. Res. A 12 (1963) 168; Dowaikh and Ogden, IMA J. Appl. Math. 44 (1990) 261"
+            }
             Self::LoadMaximum => "Considère, Ann. Ponts Chaussées 9 (1885) 574",
         }
     }
@@ -276,7 +327,8 @@ impl Criterion {
     }
 
     /// The measure at a state. `None` where the criterion is not defined: Baker-Ericksen for laws that are not isotropic, the load maximum
-    /// at a state without a loading, and rank-one convexity always, since its search needs the law: see [`JumpSearch`].
+    /// at a state without a loading, the surface at a state that is not incompressible, and rank-one convexity always, since its search needs the
+    /// law: see [`JumpSearch`].
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -302,6 +354,8 @@ impl Criterion {
             Self::HillRotationFree => Some(state.hill_rotation_free()),
             Self::Drucker => Some(state.drucker()),
             Self::DruckerAbaqus => Some(state.drucker_abaqus()),
+            Self::DruckerIncompressible => Some(state.drucker_incompressible()),
+            Self::Surface => state.surface(),
             Self::LoadMaximum => state.rate.map(|rate| state.load_maximum(&rate)),
         }
     }
@@ -332,6 +386,8 @@ pub struct State {
     left: Matrix3<f64>,
     isotropic: Option<PrincipalTangent>,
     rate: Option<Matrix3<f64>>,
+    /// Where the response is incompressible: coordinate axes whose faces are free of traction.
+    free_faces: Option<&'static [usize]>,
 }
 
 impl State {
@@ -359,7 +415,27 @@ impl State {
             left,
             right,
             rate: None,
+            free_faces: None,
         }
+    }
+
+    /// The state as one of incompressible response, with free faces.
+    fn incompressible(mut self, free_faces: &'static [usize]) -> Self {
+        self.free_faces = Some(free_faces);
+        self
+    }
+
+    /// Of orthonormal rates those that the response admits: all, or those that keep the volume.
+    fn admitted(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
+        match self.free_faces {
+            None => rates.to_vec(),
+            Some(_) => orthogonal_to(rates, &cofactor(&self.response.deformation.matrix())),
+        }
+    }
+
+    /// The stretches along principal axes.
+    fn stretches(&self) -> Vector3<f64> {
+        stretches_along(&self.response.deformation, &self.left, &self.right)
     }
 
     /// The state with the rate `dF/ds` of the loading that led to it.
@@ -388,7 +464,10 @@ impl State {
 
     fn strong_ellipticity(&self) -> Measure {
         if let Some(tangent) = &self.isotropic {
-            let (value, wave) = tangent.softest_wave();
+            let (value, wave) = match self.free_faces {
+                None => tangent.softest_wave(),
+                Some(_) => tangent.softest_isochoric_wave(&self.stretches()),
+            };
             return self.of(value, wave);
         }
         let minimum = Stiffness::<3>::of(&self.response).minimum();
@@ -397,6 +476,10 @@ impl State {
     }
 
     fn plane_ellipticity(&self) -> Measure {
+        if let (Some(tangent), Some(_)) = (&self.isotropic, self.free_faces) {
+            let (value, wave) = tangent.softest_isochoric_wave_in_plane(&self.stretches());
+            return self.of(value, wave);
+        }
         let minimum = Stiffness::<2>::of(&self.response).minimum();
         let spatial = |v: nalgebra::Vector2<f64>| Vector3::new(v[0], v[1], 0.0);
         let witness = wave(&spatial(minimum.direction), &spatial(minimum.polarization));
@@ -407,7 +490,7 @@ impl State {
     }
 
     fn hill(&self) -> Measure {
-        let (value, rate) = self.form.smallest(&forms::all_rates());
+        let (value, rate) = self.form.smallest(&self.admitted(&forms::all_rates()));
         Measure {
             value,
             neutral: NEUTRAL * self.form.magnitude(),
@@ -418,25 +501,49 @@ impl State {
     fn hill_rotation_free(&self) -> Measure {
         let rotation = self.left * self.right.transpose();
         let rates = forms::symmetric_rates().map(|s| rotation * s);
-        let (value, rate) = self.form.smallest(&rates);
+        let (value, rate) = self.form.smallest(&self.admitted(&rates));
         self.of(value, Witness::DeformationRate { rate: rows(&rate) })
     }
 
     fn drucker(&self) -> Measure {
-        self.jaumann(&forms::symmetric_rates())
+        match self.free_faces {
+            None => self.jaumann(&forms::symmetric_rates()),
+            Some(_) => self.jaumann(&orthogonal_to(
+                &forms::symmetric_rates(),
+                &Matrix3::identity(),
+            )),
+        }
     }
 
     fn drucker_abaqus(&self) -> Measure {
-        let axis = |i: usize| self.left.column(i) * self.left.column(i).transpose();
-        self.jaumann(&[axis(0), axis(1), axis(2)])
+        match self.free_faces {
+            None => self.jaumann(&self.axial_rates()),
+            Some(_) => self.drucker_incompressible(),
+        }
+    }
+
+    fn drucker_incompressible(&self) -> Measure {
+        self.jaumann(&orthogonal_to(&self.axial_rates(), &Matrix3::identity()))
+    }
+
+    /// Rates of deformation along the principal axes.
+    fn axial_rates(&self) -> [Matrix3<f64>; 3] {
+        [0, 1, 2].map(|i| self.left.column(i) * self.left.column(i).transpose())
+    }
+
+    fn surface(&self) -> Option<Measure> {
+        let (tangent, faces) = (self.isotropic.as_ref()?, self.free_faces?);
+        let (value, witness) = tangent.softest_surface_wave(&self.stretches(), faces)?;
+        Some(self.of(value, witness))
     }
 
     /// The smallest `(D F) : A : (D F) + tau : D^2` over combinations of some orthonormal rates of deformation.
-    fn jaumann<const M: usize>(&self, rates: &[Matrix3<f64>; M]) -> Measure {
+    fn jaumann(&self, rates: &[Matrix3<f64>]) -> Measure {
         let f = self.response.deformation.matrix();
         let tau = self.response.first_piola * f.transpose();
         let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| (tau * (a * b + b * a)).trace() * 0.5;
-        let (value, rate) = self.form.smallest_with(&rates.map(|d| d * f), rates, work);
+        let turned: Vec<Matrix3<f64>> = rates.iter().map(|d| d * f).collect();
+        let (value, rate) = self.form.smallest_with(&turned, rates, work);
         self.of(value, Witness::StrainRate { rate: rows(&rate) })
     }
 

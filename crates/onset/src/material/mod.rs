@@ -17,7 +17,7 @@ pub use tensors::FourthOrder;
 
 use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
-use crate::real::{Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
+use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -161,6 +161,18 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
     /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
+
+    /// Energy and first Piola-Kirchhoff stress at a state, without the tangent. Units of stress.
+    ///
+    /// # Errors
+    /// As [`Hyperelastic::response`].
+    fn energy_and_stress(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(f64, Matrix3<f64>), MaterialError> {
+        let response = self.response(f)?;
+        Ok((response.energy, response.first_piola))
+    }
 
     /// The response of the material in the reference state, in whose wave speeds all others are measured. Of a law with a kink there, which
     /// has no tangent, it is that of one side.
@@ -398,6 +410,25 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.admits(f)?;
         finite_response(self, f)
+    }
+
+    fn energy_and_stress(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(f64, Matrix3<f64>), MaterialError> {
+        self.admits(f)?;
+        let components = f.components();
+        let variables = Dual::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
+        let duals = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+        let energy = self.energy(&DeformationGradient::from_components(duals));
+        if energy.value.is_finite() && energy.gradient.iter().all(|slope| slope.is_finite()) {
+            let stress = Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]);
+            Ok((energy.value, stress))
+        } else {
+            Err(MaterialError::NotFinite {
+                jacobian: f.jacobian(),
+            })
+        }
     }
 
     fn undeformed(&self) -> Result<Response, MaterialError> {

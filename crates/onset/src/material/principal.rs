@@ -13,7 +13,7 @@
 //! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
 
 use crate::kinematics::DeformationGradient;
-use crate::real::{Jet, Real};
+use crate::real::{Interval, Jet, Real};
 
 /// An isotropic energy as a function of the principal stretches.
 pub trait PrincipalEnergy {
@@ -37,7 +37,8 @@ const RULE: [(f64, f64); 3] = [
 /// The energy at a state, exact to second order for jets over floating-point numbers: stresses and tangents are exact to
 /// rounding also where stretches coincide. Units of stress.
 ///
-/// Of intervals nothing is known: the result is [`Interval::ENTIRE`](crate::real::Interval::ENTIRE), with all derivatives.
+/// Of intervals the result holds the energy and its derivatives: value and first derivatives closely, second ones with their largest
+/// size only. Where eigenvalues cannot be told from zero nothing is known: [`Interval::ENTIRE`](crate::real::Interval::ENTIRE).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -66,6 +67,9 @@ pub fn energy_of_stretches<R: Real>(
     f: &DeformationGradient<R>,
 ) -> R {
     let c = f.right_cauchy_green();
+    if let Some(bounds) = bounds(&c) {
+        return enclosed(energy, &c, &bounds).unwrap_or_else(|| R::constant(f64::NAN));
+    }
     let expansion = Expansion::of(energy, c.map(|row| row.map(R::number)));
     expansion.at(&c)
 }
@@ -134,6 +138,126 @@ impl Expansion {
         };
         along(0) + along(1) + along(2) + across(0) + across(1) + across(2) + self.value
     }
+}
+
+/// The components of a tensor of intervals; `None` of numbers.
+fn bounds<R: Real>(c: &[[R; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
+    let mut all = [[Interval::ENTIRE; 3]; 3];
+    for (row, components) in all.iter_mut().zip(c) {
+        for (bound, component) in row.iter_mut().zip(components) {
+            *bound = component.bounds()?;
+        }
+    }
+    Some(all)
+}
+
+/// An interval as a constant.
+fn within<R: Real>(interval: Interval) -> R {
+    R::constant(interval.low).hull(R::constant(interval.high))
+}
+
+/// All numbers no larger than a size.
+fn up_to<R: Real>(size: f64) -> R {
+    within(Interval::new(-size, size))
+}
+
+/// The energy in intervals.
+///
+/// In axes that nearly are the principal ones `C = D + E` with `D` diagonal and `E` small beside it. The eigenvalues of `D + t E` are in
+/// Gershgorin's discs, those of discs that overlap in their union; there `w` with its derivatives is enclosed. With `M` a bound of the second
+/// derivative of the energy by `C` for all eigenvalues in the discs, the first one differs from `diag(g_i)` by no more than `M |E|`, and the
+/// second one has no component larger than `M`. `None` where a disc reaches zero.
+fn enclosed<R: Real>(
+    energy: &impl PrincipalEnergy,
+    c: &[[R; 3]; 3],
+    bounds: &[[Interval; 3]; 3],
+) -> Option<R> {
+    let b = in_axes(c, bounds)?;
+    let own = |i: usize, j: usize| b[i][j].bounds().unwrap_or(Interval::ENTIRE);
+    let radius = |i: usize| own(i, (i + 1) % 3).magnitude() + own(i, (i + 2) % 3).magnitude();
+    let discs = merged([0, 1, 2].map(|i| {
+        let radius = radius(i).next_up();
+        own(i, i) + Interval::new(-radius, radius)
+    }));
+    if discs
+        .iter()
+        .any(|disc| !(disc.low > 0.0 && disc.is_finite()))
+    {
+        return None;
+    }
+    let w = energy.of_stretches(Jet::<3, Interval>::variables(discs).map(Real::sqrt));
+    let largest = |values: &mut dyn Iterator<Item = Interval>| {
+        values.map(Interval::magnitude).fold(0.0, f64::max)
+    };
+    let normal = largest(&mut w.hessian.iter().flatten().copied());
+    let shear = largest(&mut PAIRS.into_iter().map(|(i, j)| {
+        if discs[i] == discs[j] {
+            (w.hessian[i][i] + w.hessian[j][j]) * 0.5 - w.hessian[i][j]
+        } else {
+            (w.gradient[i] - w.gradient[j]) / (discs[i] - discs[j])
+        }
+    }));
+    let curvature = (3.0 * normal + shear) * (1.0 + 1e-12);
+    let beside = PAIRS.map(|(i, j)| own(i, j).magnitude().powi(2));
+    let turned = curvature * (2.0 * beside.iter().sum::<f64>()).sqrt() * (1.0 + 1e-12);
+    let change = |i: usize, j: usize| b[i][j] - own(i, j).midpoint();
+    let mut sum: R = within(w.value);
+    let mut all: R = R::constant(0.0);
+    for (i, slope) in w.gradient.into_iter().enumerate() {
+        sum = sum + change(i, i) * within::<R>(slope + Interval::new(-turned, turned));
+        all = all + change(i, i) * up_to::<R>(1.0);
+    }
+    for (i, j) in PAIRS {
+        sum = sum + change(i, j) * up_to::<R>(2.0 * turned);
+        all = all + change(i, j) * up_to::<R>(2.0);
+    }
+    Some(sum + all * all * up_to::<R>(0.5 * curvature))
+}
+
+/// `C` in orthonormal axes that nearly are the principal ones: `T V^T C V T` with computed axes `V = Q (1 + S)`, `Q` orthogonal and
+/// `T = (1 + S)^-1` enclosed by the size of `V^T V - 1`.
+fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R; 3]; 3]> {
+    let (_, v) = eigen(bounds.map(|row| row.map(Interval::midpoint)));
+    let point = |i: usize, j: usize| Interval::point(v[i][j]);
+    let mut square = 0.0;
+    for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+        let product =
+            point(0, i) * point(0, j) + point(1, i) * point(1, j) + point(2, i) * point(2, j);
+        square += (product - f64::from(u8::from(i == j))).magnitude().powi(2);
+    }
+    // |S| is no larger than |V^T V - 1|, and |T - 1| than |S| / (1 - |S|).
+    let defect = 1.2 * square.sqrt();
+    if !(defect < 0.1) {
+        return None;
+    }
+    let t = |i: usize, j: usize| -> R {
+        let one = f64::from(u8::from(i == j));
+        within(
+            Interval::new(one - defect, one + defect) + Interval::new(-f64::EPSILON, f64::EPSILON),
+        )
+    };
+    let triple = |m: &[[R; 3]; 3], a: &dyn Fn(R, usize, usize) -> R| -> [[R; 3]; 3] {
+        let row = |i: usize, j: usize| a(m[i][0], 0, j) + a(m[i][1], 1, j) + a(m[i][2], 2, j);
+        let right: [[R; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| row(i, j)));
+        let column =
+            |i: usize, j: usize| a(right[0][j], 0, i) + a(right[1][j], 1, i) + a(right[2][j], 2, i);
+        std::array::from_fn(|i| std::array::from_fn(|j| column(i, j)))
+    };
+    let turned = triple(c, &|x, i, j| x * v[i][j]);
+    Some(triple(&turned, &|x, i, j| x * t(i, j)))
+}
+
+/// Intervals that overlap, made one.
+fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
+    for _ in 0..3 {
+        for (i, j) in PAIRS {
+            if discs[i].low <= discs[j].high && discs[j].low <= discs[i].high {
+                let both = discs[i].hull(discs[j]);
+                (discs[i], discs[j]) = (both, both);
+            }
+        }
+    }
+    discs
 }
 
 /// The energy with its derivatives by the eigenvalues of `C`.

@@ -348,6 +348,9 @@ impl Real for Interval {
     fn number(self) -> Option<f64> {
         None
     }
+    fn bounds(self) -> Option<Interval> {
+        Some(self)
+    }
     fn side(self, threshold: f64) -> Option<Side> {
         if self.high < threshold {
             Some(Side::Below)

@@ -1,6 +1,6 @@
 //! Second-order forward differentiation.
 
-use super::{Real, Side};
+use super::{Interval, Real, Side};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its gradient and Hessian in `N` variables: the Taylor expansion to second order. Over the numbers `R`:
@@ -83,6 +83,9 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     }
     fn number(self) -> Option<f64> {
         self.value.number()
+    }
+    fn bounds(self) -> Option<Interval> {
+        self.value.bounds()
     }
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)

@@ -65,6 +65,11 @@ pub trait Real:
         Some(self.value())
     }
 
+    /// The bounds of an interval, derivatives apart; `None` of what is not one.
+    fn bounds(self) -> Option<Interval> {
+        None
+    }
+
     /// On which side of a threshold the number is; `None` where an interval holds numbers of both, and where there is no number.
     fn side(self, threshold: f64) -> Option<Side> {
         let value = self.value();

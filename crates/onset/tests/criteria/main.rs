@@ -2,6 +2,7 @@
 
 mod boxes;
 mod forms;
+mod incompressible;
 mod jumps;
 mod known;
 mod loadings;

@@ -138,7 +138,7 @@ fn hencky_has_its_kirchhoff_stresses_and_ogden_its_principal_ones() {
         }
         // tau_i = sum mu_p (l_i^a - 1/3 sum_j l_j^a) + kappa J (J - 1), l of the change of shape.
         let computed = principal(&*ogden);
-        let terms = [(0.6174, 1.3), (0.001_176, 5.0), (-0.0098, -2.0)];
+        let terms = [(0.6178, 1.3), (0.001_177, 5.0), (-0.009_807, -2.0)];
         let shape = l.map(|l| l / volume.cbrt());
         for i in 0..3 {
             let term = |(mu, a): &(f64, f64)| {
@@ -352,4 +352,72 @@ fn a_fiber_bears_compression_only_without_the_switch() {
     assert_eq!(stress(&*both, 1.2), stress(&*switched, 1.2));
     assert!((stress(&*switched, 0.8) - stress(&*matrix, 0.8)).abs() < 1e-14);
     assert!(stress(&*both, 0.8) < stress(&*matrix, 0.8) - 0.1);
+}
+
+/// For small exponents Ogden's law and the foam with `mu alpha = 2` tend to Hencky's energy `|dev h|^2`, and `|h|^2`, with an error of the order of
+/// the exponent: no digit is lost to it.
+#[test]
+fn tiny_exponents_lose_no_digits() {
+    let logarithms =
+        "let h1 = ln(lambda1); let h2 = ln(lambda2); let h3 = ln(lambda3); let t = h1 + h2 + h3;";
+    let typed = |energy: &str| {
+        let text = format!("{logarithms} {energy}");
+        onset::formula::Formula::parse(&text)
+            .expect("a formula")
+            .with(&[])
+            .expect("a law")
+    };
+    let alpha = 1e-12;
+    let ogden = [
+        ("mu1", 2.0 / alpha),
+        ("alpha1", alpha),
+        ("mu2", 0.0),
+        ("mu3", 0.0),
+        ("kappa", 3.0),
+    ];
+    let foam = [
+        ("mu1", 1.0),
+        ("alpha1", alpha),
+        ("beta1", 0.5),
+        ("mu2", 0.0),
+        ("mu3", 0.0),
+    ];
+    for (law, limit) in [
+        (
+            library_law("ogden", &ogden),
+            typed("h1^2 + h2^2 + h3^2 - t^2/3 + 3/2*(J - 1)^2"),
+        ),
+        (
+            library_law("hyperfoam", &foam),
+            typed("h1^2 + h2^2 + h3^2 + t^2/2"),
+        ),
+    ] {
+        for stretches in [[1.3, 0.8, 1.1], [0.6, 1.9, 1.02], [1.2, 1.2, 0.7]] {
+            let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+            let (own, expected) = (
+                law.response(&f).expect("finite"),
+                limit.response(&f).expect("finite"),
+            );
+            assert!(
+                (own.energy / expected.energy - 1.0).abs() < 1e-10,
+                "{} {}",
+                own.energy,
+                expected.energy
+            );
+            let scale = expected.tangent.largest();
+            assert!((own.first_piola - expected.first_piola).amax() < 1e-10 * scale);
+            for n in 0..81 {
+                let index = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
+                let error = own.tangent[index] - expected.tangent[index];
+                assert!(error.abs() < 1e-10 * scale, "{index:?}: {error:e}");
+            }
+        }
+    }
+}
+
+fn library_law(name: &str, given: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
+    Law::named(name)
+        .expect("a law")
+        .build(given)
+        .expect("admissible")
 }

@@ -36,7 +36,7 @@ pub(in super::super) const CUBIC: Law = Law {
     symmetry: Symmetry::Cubic,
     stressed_reference: None,
     small_strains: "the elastic constants",
-    source: "Nye, Physical Properties of Crystals (1957); copper, GPa",
+    source: "Nye, Physical Properties of Crystals (1957); copper, GPa: Overton and Gaffney, Phys. Rev. 98 (1955) 969",
     stiffness: |p| turned(&cubic(p), p[3]),
     make: |p| {
         MaterialError::positive("c44", p[2])?;

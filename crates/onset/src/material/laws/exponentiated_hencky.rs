@@ -1,7 +1,8 @@
 //! The exponentiated law of Hencky:
 //!
-//! `W = mu/k (exp(k |dev h|^2) - 1) + kappa/(2 k2) (exp(k2 (tr h)^2) - 1)`, `h_i = ln lambda_i`. As a law of two
-//! dimensions it is strongly elliptic everywhere for `k >= 1/4` and `khat >= 1/8`; in three dimensions no constants make it so.
+//! `W = mu/k (exp(k |dev h|^2) - 1) + kappa/(2 k2) (exp(k2 (tr h)^2) - 1)`, `h_i = ln lambda_i`. The energy of
+//! two dimensions, with the deviator `h - tr h/2` in the plane, is rank-one convex for `k >= 1/4` and `khat >= 1/8`; that is no statement on plane strain
+//! of this law, whose deviator is that of space. In three dimensions no constants make it elliptic everywhere.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{PrincipalEnergy, StrainEnergy, energy_of_stretches};
@@ -40,8 +41,8 @@ pub(in super::super) const LAW: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
-    source: "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143; k = 1/4 and khat = 1/8, the least with which it is elliptic in two \
-             dimensions",
+    source: "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143; k = 1/4 and khat = 1/8, the least with which the energy of two dimensions \
+             (deviator in the plane) is rank-one convex",
     stiffness: |p| hooke(p[0], p[1]),
     make: |p| {
         boxed(Ok(ExponentiatedHencky {

@@ -6,6 +6,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::exponentials::beyond_linear;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -104,13 +105,14 @@ impl PrincipalEnergy for Hyperfoam {
         let logs = stretches.map(R::ln);
         let volume = logs[0] + logs[1] + logs[2];
         self.terms.iter().fold(R::constant(0.0), |sum, term| {
-            let [a, b, c] = logs.map(|log| (log * term.alpha).exp());
-            // (J^(-alpha beta) - 1) / beta, whose limit at beta = 0 is -alpha ln J.
+            // What is linear in the logarithms cancels: alpha ln J of the stretches, and -alpha ln J of (J^(-alpha beta) - 1) / beta, which is
+            // nothing more than that at beta = 0.
+            let [a, b, c] = logs.map(|log| beyond_linear(log * term.alpha));
             let foam = match term.beta {
-                0.0 => volume * -term.alpha,
-                beta => ((volume * (-term.alpha * beta)).exp() - 1.0) / beta,
+                0.0 => R::constant(0.0),
+                beta => beyond_linear(volume * (-term.alpha * beta)) / beta,
             };
-            sum + (a + b + c - 3.0 + foam) * (2.0 * term.mu / (term.alpha * term.alpha))
+            sum + (a + b + c + foam) * (2.0 * term.mu / (term.alpha * term.alpha))
         })
     }
 }

@@ -3,6 +3,7 @@
 mod arruda_boyce;
 mod blatz_ko;
 mod crystals;
+mod exponentials;
 mod exponentiated_hencky;
 mod fung;
 mod generalized_blatz_ko;

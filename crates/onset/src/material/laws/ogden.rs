@@ -5,6 +5,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::exponentials::beyond_linear;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -23,11 +24,11 @@ pub(in super::super) const LAW: Law = Law {
     name: "ogden",
     formula: "W = sum_(p=1..6) mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + kappa/2 (J - 1)^2, l_i = J^(-1/3) lambda_i",
     parameters: &[
-        modulus("mu1", 0.6174),
+        modulus("mu1", 0.6178),
         exponent("alpha1", 1.3),
-        modulus("mu2", 0.001_176),
+        modulus("mu2", 0.001_177),
         exponent("alpha2", 5.0),
-        modulus("mu3", -0.0098),
+        modulus("mu3", -0.009_807),
         exponent("alpha3", -2.0),
         modulus("mu4", 0.0),
         exponent("alpha4", 2.0),
@@ -41,7 +42,7 @@ pub(in super::super) const LAW: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus 1/2 sum_p mu_p alpha_p, bulk modulus kappa",
-    source: "Ogden, Proc. R. Soc. London A 326 (1972) 565: 6.3, 0.012 and -0.1 kg/cm^2 for Treloar's rubber, here in MPa; kappa chosen",
+    source: "Ogden, Proc. R. Soc. London A 326 (1972) 565: 6.3, 0.012 and -0.1 kg/cm^2 (of 0.0980665 MPa) for Treloar's rubber; kappa chosen",
     stiffness: |p| hooke(shear_modulus(p), p[12]),
     make: |p| boxed(Ogden::new(p)),
 };
@@ -87,8 +88,9 @@ impl PrincipalEnergy for Ogden {
         let change = volume.exp() - 1.0;
         let volumetric = change * change * (0.5 * self.kappa);
         self.terms.iter().fold(volumetric, |sum, (mu, alpha)| {
-            let [a, b, c] = deviators.map(|log| (log * *alpha).exp());
-            sum + (a + b + c - 3.0) * (mu / alpha)
+            // The deviators sum to zero: what is linear in them drops out, and small exponents keep their digits.
+            let [a, b, c] = deviators.map(|log| beyond_linear(log * *alpha));
+            sum + (a + b + c) * (mu / alpha)
         })
     }
 }

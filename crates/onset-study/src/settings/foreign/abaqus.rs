@@ -1,0 +1,396 @@
+//! `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
+//!
+//! Energies as the Abaqus Theory Guide has them: polynomials of `I1bar - 3` and `I2bar - 3` with `(J - 1)^(2i)/D_i`; Ogden and foams with
+//! `2 mu_i/alpha_i^2`; Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
+
+use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
+use super::{Trouble, number};
+
+/// Constants on a data line.
+const A_LINE: usize = 8;
+
+/// A keyword line with what follows it.
+struct Block<'t> {
+    line: usize,
+    keyword: String,
+    /// Parameters after the keyword, in capitals, with their values.
+    parameters: Vec<(String, Option<String>)>,
+    data: Vec<(usize, &'t str)>,
+}
+
+/// The first law of a text.
+pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
+    let blocks = blocks(text);
+    let known = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"];
+    let block = blocks
+        .iter()
+        .find(|block| known.contains(&block.keyword.as_str()))
+        .ok_or_else(|| {
+            Trouble::new(
+                1,
+                "there is no hyperelastic law of Abaqus in this text",
+                "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
+                 and `0.4, 1.3, 0.02`",
+            )
+        })?;
+    if block.has("TESTDATAINPUT") {
+        return Err(Trouble::new(
+            block.line,
+            "the block has test data, from which Abaqus fits the constants",
+            "paste the constants that Abaqus prints in its data file (*.dat), without TEST DATA INPUT",
+        ));
+    }
+    match block.keyword.as_str() {
+        "HYPERFOAM" => foam(block),
+        "ANISOTROPICHYPERELASTIC" => fibers(block),
+        _ => rubber(block),
+    }
+}
+
+/// The keywords of a text; comments begin with two stars, and a comma at the end of a keyword line goes on on the next one.
+fn blocks(text: &str) -> Vec<Block<'_>> {
+    let mut blocks: Vec<Block<'_>> = Vec::new();
+    let mut goes_on = false;
+    for (n, line) in text.lines().enumerate() {
+        let own = line.trim();
+        if own.is_empty() || own.starts_with("**") {
+            continue;
+        }
+        let is_keyword = own.starts_with('*');
+        if is_keyword || goes_on {
+            let mut fields = own.trim_start_matches('*').split(',').map(word);
+            if is_keyword {
+                blocks.push(Block {
+                    line: n + 1,
+                    keyword: fields.next().unwrap_or_default(),
+                    parameters: Vec::new(),
+                    data: Vec::new(),
+                });
+            }
+            if let Some(block) = blocks.last_mut() {
+                block
+                    .parameters
+                    .extend(fields.filter(|field| !field.is_empty()).map(|field| {
+                        match field.split_once('=') {
+                            Some((name, value)) => (name.to_owned(), Some(value.to_owned())),
+                            None => (field, None),
+                        }
+                    }));
+            }
+            goes_on = own.ends_with(',');
+        } else if let Some(block) = blocks.last_mut() {
+            block.data.push((n + 1, own));
+        }
+    }
+    blocks
+}
+
+/// A word in capitals without spaces, in which Abaqus does not tell words apart.
+fn word(text: &str) -> String {
+    let letters = text.chars().filter(|letter| !letter.is_whitespace());
+    letters.collect::<String>().to_ascii_uppercase()
+}
+
+impl Block<'_> {
+    fn has(&self, parameter: &str) -> bool {
+        self.parameters.iter().any(|(name, _)| name == parameter)
+    }
+
+    /// The value of a parameter that is a small integer, 1 where it is not given.
+    fn count(&self, parameter: &str, most: usize) -> Result<usize, Trouble> {
+        let found = self.parameters.iter().find(|(name, _)| name == parameter);
+        let Some((name, value)) = found else {
+            return Ok(1);
+        };
+        let value = value.as_deref().unwrap_or_default();
+        let number = value.parse().ok().filter(|n| (1..=most).contains(n));
+        number.ok_or_else(|| {
+            Trouble::new(
+                self.line,
+                format!("{name} is `{value}`; expected an integer from 1 to {most}"),
+                "write it as N=2",
+            )
+        })
+    }
+
+    /// The constants of one temperature; fields that are missing at the end of a line are zero.
+    fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
+        let lines = count.div_ceil(A_LINE);
+        if self.data.len() < lines {
+            return Err(Trouble::new(
+                self.line,
+                format!(
+                    "{} data lines with {count} constants are expected, {} are there",
+                    lines,
+                    self.data.len()
+                ),
+                "constants stand on the lines below the keyword, eight on each",
+            ));
+        }
+        if let Some((line, _)) = self.data.get(lines) {
+            return Err(Trouble::new(
+                *line,
+                "there are more data lines than this law has constants for one temperature",
+                "leave the constants of one temperature, and check N",
+            ));
+        }
+        let mut constants = Vec::with_capacity(count);
+        for (n, (line, text)) in self.data.iter().enumerate() {
+            let own = (count - n * A_LINE).min(A_LINE);
+            let fields: Vec<&str> = text.trim_end_matches(',').split(',').collect();
+            // A temperature may follow the last constant.
+            let spare = usize::from(n + 1 == lines);
+            if fields.len() > own + spare {
+                return Err(Trouble::new(
+                    *line,
+                    format!(
+                        "{} numbers where this law has {own} constants",
+                        fields.len()
+                    ),
+                    "check the form of the law and N",
+                ));
+            }
+            for place in 0..own {
+                constants.push(number(fields.get(place).copied().unwrap_or(""), *line)?);
+            }
+        }
+        Ok(constants)
+    }
+}
+
+/// The name of a constant with the number of its term.
+fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
+    let named = constants
+        .iter()
+        .map(|(name, value)| ((*name).to_owned(), *value));
+    named.collect()
+}
+
+fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+    const FORMS: [&str; 9] = [
+        "NEOHOOKE",
+        "MOONEY-RIVLIN",
+        "YEOH",
+        "REDUCEDPOLYNOMIAL",
+        "POLYNOMIAL",
+        "OGDEN",
+        "ARRUDA-BOYCE",
+        "VANDERWAALS",
+        "MARLOW",
+    ];
+    let form = FORMS.into_iter().find(|form| block.has(form));
+    let known = ["N", "MODULI", "TYPE", "TEMPERATURE", "DEPENDENCIES"];
+    if let Some((other, _)) = block
+        .parameters
+        .iter()
+        .find(|(name, _)| !FORMS.contains(&name.as_str()) && !known.contains(&name.as_str()))
+    {
+        return Err(Trouble::new(
+            block.line,
+            format!("*HYPERELASTIC has `{other}`, which is not read"),
+            "read are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N",
+        ));
+    }
+    let form = form.unwrap_or("POLYNOMIAL");
+    let title = |n: usize| format!("*HYPERELASTIC, {form}, N={n} of Abaqus");
+    let one = || format!("*HYPERELASTIC, {form} of Abaqus");
+    let line = block.line;
+    match form {
+        "NEOHOOKE" => {
+            let c = block.constants(2)?;
+            Ok(ForeignLaw::polynomial(
+                line,
+                one(),
+                &[((1, 0), c[0])],
+                &c[1..],
+            ))
+        }
+        "MOONEY-RIVLIN" => {
+            let c = block.constants(3)?;
+            let constants = [((1, 0), c[0]), ((0, 1), c[1])];
+            Ok(ForeignLaw::polynomial(line, one(), &constants, &c[2..]))
+        }
+        "YEOH" | "REDUCEDPOLYNOMIAL" => {
+            let n = if form == "YEOH" {
+                3
+            } else {
+                block.count("N", 6)?
+            };
+            let c = block.constants(2 * n)?;
+            let constants: Vec<_> = (0..n).map(|i| ((i + 1, 0), c[i])).collect();
+            Ok(ForeignLaw::polynomial(line, title(n), &constants, &c[n..]))
+        }
+        "POLYNOMIAL" => {
+            let n = block.count("N", 6)?;
+            // By the sum of the powers, those of I1 first.
+            let powers: Vec<(usize, usize)> = (1..=n)
+                .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
+                .collect();
+            let c = block.constants(powers.len() + n)?;
+            let constants: Vec<_> = powers.iter().copied().zip(c.iter().copied()).collect();
+            Ok(ForeignLaw::polynomial(
+                line,
+                title(n),
+                &constants,
+                &c[powers.len()..],
+            ))
+        }
+        "OGDEN" => {
+            let n = block.count("N", 6)?;
+            let c = block.constants(3 * n)?;
+            let mut terms = Vec::new();
+            for pair in c[..2 * n].chunks_exact(2) {
+                if pair[1] == 0.0 {
+                    return Err(exponent(block));
+                }
+                // 2 mu/alpha^2 here is mu/alpha there.
+                terms.push((2.0 * pair[0] / pair[1], pair[1]));
+            }
+            Ok(ForeignLaw::ogden(line, title(n), &terms, &c[2 * n..]))
+        }
+        "ARRUDA-BOYCE" => {
+            let c = block.constants(3)?;
+            let constants = named(&[("mu", c[0]), ("locking", c[1])]);
+            let model = Energy::Model("arruda-boyce");
+            Ok(ForeignLaw::new(
+                line,
+                one(),
+                model,
+                constants,
+                (c[0], &c[2..]),
+            ))
+        }
+        "VANDERWAALS" => van_der_waals(block, &one()),
+        _ => Err(Trouble::new(
+            line,
+            "MARLOW is a table of test data, which no constants stand for",
+            "let Abaqus fit one of the other forms to the same data, and paste its constants",
+        )),
+    }
+}
+
+fn exponent(block: &Block<'_>) -> Trouble {
+    Trouble::new(
+        block.line,
+        "an exponent alpha is 0",
+        "expected mu1, alpha1, mu2, alpha2, ...; check N",
+    )
+}
+
+/// `mu (-(lm^2 - 3) (ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2))`, `h^2 = (I - 3)/(lm^2 - 3)`, `I = (1 - beta) I1bar + beta I2bar`.
+fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> {
+    let c = block.constants(5)?;
+    if c[1] * c[1] <= 3.0 {
+        return Err(Trouble::new(
+            block.line,
+            format!(
+                "the locking stretch is {}; expected more than the root of 3",
+                c[1]
+            ),
+            "the constants are mu, lambda_m, a, beta, D",
+        ));
+    }
+    // Near I = 3 the powers 3/2 have no number's derivative; what they add there is less than rounding.
+    let energy = format!(
+        "let x = (1 - beta)*I1bar + beta*I2bar - 3; let m = locking^2 - 3; \
+         mu*if(x < 1e-14, x/2, -m*(ln(1 - sqrt(x/m)) + sqrt(x/m)) - 2/3*a*(x/2)^1.5) + {}",
+        LOGARITHM_OF_VOLUME
+    );
+    let constants = named(&[("mu", c[0]), ("locking", c[1]), ("a", c[2]), ("beta", c[3])]);
+    Ok(ForeignLaw::new(
+        block.line,
+        title,
+        Energy::Formula(energy),
+        constants,
+        (c[0], &c[4..]),
+    ))
+}
+
+/// `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)`, `beta_i = nu_i/(1 - 2 nu_i)`.
+fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+    let n = block.count("N", 3)?;
+    let c = block.constants(3 * n)?;
+    let mut constants = Vec::new();
+    for term in 0..3 {
+        let place = term + 1;
+        if term >= n {
+            constants.push((format!("mu{place}"), 0.0));
+            continue;
+        }
+        let (mu, alpha, nu) = (c[2 * term], c[2 * term + 1], c[2 * n + term]);
+        if alpha == 0.0 {
+            return Err(exponent(block));
+        }
+        if nu >= 0.5 {
+            return Err(Trouble::new(
+                block.line,
+                format!("nu{place} is {nu}; expected less than 0.5"),
+                "the constants are mu1, alpha1, mu2, alpha2, ..., nu1, nu2, ...",
+            ));
+        }
+        constants.push((format!("mu{place}"), mu));
+        constants.push((format!("alpha{place}"), alpha));
+        constants.push((format!("beta{place}"), nu / (1.0 - 2.0 * nu)));
+    }
+    let title = format!("*HYPERFOAM, N={n} of Abaqus");
+    Ok(ForeignLaw {
+        line: block.line,
+        title,
+        energy: Energy::Model("hyperfoam"),
+        constants,
+        incompressible: false,
+        needed: Vec::new(),
+        notes: Vec::new(),
+    })
+}
+
+/// Holzapfel, Gasser and Ogden with dispersion: `c10 (I1bar - 3) + k1/(2 k2) sum (exp(k2 <E>^2) - 1) + ((J^2 - 1)/2 - ln J)/D`,
+/// `E = k (I1bar - 3) + (1 - 3 k) (I4bar - 1)`.
+fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+    if !block.has("HOLZAPFEL") {
+        return Err(Trouble::new(
+            block.line,
+            "this form of *ANISOTROPIC HYPERELASTIC is not read",
+            "read is HOLZAPFEL, with C10, D, k1, k2, kappa",
+        ));
+    }
+    let families = block.count("LOCALDIRECTIONS", 2)?;
+    let c = block.constants(5)?;
+    let (k2, dispersion) = (c[3], c[4]);
+    if !(0.0..=1.0 / 3.0).contains(&dispersion) || k2 <= 0.0 {
+        return Err(Trouble::new(
+            block.line,
+            format!(
+                "k2 is {k2} and kappa is {dispersion}; expected k2 above 0 and kappa from 0 to 1/3"
+            ),
+            "the constants are C10, D, k1, k2, kappa",
+        ));
+    }
+    let strain = |invariant: &str| {
+        format!(
+            "macaulay(dispersion*(I1bar - 3) + (1 - 3*dispersion)*(J^(-2/3)*{invariant} - 1))^2"
+        )
+    };
+    let mut energy = "c10*(I1bar - 3)".to_owned();
+    for invariant in ["I4", "I6"].into_iter().take(families) {
+        energy.push_str(&format!(" + k1/(2*k2)*(exp(k2*{}) - 1)", strain(invariant)));
+    }
+    energy.push_str(&format!(" + {}", LOGARITHM_OF_VOLUME));
+    let constants = named(&[
+        ("c10", c[0]),
+        ("k1", c[2]),
+        ("k2", k2),
+        ("dispersion", dispersion),
+    ]);
+    let title =
+        format!("*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={families} of Abaqus");
+    let mut law = ForeignLaw::new(
+        block.line,
+        title,
+        Energy::Formula(energy),
+        constants,
+        (2.0 * c[0], &c[1..2]),
+    );
+    law.needed = ["material.fiber1-angle", "material.fiber2-angle"][..families].to_vec();
+    Ok(law)
+}

@@ -1,0 +1,292 @@
+//! `TB,HYPER` with `TBDATA`.
+//!
+//! Energies as the Mechanical APDL Theory Reference has them: `d = 2/K`, with `(J - 1)^(2i)/d_i` but for Arruda-Boyce and Gent, whose part is
+//! `((J^2 - 1)/2 - ln J)/d`; Ogden's moduli with `mu/alpha`.
+
+use super::law::{Energy, ForeignLaw, powers_of_volume};
+use super::{Trouble, number};
+
+/// A table of constants.
+struct Table {
+    line: usize,
+    form: String,
+    /// `NPTS`; `None` where it is left out.
+    terms: Option<usize>,
+    constants: Vec<f64>,
+}
+
+/// The first law of a text.
+pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
+    let table = table(text)?;
+    let line = table.line;
+    let title = format!("TB,HYPER with {} of ANSYS", table.form);
+    match table.form.as_str() {
+        "NEO" => {
+            let c = table.constants(2)?;
+            Ok(ForeignLaw::polynomial(
+                line,
+                title,
+                &[((1, 0), 0.5 * c[0])],
+                &c[1..],
+            ))
+        }
+        "" | "MOONEY" => mooney(&table, title),
+        "POLY" => polynomial(&table, title),
+        "YEOH" => {
+            let n = table.count(6)?;
+            let c = table.constants(2 * n)?;
+            let constants: Vec<_> = (0..n).map(|i| ((i + 1, 0), c[i])).collect();
+            Ok(ForeignLaw::polynomial(line, title, &constants, &c[n..]))
+        }
+        "OGDEN" => {
+            let n = table.count(6)?;
+            let c = table.constants(3 * n)?;
+            let terms: Vec<(f64, f64)> = c[..2 * n].chunks_exact(2).map(|p| (p[0], p[1])).collect();
+            table.no_zero(&terms)?;
+            Ok(ForeignLaw::ogden(line, title, &terms, &c[2 * n..]))
+        }
+        "BOYCE" | "GENT" => {
+            let c = table.constants(3)?;
+            let (model, second) = match table.form.as_str() {
+                "BOYCE" => ("arruda-boyce", "locking"),
+                _ => ("gent", "jm"),
+            };
+            let constants = vec![("mu".to_owned(), c[0]), (second.to_owned(), c[1])];
+            let energy = Energy::Model(model);
+            Ok(ForeignLaw::new(
+                line,
+                title,
+                energy,
+                constants,
+                (c[0], &c[2..]),
+            ))
+        }
+        "BLATZ" => {
+            let c = table.constants(1)?;
+            let mut law = ForeignLaw::ogden(line, title, &[], &[]);
+            law.energy = Energy::Model("blatz-ko");
+            law.constants = vec![("mu".to_owned(), c[0])];
+            law.incompressible = false;
+            Ok(law)
+        }
+        "FOAM" => foam(&table, title),
+        "ETUBE" => extended_tube(&table, title),
+        other => Err(Trouble::new(
+            line,
+            format!("TB,HYPER with `{other}` is not read"),
+            "read are NEO, MOONEY, POLY, YEOH, OGDEN, BOYCE, GENT, BLATZ, FOAM and ETUBE",
+        )),
+    }
+}
+
+fn table(text: &str) -> Result<Table, Trouble> {
+    let mut found: Option<Table> = None;
+    for (n, line) in text.lines().enumerate() {
+        let own = line.split('!').next().unwrap_or_default();
+        let fields: Vec<String> = own
+            .split(',')
+            .map(|field| field.trim().to_ascii_uppercase())
+            .collect();
+        let field = |place: usize| fields.get(place).map_or("", String::as_str);
+        match (field(0), &mut found) {
+            ("TB", None) if field(1) == "HYPER" => {
+                found = Some(Table {
+                    line: n + 1,
+                    form: field(5).to_owned(),
+                    terms: match field(4) {
+                        "" => None,
+                        text => Some(text.parse().map_err(|_| {
+                            Trouble::new(
+                                n + 1,
+                                format!("NPTS is `{text}`"),
+                                "expected TB,HYPER,MAT,NTEMP,NPTS,TBOPT, for example TB,HYPER,1,,3,OGDEN",
+                            )
+                        })?),
+                    },
+                    constants: Vec::new(),
+                });
+            }
+            ("TB", Some(_)) => break,
+            ("TBDATA", Some(table)) => {
+                let start = match field(1) {
+                    "" => table.constants.len() + 1,
+                    text => text
+                        .parse()
+                        .ok()
+                        .filter(|start| (1..=64).contains(start))
+                        .ok_or_else(|| {
+                            Trouble::new(
+                                n + 1,
+                                format!("TBDATA begins at `{text}`"),
+                                "expected TBDATA,1,C1,C2,...",
+                            )
+                        })?,
+                };
+                for (place, text) in fields.iter().skip(2).enumerate() {
+                    let place = start - 1 + place;
+                    if table.constants.len() <= place {
+                        table.constants.resize(place + 1, 0.0);
+                    }
+                    table.constants[place] = number(text, n + 1)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    found.ok_or_else(|| {
+        Trouble::new(
+            1,
+            "there is no hyperelastic law of ANSYS in this text",
+            "expected TB,HYPER and TBDATA, for example `TB,HYPER,1,,1,OGDEN` and `TBDATA,1,0.6,1.3,0.02`",
+        )
+    })
+}
+
+impl Table {
+    /// `NPTS`, 1 where it is left out.
+    fn count(&self, most: usize) -> Result<usize, Trouble> {
+        let n = self.terms.unwrap_or(1);
+        match (1..=most).contains(&n) {
+            true => Ok(n),
+            false => Err(Trouble::new(
+                self.line,
+                format!("NPTS is {n}; expected an integer from 1 to {most}"),
+                "the number of terms is the fifth field, TB,HYPER,1,,3,OGDEN",
+            )),
+        }
+    }
+
+    /// The constants; those that are missing are zero, as the program has it.
+    fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
+        if self.constants.len() > count || self.constants.is_empty() {
+            return Err(Trouble::new(
+                self.line,
+                format!(
+                    "{} constants, where this law has {count}",
+                    self.constants.len()
+                ),
+                "check the form of the law and NPTS",
+            ));
+        }
+        let mut constants = self.constants.clone();
+        constants.resize(count, 0.0);
+        Ok(constants)
+    }
+
+    fn no_zero(&self, terms: &[(f64, f64)]) -> Result<(), Trouble> {
+        match terms.iter().any(|(_, alpha)| *alpha == 0.0) {
+            true => Err(Trouble::new(
+                self.line,
+                "an exponent alpha is 0",
+                "expected mu1, alpha1, mu2, alpha2, ...; check NPTS",
+            )),
+            false => Ok(()),
+        }
+    }
+}
+
+fn mooney(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
+    let powers: &[(usize, usize)] = match table.terms {
+        None | Some(2) => &[(1, 0), (0, 1)],
+        Some(3) => &[(1, 0), (0, 1), (1, 1)],
+        Some(5) => &[(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)],
+        Some(9) => &[
+            (1, 0),
+            (0, 1),
+            (2, 0),
+            (1, 1),
+            (0, 2),
+            (3, 0),
+            (2, 1),
+            (1, 2),
+            (0, 3),
+        ],
+        Some(n) => {
+            return Err(Trouble::new(
+                table.line,
+                format!("MOONEY with NPTS = {n}; expected 2, 3, 5 or 9"),
+                "the number of constants is the fifth field, TB,HYPER,1,,2,MOONEY",
+            ));
+        }
+    };
+    of_powers(table, title, powers, 1)
+}
+
+fn polynomial(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
+    let n = table.count(6)?;
+    let powers: Vec<(usize, usize)> = (1..=n)
+        .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
+        .collect();
+    of_powers(table, title, &powers, n)
+}
+
+fn of_powers(
+    table: &Table,
+    title: String,
+    powers: &[(usize, usize)],
+    volumes: usize,
+) -> Result<ForeignLaw, Trouble> {
+    let c = table.constants(powers.len() + volumes)?;
+    let constants: Vec<_> = powers.iter().copied().zip(c.iter().copied()).collect();
+    Ok(ForeignLaw::polynomial(
+        table.line,
+        title,
+        &constants,
+        &c[powers.len()..],
+    ))
+}
+
+/// `sum mu_i/alpha_i (sum lambda^alpha_i - 3) + mu_i/(alpha_i beta_i) (J^(-alpha_i beta_i) - 1)`.
+fn foam(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
+    let n = table.count(3)?;
+    let c = table.constants(3 * n)?;
+    let terms: Vec<(f64, f64)> = c[..2 * n].chunks_exact(2).map(|p| (p[0], p[1])).collect();
+    table.no_zero(&terms)?;
+    let mut constants = Vec::new();
+    for place in 1..=3 {
+        match terms.get(place - 1) {
+            Some((mu, alpha)) => {
+                constants.push((format!("mu{place}"), 0.5 * mu * alpha));
+                constants.push((format!("alpha{place}"), *alpha));
+                constants.push((format!("beta{place}"), c[2 * n + place - 1]));
+            }
+            None => constants.push((format!("mu{place}"), 0.0)),
+        }
+    }
+    let mut law = ForeignLaw::ogden(table.line, title, &[], &[]);
+    law.energy = Energy::Model("hyperfoam");
+    law.constants = constants;
+    law.incompressible = false;
+    Ok(law)
+}
+
+/// Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J - 1)^2/d`,
+/// `x = I1bar - 3`.
+fn extended_tube(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
+    let c = table.constants(5)?;
+    let [gc, delta, ge, beta] = [c[0], c[1], c[2], c[3]];
+    if beta == 0.0 {
+        return Err(Trouble::new(
+            table.line,
+            "beta is 0",
+            "the constants are Gc, delta, Ge, beta, d",
+        ));
+    }
+    let energy = format!(
+        "let x = I1bar - 3; gc/2*((1 - delta^2)*x/(1 - delta^2*x) + ln(1 - delta^2*x)) \
+         + 2*ge/beta^2*((lambda1^(-beta) + lambda2^(-beta) + lambda3^(-beta))*J^(beta/3) - 3) + {}",
+        powers_of_volume(&c[4..])
+    );
+    let constants = [("gc", gc), ("delta", delta), ("ge", ge), ("beta", beta)];
+    let constants = constants
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec();
+    let shear = gc * (1.0 - 2.0 * delta * delta) + ge;
+    Ok(ForeignLaw::new(
+        table.line,
+        title,
+        Energy::Formula(energy),
+        constants,
+        (shear, &c[4..]),
+    ))
+}

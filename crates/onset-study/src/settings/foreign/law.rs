@@ -1,0 +1,219 @@
+//! Laws with the constants that other programs have, and the settings of the same energies.
+
+use super::Reading;
+
+/// A law that was read from a block.
+#[derive(Debug)]
+pub(super) struct ForeignLaw {
+    /// The line of the block.
+    pub line: usize,
+    /// How the program calls it.
+    pub title: String,
+    /// The model of this program, or an energy.
+    pub energy: Energy,
+    /// Constants by the keys of this program.
+    pub constants: Vec<(String, f64)>,
+    /// `D` is zero: the program takes the material as incompressible.
+    pub incompressible: bool,
+    /// Keys that the user must give.
+    pub needed: Vec<&'static str>,
+    /// What else there is to know.
+    pub notes: Vec<String>,
+}
+
+/// What the constants belong to.
+#[derive(Debug)]
+pub(super) enum Energy {
+    /// A law of the library.
+    Model(&'static str),
+    /// A typed energy.
+    Formula(String),
+}
+
+/// The bulk modulus of a material that the program takes as incompressible, in shear moduli.
+const NEARLY: f64 = 1000.0;
+
+impl ForeignLaw {
+    /// A law with a bulk modulus `2/D_1`, for compressibilities `D_i`; `shear` is its shear modulus.
+    pub fn new(
+        line: usize,
+        title: impl Into<String>,
+        energy: Energy,
+        constants: Vec<(String, f64)>,
+        (shear, compressibilities): (f64, &[f64]),
+    ) -> Self {
+        let mut law = Self {
+            line,
+            title: title.into(),
+            energy,
+            constants,
+            incompressible: false,
+            needed: Vec::new(),
+            notes: Vec::new(),
+        };
+        let first = compressibilities.first().copied().unwrap_or(0.0);
+        law.incompressible = compressibilities.iter().all(|d| *d == 0.0);
+        let bulk = match law.incompressible {
+            true => NEARLY * shear.abs(),
+            false if first == 0.0 => 0.0,
+            false => 2.0 / first,
+        };
+        law.constants.push(("kappa".to_owned(), bulk));
+        for (n, d) in compressibilities.iter().enumerate().skip(1) {
+            if *d != 0.0 {
+                law.constants.push((format!("vol{}", n + 1), 1.0 / d));
+            }
+        }
+        law
+    }
+
+    /// Constants `c_ij` of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`: a law of the library where it has them, a typed energy elsewhere.
+    pub fn polynomial(
+        line: usize,
+        title: impl Into<String>,
+        constants: &[((usize, usize), f64)],
+        compressibilities: &[f64],
+    ) -> Self {
+        let of = |i: usize, j: usize| {
+            let found = constants.iter().find(|(own, _)| *own == (i, j));
+            found.map_or(0.0, |(_, value)| *value)
+        };
+        let shear = 2.0 * (of(1, 0) + of(0, 1));
+        let counts = |(_, value): &&((usize, usize), f64)| *value != 0.0;
+        let plain = compressibilities.iter().skip(1).all(|d| *d == 0.0);
+        let only = |admitted: &[(usize, usize)]| {
+            plain
+                && constants
+                    .iter()
+                    .filter(counts)
+                    .all(|(own, _)| admitted.contains(own))
+        };
+        let named = |names: &[(&str, f64)]| {
+            let named = names
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), *value));
+            named.collect::<Vec<_>>()
+        };
+        let volume = (shear, compressibilities);
+        if only(&[(1, 0), (0, 1)]) && of(0, 1) != 0.0 {
+            let constants = named(&[("c10", of(1, 0)), ("c01", of(0, 1))]);
+            let model = Energy::Model("mooney-rivlin-isochoric");
+            return Self::new(line, title, model, constants, volume);
+        }
+        if only(&[(1, 0), (2, 0), (3, 0)]) && of(1, 0) > 0.0 {
+            let constants = named(&[("c10", of(1, 0)), ("c20", of(2, 0)), ("c30", of(3, 0))]);
+            return Self::new(line, title, Energy::Model("yeoh"), constants, volume);
+        }
+        let mut terms = Vec::new();
+        let mut own = Vec::new();
+        for ((i, j), value) in constants.iter().filter(counts) {
+            let name = format!("c{i}{j}");
+            let powers = [("x", i), ("y", j)].map(|(variable, power)| match power {
+                0 => String::new(),
+                1 => format!("*{variable}"),
+                _ => format!("*{variable}^{power}"),
+            });
+            terms.push(format!("{name}{}", powers.concat()));
+            own.push((name, *value));
+        }
+        let has = |of: fn(&(usize, usize)) -> usize| {
+            let mut counted = constants.iter().filter(counts);
+            counted.any(|(powers, _)| of(powers) > 0)
+        };
+        let mut energy = String::new();
+        if has(|(i, _)| *i) {
+            energy.push_str("let x = I1bar - 3; ");
+        }
+        if has(|(_, j)| *j) {
+            energy.push_str("let y = I2bar - 3; ");
+        }
+        terms.push(powers_of_volume(compressibilities));
+        energy.push_str(&terms.join(" + "));
+        Self::new(line, title, Energy::Formula(energy), own, volume)
+    }
+
+    /// Ogden's law with moduli of `sum mu_p/alpha_p (...)`.
+    pub fn ogden(
+        line: usize,
+        title: impl Into<String>,
+        terms: &[(f64, f64)],
+        compressibilities: &[f64],
+    ) -> Self {
+        let shear = 0.5 * terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>();
+        let mut constants = Vec::new();
+        for (n, (mu, alpha)) in terms.iter().enumerate() {
+            constants.push((format!("mu{}", n + 1), *mu));
+            constants.push((format!("alpha{}", n + 1), *alpha));
+        }
+        let plain = compressibilities.iter().skip(1).all(|d| *d == 0.0);
+        let volume = (shear, compressibilities);
+        if plain {
+            // Terms that are not set have moduli of their own by default.
+            for n in terms.len()..3 {
+                constants.push((format!("mu{}", n + 1), 0.0));
+            }
+            return Self::new(line, title, Energy::Model("ogden"), constants, volume);
+        }
+        let term = |n: usize| {
+            format!(
+                "mu{n}/alpha{n}*((lambda1^alpha{n} + lambda2^alpha{n} + lambda3^alpha{n})*J^(-alpha{n}/3) - 3)"
+            )
+        };
+        let energy: Vec<String> = (1..=terms.len()).map(term).collect();
+        let energy = format!(
+            "{} + {}",
+            energy.join(" + "),
+            powers_of_volume(compressibilities)
+        );
+        Self::new(line, title, Energy::Formula(energy), constants, volume)
+    }
+
+    /// The settings, without those that the user makes.
+    pub fn reading(self, set: &[&str]) -> Reading {
+        let mut assignments = Vec::new();
+        match &self.energy {
+            Energy::Model(model) => assignments.push(format!("material.model={model}")),
+            Energy::Formula(energy) => {
+                assignments.push("material.model=formula".to_owned());
+                assignments.push(format!("material.energy={energy}"));
+            }
+        }
+        for (name, value) in &self.constants {
+            let key = format!("material.{name}");
+            if !set.contains(&key.as_str()) {
+                assignments.push(format!("{key}={value}"));
+            }
+        }
+        let quoted =
+            assignments.iter().map(
+                |assignment| match assignment.contains([' ', '*', '(', ';']) {
+                    true => format!("--set \"{assignment}\""),
+                    false => format!("--set {assignment}"),
+                },
+            );
+        let mut notes = vec![format!(
+            "read from {}; the same law in other commands: {}",
+            self.title,
+            quoted.collect::<Vec<_>>().join(" ")
+        )];
+        if self.incompressible && !set.contains(&"material.kappa") {
+            notes.push(format!(
+                "D = 0 says incompressible; here the bulk modulus is {NEARLY} shear moduli, and --incompressible asks the incompressible response"
+            ));
+        }
+        notes.extend(self.notes);
+        Reading { assignments, notes }
+    }
+}
+
+/// `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1` and `vol<i> = 1/D_i`.
+pub(super) fn powers_of_volume(compressibilities: &[f64]) -> String {
+    let higher = compressibilities.iter().enumerate().skip(1);
+    let higher = higher
+        .filter(|(_, d)| **d != 0.0)
+        .map(|(n, _)| format!(" + vol{}*(J - 1)^{}", n + 1, 2 * (n + 1)));
+    format!("kappa/2*(J - 1)^2{}", higher.collect::<String>())
+}
+
+/// `((J^2 - 1)/2 - ln J) / D` with `kappa = 2/D`.
+pub(super) const LOGARITHM_OF_VOLUME: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";

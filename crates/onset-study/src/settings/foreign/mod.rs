@@ -1,0 +1,136 @@
+//! Constants of laws as other programs write them: blocks of Abaqus and ANSYS, read into settings of the same energy.
+//!
+//! Programs write the same law with other constants: Ogden's moduli with `mu/alpha` or `2 mu/alpha^2`, compressibility as `D = 2/K`, foams by
+//! Poisson's ratio. A block is read with the meaning that its program gives it; a form that the library does not have becomes a typed energy.
+
+mod abaqus;
+mod ansys;
+mod law;
+
+use super::{Origin, SettingError};
+use std::str::FromStr;
+
+/// A program whose blocks can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
+    Abaqus,
+    /// `TB,HYPER` with `TBDATA`.
+    Ansys,
+}
+
+impl FromStr for Program {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.to_ascii_lowercase().as_str() {
+            "abaqus" => Ok(Self::Abaqus),
+            "ansys" => Ok(Self::Ansys),
+            _ => Err("expected abaqus or ansys".to_owned()),
+        }
+    }
+}
+
+/// A law that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Its settings, `material.key=value`.
+    pub assignments: Vec<String>,
+    /// What a reader of an answer must know.
+    pub notes: Vec<String>,
+}
+
+/// Reads the first block of a hyperelastic law in a text; `set` are assignments that the user makes beside it, which override those of the
+/// block.
+///
+/// ```
+/// use onset_study::settings::{Program, law_from};
+/// // Abaqus writes 2 mu/alpha^2 where this program, as Ogden, writes mu/alpha.
+/// let block = "*HYPERELASTIC, OGDEN, N=1\n2.0, 4.0, 0.02";
+/// let reading = law_from(Program::Abaqus, "a block", block, &[])?;
+/// let expected = ["material.model=ogden", "material.mu1=1", "material.alpha1=4", "material.mu2=0", "material.mu3=0", "material.kappa=100"];
+/// assert_eq!(reading.assignments, expected);
+/// # Ok::<(), onset_study::settings::SettingError>(())
+/// ```
+///
+/// # Errors
+/// [`SettingError`] with the line where the text is no such block, or is one that determines no law.
+pub fn law_from(
+    program: Program,
+    name: &str,
+    text: &str,
+    set: &[String],
+) -> Result<Reading, SettingError> {
+    let law = match program {
+        Program::Abaqus => abaqus::read(text),
+        Program::Ansys => ansys::read(text),
+    };
+    let law = law.map_err(|trouble| trouble.at(name))?;
+    let origin = || place(name, law.line);
+    let known: Vec<&str> = set
+        .iter()
+        .filter_map(|assignment| Some(assignment.split_once('=')?.0.trim()))
+        .collect();
+    if let Some(key) = law.needed.iter().find(|key| !known.contains(key)) {
+        return Err(SettingError::new(
+            origin(),
+            format!("the block does not say {key}, the angle of the fibers, which the program has in another place"),
+        )
+        .hint(format!("add --set {key}=DEGREES, from axis 1 to axis 2")));
+    }
+    if known.contains(&"material.model") {
+        return Err(SettingError::new(
+            origin(),
+            "the block names the law, and --set material.model another one",
+        )
+        .hint("leave out one of them"));
+    }
+    Ok(law.reading(&known))
+}
+
+fn place(name: &str, line: usize) -> Origin {
+    Origin::File {
+        name: name.to_owned(),
+        line,
+        column: 1,
+    }
+}
+
+/// What is wrong with a block, and where.
+#[derive(Debug)]
+struct Trouble {
+    line: usize,
+    message: String,
+    hint: &'static str,
+}
+
+impl Trouble {
+    fn new(line: usize, message: impl Into<String>, hint: &'static str) -> Self {
+        Self {
+            line,
+            message: message.into(),
+            hint,
+        }
+    }
+
+    fn at(self, name: &str) -> SettingError {
+        SettingError::new(place(name, self.line.max(1)), self.message).hint(self.hint)
+    }
+}
+
+/// A number as Fortran programs write them, `1.5`, `2E-3` or `2D-3`; an empty field is zero.
+fn number(field: &str, line: usize) -> Result<f64, Trouble> {
+    let text = field.trim();
+    if text.is_empty() {
+        return Ok(0.0);
+    }
+    let plain = text.replace(['d', 'D'], "e");
+    let value = plain.parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| {
+        Trouble::new(
+            line,
+            format!("`{text}` is no number"),
+            "expected constants with commas between them",
+        )
+    })
+}

@@ -1,0 +1,294 @@
+//! Blocks of other programs, each against the energy that its manual states, typed here a second time.
+
+use onset::kinematics::DeformationGradient;
+use onset::material::Hyperelastic;
+use onset_study::settings::{MaterialSettings, Program, law_from};
+
+/// The material of a block, with assignments beside it.
+fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
+    let beside: Vec<String> = beside.iter().map(|text| (*text).to_owned()).collect();
+    let reading = law_from(program, "a block", block, &beside).expect("a law");
+    let all: Vec<String> = reading.assignments.into_iter().chain(beside).collect();
+    let settings = MaterialSettings::of_file("", "", &all).expect("settings");
+    settings.build().expect("a material")
+}
+
+/// States without symmetry, with a change of volume.
+const STATES: [[[f64; 3]; 3]; 3] = [
+    [[1.2, 0.1, 0.0], [-0.2, 0.9, 0.3], [0.05, 0.0, 1.05]],
+    [[0.8, 0.0, 0.2], [0.1, 1.3, 0.0], [0.0, -0.1, 0.95]],
+    [[1.5, 0.4, -0.2], [0.0, 0.8, 0.1], [0.2, 0.0, 0.85]],
+];
+
+/// Invariants of a state: `I1bar`, `I2bar`, `J` and principal stretches.
+fn invariants(f: &DeformationGradient) -> (f64, f64, f64, [f64; 3]) {
+    let i = f.invariants();
+    let j = i.jacobian;
+    (
+        i.first * j.powf(-2.0 / 3.0),
+        i.second * j.powf(-4.0 / 3.0),
+        j,
+        f.principal_stretches(),
+    )
+}
+
+fn agrees(law: &dyn Hyperelastic, energy: impl Fn(&DeformationGradient) -> f64) {
+    let rest = energy(&DeformationGradient::identity());
+    let own_rest = law.undeformed().expect("a reference").energy;
+    for state in STATES {
+        let f = DeformationGradient::new(state).expect("a state");
+        let found = law.response(&f).expect("finite").energy - own_rest;
+        let expected = energy(&f) - rest;
+        assert!(
+            (found - expected).abs() < 1e-10 * expected.abs().max(1e-3),
+            "{found} is not {expected}"
+        );
+    }
+}
+
+/// Abaqus Theory Guide, "Hyperelastic material behavior": `sum C_ij (I1bar - 3)^i (I2bar - 3)^j + sum (J - 1)^(2i)/D_i`.
+#[test]
+fn polynomials_of_abaqus() {
+    let law = read(
+        Program::Abaqus,
+        "*HYPERELASTIC, POLYNOMIAL, N=2\n0.2, 0.05, 0.01, -0.003, 0.002, 0.1, 0.4\n",
+        &[],
+    );
+    agrees(&*law, |f| {
+        let (i1, i2, j, _) = invariants(f);
+        let (x, y) = (i1 - 3.0, i2 - 3.0);
+        0.2 * x + 0.05 * y + 0.01 * x * x - 0.003 * x * y
+            + 0.002 * y * y
+            + (j - 1.0).powi(2) / 0.1
+            + (j - 1.0).powi(4) / 0.4
+    });
+    let law = read(
+        Program::Abaqus,
+        "*HYPERELASTIC, REDUCED POLYNOMIAL, N=4\n0.5, -0.01, 1e-3, 2D-4, 0.1\n",
+        &[],
+    );
+    agrees(&*law, |f| {
+        let (i1, _, j, _) = invariants(f);
+        let x = i1 - 3.0;
+        0.5 * x - 0.01 * x.powi(2) + 1e-3 * x.powi(3) + 2e-4 * x.powi(4) + (j - 1.0).powi(2) / 0.1
+    });
+    let law = read(
+        Program::Abaqus,
+        "*HYPERELASTIC, POLYNOMIAL, N=3\n0.2, 0.05, 0.01, -0.003, 0.002, 1e-3, 2e-3, 3e-3\n4e-3, 0.1, 0.0, 0.0\n",
+        &[],
+    );
+    agrees(&*law, |f| {
+        let (i1, i2, j, _) = invariants(f);
+        let (x, y) = (i1 - 3.0, i2 - 3.0);
+        0.2 * x + 0.05 * y + 0.01 * x * x - 0.003 * x * y
+            + 0.002 * y * y
+            + 1e-3 * x.powi(3)
+            + 2e-3 * x * x * y
+            + 3e-3 * x * y * y
+            + 4e-3 * y.powi(3)
+            + (j - 1.0).powi(2) / 0.1
+    });
+    for (block, c01) in [
+        ("*HYPERELASTIC, MOONEY-RIVLIN\n0.4, 0.1, 0.02", 0.1),
+        (
+            "*HYPERELASTIC, NEO HOOKE,\nMODULI=LONG TERM\n0.4, 0.02",
+            0.0,
+        ),
+        ("*HYPERELASTIC, YEOH\n0.4, 0, 0, 0.02, 0, 0", 0.0),
+    ] {
+        let law = read(Program::Abaqus, block, &[]);
+        agrees(&*law, |f| {
+            let (i1, i2, j, _) = invariants(f);
+            0.4 * (i1 - 3.0) + c01 * (i2 - 3.0) + (j - 1.0).powi(2) / 0.02
+        });
+    }
+}
+
+/// `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` of Abaqus, `sum mu_i/alpha_i (...)` of ANSYS.
+#[test]
+fn ogden_in_two_conventions() {
+    let ogden = |f: &DeformationGradient, terms: &[(f64, f64)]| {
+        let (_, _, j, stretches) = invariants(f);
+        terms
+            .iter()
+            .map(|(factor, alpha)| {
+                let sum: f64 = stretches
+                    .iter()
+                    .map(|l| (l * j.cbrt().recip()).powf(*alpha))
+                    .sum();
+                factor * (sum - 3.0)
+            })
+            .sum::<f64>()
+    };
+    let law = read(
+        Program::Abaqus,
+        "*HYPERELASTIC, OGDEN, N=2\n0.4, 1.3, 0.01, 5.0, 0.02, 0.3",
+        &[],
+    );
+    agrees(&*law, |f| {
+        let j = f.jacobian() - 1.0;
+        ogden(f, &[(0.8 / 1.69, 1.3), (0.02 / 25.0, 5.0)]) + j.powi(2) / 0.02 + j.powi(4) / 0.3
+    });
+    let law = read(
+        Program::Ansys,
+        "TB,HYPER,1,,2,OGDEN  ! two terms\nTBDATA,1,0.4,1.3\nTBDATA,3,0.01,5.0\nTBDATA,5,0.02\n",
+        &[],
+    );
+    agrees(&*law, |f| {
+        ogden(f, &[(0.4 / 1.3, 1.3), (0.01 / 5.0, 5.0)]) + (f.jacobian() - 1.0).powi(2) / 0.02
+    });
+}
+
+/// `2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)` of Abaqus with Poisson's ratios, `mu/alpha (...)` of ANSYS with `beta`.
+#[test]
+fn foams_in_two_conventions() {
+    let foam = |f: &DeformationGradient, factor: f64, alpha: f64, beta: f64| {
+        let (_, _, j, stretches) = invariants(f);
+        let sum: f64 = stretches.iter().map(|l| l.powf(alpha)).sum();
+        factor * (sum - 3.0 + (j.powf(-alpha * beta) - 1.0) / beta)
+    };
+    let law = read(
+        Program::Abaqus,
+        "*HYPERFOAM, N=2\n1.85, 4.5, 0.2, -2.0, 0.1, 0.3",
+        &[],
+    );
+    agrees(&*law, |f| {
+        foam(f, 2.0 * 1.85 / 20.25, 4.5, 0.125) + foam(f, 2.0 * 0.2 / 4.0, -2.0, 0.75)
+    });
+    let law = read(
+        Program::Ansys,
+        "TB,HYPER,1,,2,FOAM\nTBDATA,1,1.85\nTBDATA,2,4.5\nTBDATA,3,-9.20\nTBDATA,4,-4.5\nTBDATA,5,0.92\nTBDATA,6,0.92\n",
+        &[],
+    );
+    agrees(&*law, |f| {
+        foam(f, 1.85 / 4.5, 4.5, 0.92) + foam(f, 9.20 / 4.5, -4.5, 0.92)
+    });
+}
+
+/// Kilian's energy as Abaqus has it, `mu (-(lm^2 - 3)(ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2)) + ((J^2 - 1)/2 - ln J)/D`; the shear modulus at rest
+/// is `mu`.
+#[test]
+fn van_der_waals_of_abaqus() {
+    let law = read(
+        Program::Abaqus,
+        "*HYPERELASTIC, VAN DER WAALS\n0.434, 10.24, 0.32, 0.958, 0.002",
+        &[],
+    );
+    agrees(&*law, |f| {
+        let (i1, i2, j, _) = invariants(f);
+        let i = (1.0 - 0.958) * i1 + 0.958 * i2 - 3.0;
+        let m: f64 = 10.24 * 10.24 - 3.0;
+        let h = (i / m).sqrt();
+        0.434 * (-m * ((1.0 - h).ln() + h) - 2.0 / 3.0 * 0.32 * (i / 2.0).powf(1.5))
+            + ((j * j - 1.0) / 2.0 - j.ln()) / 0.002
+    });
+    let shear = law.undeformed().expect("a reference").tangent[(0, 1, 0, 1)];
+    assert!((shear / 0.434 - 1.0).abs() < 1e-6, "{shear}");
+}
+
+/// Gasser, Ogden and Holzapfel, J. R. Soc. Interface 3 (2006) 15: `E = k (I1bar - 3) + (1 - 3 k)(I4bar - 1)`, where it is positive.
+#[test]
+fn dispersed_fibers_of_abaqus() {
+    let block = "*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS=2\n7.64, 0.02, 996.6, 0.5246, 0.226\n";
+    let beside = [
+        "material.fiber1-angle=49.98",
+        "material.fiber2-angle=-49.98",
+    ];
+    let law = read(Program::Abaqus, block, &beside);
+    agrees(&*law, |f| {
+        let (i1, _, j, _) = invariants(f);
+        let mut energy = 7.64 * (i1 - 3.0) + ((j * j - 1.0) / 2.0 - j.ln()) / 0.02;
+        for sign in [1.0_f64, -1.0] {
+            let (sine, cosine) = (sign * 49.98_f64.to_radians()).sin_cos();
+            let fiber = f.matrix() * nalgebra::Vector3::new(cosine, sine, 0.0);
+            let i4 = fiber.norm_squared() * j.powf(-2.0 / 3.0);
+            let e = (0.226 * (i1 - 3.0) + (1.0 - 3.0 * 0.226) * (i4 - 1.0)).max(0.0);
+            energy += 996.6 / (2.0 * 0.5246) * ((0.5246 * e * e).exp() - 1.0);
+        }
+        energy
+    });
+}
+
+/// The other forms of ANSYS, Mechanical APDL Theory Reference, "Hyperelasticity".
+#[test]
+fn tables_of_ansys() {
+    let powers = |f: &DeformationGradient, d: f64| (f.jacobian() - 1.0).powi(2) / d;
+    let logarithm = |f: &DeformationGradient, d: f64| {
+        let j = f.jacobian();
+        ((j * j - 1.0) / 2.0 - j.ln()) / d
+    };
+    let x = |f: &DeformationGradient| invariants(f).0 - 3.0;
+    let y = |f: &DeformationGradient| invariants(f).1 - 3.0;
+    let ansys = |text: &str| read(Program::Ansys, text, &[]);
+    agrees(
+        &*ansys("TB,HYPER,1,,,NEO\nTBDATA,1,0.577148\nTBDATA,2,0.07"),
+        |f| 0.5 * 0.577148 * x(f) + powers(f, 0.07),
+    );
+    agrees(
+        &*ansys("tb,hyper,1,,3,mooney\ntbdata,1,0.163498,0.125076,0.014719,0.0693"),
+        |f| 0.163498 * x(f) + 0.125076 * y(f) + 0.014719 * x(f) * y(f) + powers(f, 0.0693),
+    );
+    agrees(
+        &*ansys("TB,HYPER,1,,2,YEOH\nTBDATA,1,0.4,0.01,0.05,0.3"),
+        |f| 0.4 * x(f) + 0.01 * x(f).powi(2) + powers(f, 0.05) + (f.jacobian() - 1.0).powi(4) / 0.3,
+    );
+    agrees(&*ansys("TB,HYPER,1,,,GENT\nTBDATA,1,0.3,50,0.05"), |f| {
+        -0.5 * 0.3 * 50.0 * (1.0 - x(f) / 50.0).ln() + logarithm(f, 0.05)
+    });
+    agrees(&*ansys("TB,HYPER,1,,,BLATZ\nTBDATA,1,5.0"), |f| {
+        let i = f.invariants();
+        2.5 * (i.second / i.third + 2.0 * i.jacobian - 5.0)
+    });
+    agrees(
+        &*ansys("TB,HYPER,1,,1,ETUBE\nTBDATA,1,0.25,0.1,0.2,0.4,0.05"),
+        |f| {
+            let (_, _, j, stretches) = invariants(f);
+            let tube: f64 = stretches.iter().map(|l| (l / j.cbrt()).powf(-0.4)).sum();
+            let rest = 1.0 - 0.01 * x(f);
+            0.125 * (0.99 * x(f) / rest + rest.ln()) + 0.4 / 0.16 * (tube - 3.0) + powers(f, 0.05)
+        },
+    );
+}
+
+/// A block is the law, whatever the defaults of the library; what the user sets beside it counts.
+#[test]
+fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
+    let one = law_from(
+        Program::Abaqus,
+        "a block",
+        "*HYPERELASTIC, OGDEN, N=1\n0.4, 1.3, 0.0",
+        &[],
+    )
+    .expect("a law");
+    assert!(one.assignments.contains(&"material.mu2=0".to_owned()));
+    assert!(
+        one.notes
+            .iter()
+            .any(|note| note.contains("--incompressible")),
+        "{:?}",
+        one.notes
+    );
+    let beside = ["material.kappa=5".to_owned()];
+    let own = law_from(
+        Program::Abaqus,
+        "a block",
+        "*HYPERELASTIC, OGDEN, N=1\n0.4, 1.3, 0.02",
+        &beside,
+    )
+    .expect("a law");
+    assert!(
+        !own.assignments
+            .iter()
+            .any(|text| text.starts_with("material.kappa"))
+    );
+    let other = ["material.model=gent".to_owned()];
+    assert!(
+        law_from(
+            Program::Abaqus,
+            "a block",
+            "*HYPERELASTIC, OGDEN, N=1\n0.4, 1.3, 0.02",
+            &other
+        )
+        .is_err()
+    );
+}

@@ -1,0 +1,139 @@
+//! Incompressible response: isochoric states of a law with the pressure that leaves a face free, and increments that keep the volume.
+//!
+//! An incompressible law is an energy of the states with `J = 1`, with a pressure that the volume does not determine:
+//! `P = dW/dF - p cof F`, `A = d^2 W/dF dF - p d^2 J/dF dF`. The energy may be that of a compressible law: its volumetric part adds to `P` a
+//! multiple of `cof F`, and to `A` multiples of `cof F (x) cof F` and of `d^2 J/dF dF`, which increments that keep the volume, `cof F : Fdot = 0`,
+//! do not see beside `p`. Source: Ogden, Non-linear elastic deformations (1984), sections 4.3 and 6.2.
+
+use super::loading::{Loading, Mode};
+use crate::kinematics::DeformationGradient;
+use crate::material::{FourthOrder, Response};
+use nalgebra::{Matrix3, Vector3};
+
+impl Loading {
+    /// The loadings of an incompressible specimen: those with a free face that determines the pressure, each once.
+    pub const INCOMPRESSIBLE: [Self; 4] = {
+        use super::Lateral::{Free, PlaneStress};
+        [
+            Self {
+                mode: Mode::Uniaxial,
+                lateral: Free,
+            },
+            Self {
+                mode: Mode::Equibiaxial,
+                lateral: PlaneStress,
+            },
+            Self {
+                mode: Mode::Planar,
+                lateral: PlaneStress,
+            },
+            Self {
+                mode: Mode::SimpleShear,
+                lateral: PlaneStress,
+            },
+        ]
+    };
+
+    /// The isochoric state at `s = ln lambda` with its derivative by `s`; `None` where the loading changes the volume.
+    pub(super) fn isochoric(self, s: f64) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
+        let powers = match self.mode {
+            Mode::Uniaxial => [1.0, -0.5, -0.5],
+            Mode::Equibiaxial => [1.0, 1.0, -2.0],
+            Mode::Planar => [1.0, 0.0, -1.0],
+            Mode::SimpleShear => return Some(self.imposed(s)),
+            Mode::Hydrostatic => return None,
+        };
+        let stretches = Vector3::from(powers.map(|power: f64| (power * s).exp()));
+        let rates = stretches.component_mul(&Vector3::from(powers));
+        Some((
+            Matrix3::from_diagonal(&stretches),
+            Matrix3::from_diagonal(&rates),
+        ))
+    }
+
+    /// Coordinate axes whose faces are free of traction when the loading is isochoric.
+    pub(super) fn free_faces(self) -> &'static [usize] {
+        match self.mode {
+            Mode::Uniaxial => &[1, 2],
+            _ => &[2],
+        }
+    }
+}
+
+/// `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN`.
+fn second_derivative_of_volume(f: &Matrix3<f64>) -> FourthOrder {
+    let sign = |a: usize, b: usize, c: usize| match (3 + b - a) % 3 {
+        _ if a == b || b == c || a == c => 0.0,
+        1 => 1.0,
+        _ => -1.0,
+    };
+    FourthOrder::from_fn(|i, j, k, l| {
+        if i == k || j == l {
+            return 0.0;
+        }
+        let (m, n) = (3 - i - k, 3 - j - l);
+        sign(i, k, m) * sign(j, l, n) * f[(m, n)]
+    })
+}
+
+/// The response with the pressure that leaves a face free of normal traction, and without the stiffness against changes of volume.
+pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
+    let f = response.deformation.matrix();
+    let cofactor = cofactor(&f);
+    let pressure = response.first_piola[(free_face, free_face)] / cofactor[(free_face, free_face)];
+    let second = second_derivative_of_volume(&f);
+    let with_pressure = FourthOrder::from_fn(|i, j, k, l| {
+        response.tangent[(i, j, k, l)] - pressure * second[(i, j, k, l)]
+    });
+    let mut dilation = 0.0;
+    for (a, b) in (0..81).map(|n| (n / 9, n % 9)) {
+        let (i, j, k, l) = (a / 3, a % 3, b / 3, b % 3);
+        dilation += cofactor[(i, j)] * with_pressure[(i, j, k, l)] * cofactor[(k, l)];
+    }
+    dilation /= cofactor.norm_squared().powi(2);
+    Response {
+        first_piola: response.first_piola - cofactor * pressure,
+        tangent: FourthOrder::from_fn(|i, j, k, l| {
+            with_pressure[(i, j, k, l)] - dilation * cofactor[(i, j)] * cofactor[(k, l)]
+        }),
+        ..response
+    }
+}
+
+/// `cof F = J F^-T`.
+pub(super) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = [0, 1, 2].map(|i| f.row(i).transpose());
+    Matrix3::from_rows(&[
+        b.cross(&c).transpose(),
+        c.cross(&a).transpose(),
+        a.cross(&b).transpose(),
+    ])
+}
+
+/// Orthonormal combinations of orthonormal tensors that are orthogonal to another tensor: all but one of them.
+pub(super) fn orthogonal_to(tensors: &[Matrix3<f64>], normal: &Matrix3<f64>) -> Vec<Matrix3<f64>> {
+    let mut mirror: Vec<f64> = tensors.iter().map(|tensor| tensor.dot(normal)).collect();
+    let length = mirror.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // Householder's reflection turns the first tensor into the normal, and the others into what is asked for.
+    mirror[0] += if mirror[0] < 0.0 { -length } else { length };
+    let square: f64 = mirror.iter().map(|x| x * x).sum();
+    (1..tensors.len())
+        .map(|own| {
+            let part = 2.0 * mirror[own] / square;
+            let reflected = tensors
+                .iter()
+                .zip(&mirror)
+                .map(|(tensor, x)| tensor * (x * part));
+            tensors[own] - reflected.sum::<Matrix3<f64>>()
+        })
+        .collect()
+}
+
+/// The stretches `lambda_i` along principal axes.
+pub(super) fn stretches_along(
+    f: &DeformationGradient,
+    left: &Matrix3<f64>,
+    right: &Matrix3<f64>,
+) -> Vector3<f64> {
+    (left.transpose() * f.matrix() * right).diagonal()
+}

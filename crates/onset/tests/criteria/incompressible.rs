@@ -1,0 +1,271 @@
+//! Incompressible response: published limits, and independent ways to the same forms.
+
+use super::{assert_close, limit, path, zero};
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use onset::criteria::{
+    Criterion, Lateral, Loading, LoadingError, LoadingPath, Mode, Range, Witness, follow,
+    follow_jumps,
+};
+use onset::material::{Hyperelastic, Law};
+
+const UNIAXIAL: Loading = Loading::INCOMPRESSIBLE[0];
+const EQUIBIAXIAL: Loading = Loading::INCOMPRESSIBLE[1];
+const PLANAR: Loading = Loading::INCOMPRESSIBLE[2];
+const SHEAR: Loading = Loading::INCOMPRESSIBLE[3];
+
+fn law(name: &str, parameters: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
+    Law::named(name)
+        .expect("a law")
+        .build(parameters)
+        .expect("admissible")
+}
+
+fn kept<'a>(law: &'a dyn Hyperelastic, loading: Loading) -> LoadingPath<'a> {
+    LoadingPath::incompressible(law, loading, &Range::default()).expect("a reference")
+}
+
+/// Biot (1963): `eta^3 + eta^2 + 3 eta = 1` with the ratio `eta` of the stretch along the surface to that across it; lambda = 0.444, 0.666 and 0.544.
+/// The volumetric part does not count.
+#[test]
+fn neo_hookes_rubber_wrinkles_where_biot_says() {
+    let eta = zero(|x| x * x * x + x * x + 3.0 * x - 1.0, 0.1, 0.9);
+    assert_close(eta, 0.295_597_742, 1e-8);
+    for (name, parameters) in [
+        ("neo-hooke", [("mu", 2.0), ("lambda", 0.3)]),
+        ("neo-hooke-quadratic", [("mu", 0.4), ("lambda", 70.0)]),
+        ("neo-hooke-isochoric", [("mu", 1.0), ("kappa", 1e4)]),
+    ] {
+        let law = law(name, &parameters);
+        for (loading, power, published) in [
+            (UNIAXIAL, 1.5, 0.444),
+            (EQUIBIAXIAL, 3.0, 0.666),
+            (PLANAR, 2.0, 0.544),
+        ] {
+            let found = limit(&kept(&*law, loading), Criterion::Surface, false).expect("lost");
+            assert_close(found, eta.powf(1.0 / power), 1e-9);
+            assert_close(found, published, 6e-4);
+        }
+        // In tension the surface is stretched along both of its axes.
+        assert_eq!(limit(&kept(&*law, PLANAR), Criterion::Surface, true), None);
+    }
+}
+
+/// In plane deformations an incompressible isotropic law is strongly elliptic where the energy `w(k)` of simple shear has `w'(k)/k > 0` and
+/// `w''(k) > 0` (Abeyaratne, J. Elasticity 10 (1980) 255). Yeoh: `w = c10 k^2 + c20 k^4 + c30 k^6`.
+#[test]
+fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
+    let (c10, c20, c30) = (0.5, -0.1, 0.01);
+    let law = law(
+        "yeoh",
+        &[("c10", c10), ("c20", c20), ("c30", c30), ("kappa", 50.0)],
+    );
+    let second = |k: f64| 2.0 * c10 + 12.0 * c20 * k.powi(2) + 30.0 * c30 * k.powi(4);
+    let k = zero(second, 0.5, 1.3);
+    let shear = kept(&*law, SHEAR);
+    let found = limit(&shear, Criterion::PlaneEllipticity, true).expect("lost");
+    assert_close(found - 1.0 / found, k, 1e-9);
+    let all = limit(&shear, Criterion::StrongEllipticity, true).expect("lost");
+    assert!(all <= found * (1.0 + 1e-9), "{all} {found}");
+    // Layers of two shears gain energy before, and keep the volume.
+    let track = follow(&shear, Criterion::StrongEllipticity, true).expect("defined");
+    let jumps = follow_jumps(&shear, &track, (0.1, 10.0), true);
+    let own = jumps.limit().expect("lost");
+    assert!(own < all * (1.0 - 1e-3), "{own} {all}");
+    let Some(Witness::Jump {
+        amplitude,
+        direction,
+        ..
+    }) = jumps.witness()
+    else {
+        panic!("a jump is the witness");
+    };
+    let f = shear
+        .at(own.ln())
+        .expect("a state")
+        .response
+        .deformation
+        .matrix();
+    let jumped = f + Vector3::from(*amplitude) * Vector3::from(*direction).transpose();
+    assert_close(jumped.determinant(), 1.0, 1e-9);
+}
+
+/// All directions `N` of a grid, and of each the polarization with `g . F^-T N = 0` whose wave is slowest, by the tangent of the compressible law.
+#[test]
+fn ellipticity_is_that_of_all_waves_that_keep_the_volume() {
+    for (name, parameters) in [
+        ("yeoh", vec![("c10", 0.5), ("c20", -0.1), ("c30", 0.01)]),
+        ("ogden", vec![("mu1", 1.0), ("alpha1", 0.4)]),
+        ("mooney-rivlin-isochoric", vec![("c10", 0.5), ("c01", -0.2)]),
+        ("hencky", vec![]),
+    ] {
+        let law = law(name, &parameters);
+        for loading in Loading::INCOMPRESSIBLE {
+            let path = kept(&*law, loading);
+            for s in [-1.4, -0.7, -0.3, 0.2, 0.5, 0.9, 1.5] {
+                let Some(state) = path.at(s) else { continue };
+                let measure = Criterion::StrongEllipticity
+                    .measure(&path.ask(&state))
+                    .expect("defined");
+                let response = law.response(&state.response.deformation).expect("finite");
+                let slowest = slowest(&response);
+                let scale = state.response.tangent[(0, 0, 0, 0)].abs().max(1.0);
+                if slowest.abs() < 2e-3 * scale {
+                    continue;
+                }
+                assert_eq!(
+                    measure.value > 0.0,
+                    slowest > 0.0,
+                    "{name} {loading:?} {s}: {} {slowest}",
+                    measure.value
+                );
+            }
+        }
+    }
+}
+
+/// The smallest `g . Q(N) g` over a grid of `N` and `g` with `g . F^-T N = 0`, of unit length.
+fn slowest(response: &onset::material::Response) -> f64 {
+    let f = response.deformation.matrix();
+    let inverse = f.try_inverse().expect("invertible").transpose();
+    let mut lowest = f64::INFINITY;
+    let count = 60;
+    for (a, b) in (0..=count).flat_map(|a| (0..2 * count).map(move |b| (a, b))) {
+        let theta = std::f64::consts::PI * f64::from(a) / f64::from(count);
+        let phi = std::f64::consts::PI * f64::from(b) / f64::from(count);
+        let n = Vector3::new(
+            theta.sin() * phi.cos(),
+            theta.sin() * phi.sin(),
+            theta.cos(),
+        );
+        let q = Matrix3::from_fn(|i, k| {
+            (0..9)
+                .map(|m| response.tangent[(i, m / 3, k, m % 3)] * n[m / 3] * n[m % 3])
+                .sum()
+        });
+        let normal = (inverse * n).normalize();
+        let first = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+        let second = normal.cross(&first);
+        let q = Matrix2::new(
+            first.dot(&(q * first)),
+            first.dot(&(q * second)),
+            first.dot(&(q * second)),
+            second.dot(&(q * second)),
+        );
+        lowest = lowest.min(q.symmetric_eigenvalues().min());
+    }
+    lowest
+}
+
+/// Abaqus eliminates the third strain: its matrix is that of the second derivatives of `W(e^a, e^b, e^(-a-b))`.
+#[test]
+fn druckers_check_is_that_of_the_energy_of_two_strains() {
+    for (name, parameters) in [
+        ("mooney-rivlin-isochoric", vec![("c10", 0.5), ("c01", -0.1)]),
+        ("yeoh", vec![("c10", 0.5), ("c20", -0.1), ("c30", 0.01)]),
+        ("ogden", vec![]),
+    ] {
+        let law = law(name, &parameters);
+        for loading in [UNIAXIAL, EQUIBIAXIAL, PLANAR] {
+            let path = kept(&*law, loading);
+            for s in [-0.9, -0.4, -0.1, 0.2, 0.5, 0.8, 1.2] {
+                let state = path.at(s).expect("a state");
+                let stretches = state.response.deformation.matrix().diagonal();
+                let energy = |a: f64, b: f64| {
+                    let x = [
+                        stretches[0] * a.exp(),
+                        stretches[1] * b.exp(),
+                        stretches[2] * (-a - b).exp(),
+                    ];
+                    let f = onset::kinematics::DeformationGradient::from_stretches(x)
+                        .expect("stretches");
+                    law.response(&f).expect("finite").energy
+                };
+                let h = 1e-4;
+                let aa = (energy(h, 0.0) - 2.0 * energy(0.0, 0.0) + energy(-h, 0.0)) / (h * h);
+                let bb = (energy(0.0, h) - 2.0 * energy(0.0, 0.0) + energy(0.0, -h)) / (h * h);
+                let ab =
+                    (energy(h, h) - energy(h, -h) - energy(-h, h) + energy(-h, -h)) / (4.0 * h * h);
+                // In the orthonormal increments (1, 0, -1)/sqrt 2 and (-1, 2, -1)/sqrt 6.
+                let u = |x: [f64; 2], y: [f64; 2]| {
+                    x[0] * y[0] * aa + (x[0] * y[1] + x[1] * y[0]) * ab + x[1] * y[1] * bb
+                };
+                let (first, second) = (
+                    [0.5_f64.sqrt(), 0.0],
+                    [-(6.0_f64.recip().sqrt()), 2.0 / 6.0_f64.sqrt()],
+                );
+                let form = Matrix2::new(
+                    u(first, first),
+                    u(first, second),
+                    u(first, second),
+                    u(second, second),
+                );
+                let expected = form.symmetric_eigenvalues().min();
+                let found = Criterion::DruckerIncompressible
+                    .measure(&path.ask(&state))
+                    .expect("defined")
+                    .value;
+                assert!(
+                    (found - expected).abs() < 1e-4 * aa.abs().max(1.0),
+                    "{name} {loading:?} {s}: {found} {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Treloar's rubber by Ogden's three terms: Abaqus finds the fit stable at all strains. A bulk modulus of 100 lets the compressible form fail in
+/// equibiaxial compression by a pure dilation, which no incompressible increment is.
+#[test]
+fn treloars_fit_is_stable_throughout() {
+    let law = law("ogden", &[]);
+    for loading in [UNIAXIAL, EQUIBIAXIAL, PLANAR] {
+        let path = kept(&*law, loading);
+        for tension in [true, false] {
+            assert_eq!(
+                limit(&path, Criterion::DruckerIncompressible, tension),
+                None,
+                "{loading:?}"
+            );
+        }
+    }
+    let compressible = path(&*law, Mode::Equibiaxial, Lateral::PlaneStress);
+    let lost = limit(&compressible, Criterion::DruckerAbaqus, false).expect("lost");
+    assert_close(lost, 0.2887, 5e-4);
+    let track = follow(&compressible, Criterion::DruckerAbaqus, false).expect("defined");
+    let Some(Witness::StrainRate { rate }) = track.witness() else {
+        panic!("a rate");
+    };
+    assert!(
+        rate[0][0] * rate[1][1] > 0.0 && rate[0][0] * rate[2][2] > 0.0,
+        "{rate:?}"
+    );
+    assert_eq!(
+        limit(&compressible, Criterion::DruckerIncompressible, false),
+        None
+    );
+}
+
+#[test]
+fn the_free_face_bears_no_traction_and_the_volume_is_kept() {
+    let law = law("gent", &[]);
+    for loading in Loading::INCOMPRESSIBLE {
+        let path = kept(&*law, loading);
+        for state in [path.at(0.4), path.at(-0.6)].into_iter().flatten() {
+            let response = &state.response;
+            assert!(response.first_piola[(2, 2)].abs() < 1e-12);
+            assert_close(response.deformation.jacobian(), 1.0, 1e-13);
+            let inverse = response
+                .deformation
+                .matrix()
+                .try_inverse()
+                .expect("invertible");
+            assert!((inverse * state.rate).trace().abs() < 1e-12);
+        }
+    }
+    let swelling = Loading {
+        mode: Mode::Hydrostatic,
+        lateral: Lateral::Held,
+    };
+    let refused = LoadingPath::incompressible(&*law, swelling, &Range::default());
+    assert_eq!(refused.err(), Some(LoadingError::ChangesVolume));
+}
