@@ -97,7 +97,9 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
 /// The heading with the notes on a law.
 pub(super) fn opening(law: &super::LawAnswer) -> String {
     let moduli = law.moduli.map_or(String::new(), |moduli| {
-        let [shear, bulk] = moduli.map(six_digits);
+        let pascal = law.units.values().find(|unit| **unit == "Pa");
+        let unit = pascal.map_or(String::new(), |unit| format!(" {unit}"));
+        let [shear, bulk] = moduli.map(|modulus| number::told(modulus) + &unit);
         match law.incompressible {
             true => format!("\nAt small strains: shear modulus {shear}."),
             false => format!("\nAt small strains: shear modulus {shear}, bulk modulus {bulk}."),
