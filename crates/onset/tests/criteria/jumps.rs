@@ -150,7 +150,8 @@ fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
         .expect("a reference");
         let elliptic = track(&path, Criterion::StrongEllipticity, tension);
         let waves = elliptic.limit().expect("lost");
-        let jumps = follow_jumps(&path, &elliptic, (0.1, 30.0), tension);
+        // Wide: crystals jump to the edge of what is admitted.
+        let jumps = follow_jumps(&path, &elliptic, (0.01, 100.0), tension);
         let own = jumps.limit().expect("lost");
         assert!((waves / ellipticity - 1.0).abs() < 1e-5, "{name}: {waves}");
         assert!(own.ln().abs() <= bound.ln().abs() + 6e-6, "{name}: {own}");
