@@ -98,7 +98,7 @@ fn finite_jumps_gain_energy_before_waves_stop() {
 }
 
 /// Stretches at which a jump gains energy, found by other means (a search in five variables from random starts, closed forms), with the loss
-/// of ellipticity, which is later. The limit must be as near to the reference, and its gain be proved in intervals.
+/// of ellipticity, which is later. The limit must be as near to the reference, to the five digits known, and its gain be proved in intervals.
 #[test]
 fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
     use Lateral::{Held, PlaneStrain};
@@ -150,13 +150,11 @@ fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
         .expect("a reference");
         let elliptic = track(&path, Criterion::StrongEllipticity, tension);
         let waves = elliptic.limit().expect("lost");
-        let jumps = follow_jumps(&path, &elliptic, (0.1, 30.0), tension);
+        // Wide: crystals jump to the edge of what is admitted.
+        let jumps = follow_jumps(&path, &elliptic, (0.01, 100.0), tension);
         let own = jumps.limit().expect("lost");
         assert!((waves / ellipticity - 1.0).abs() < 1e-5, "{name}: {waves}");
-        assert!(
-            own.ln().abs() <= bound.ln().abs() * (1.0 + 1e-6),
-            "{name}: {own}"
-        );
+        assert!(own.ln().abs() <= bound.ln().abs() + 6e-6, "{name}: {own}");
         let Some(Witness::Jump { verified: true, .. }) = jumps.witness() else {
             panic!("{name}: {:?}", jumps.witness());
         };
