@@ -21,6 +21,9 @@ use onset::verdict::{Assessment, Mechanism, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Differences of a bound from a scaled minimum up to which it is told even where it is larger than the minimum.
+const USEFUL: f64 = 1e-3;
+
 /// A complex number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexNumber {
@@ -174,7 +177,7 @@ pub struct DiscretizationAnswer {
     /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
-    /// No scaled measure of any wave is below this; `null` where `minimum_scaled` is that of a search which nothing bounds.
+    /// No scaled measure of any wave is below this, however far; `null` where `minimum_scaled` is that of a search which nothing bounds.
     pub minimum_scaled_bound: Option<f64>,
     /// How the minimum was got: `bounded` or `searched`.
     pub minimum_scaled_by: &'static str,
@@ -437,8 +440,10 @@ impl std::fmt::Display for StateAnswer {
         };
         line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         let bound = match d.minimum_scaled_bound {
-            // Of a bound below minus the fastest wave nobody learns anything.
-            Some(bound) if bound >= -1.0 => format!("no wave below {}", told_of(bound, 1.0)),
+            // Of a bound far below the minimum nobody learns anything.
+            Some(bound) if d.minimum_scaled - bound <= d.minimum_scaled.abs().max(USEFUL) => {
+                format!("no wave below {}", told_of(bound, 1.0))
+            }
             _ => "searched, not bounded".to_owned(),
         };
         let minimum = told_of(d.minimum_scaled, 1.0);
