@@ -1,6 +1,7 @@
 //! Sets with a known boundary, corners, crossings, islands and edges.
 
 use onset::verdict::boundary::{Boundary, Curve, End, Fineness, Window, trace_boundary};
+use onset::verdict::fidelity::areas;
 use onset::verdict::{Phase, Probe};
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
@@ -350,4 +351,31 @@ fn what_the_probe_reports_ends_the_tracing() {
         trace_boundary(WINDOW, &Fineness::default(), &probe),
         Err("far")
     );
+}
+
+/// Chords cut off a little of what they enclose: between the tips of two sets that nearly coincide, the middle of a strip without
+/// chords may still lie in one of them.
+#[test]
+fn sets_that_nearly_coincide_differ_by_nearly_nothing() {
+    for n in 0..12 {
+        let turn = 0.1 * f64::from(n);
+        let ellipse = |a: f64| {
+            move |x: f64, y: f64| {
+                let (u, v) = (
+                    x * turn.cos() + y * turn.sin(),
+                    y * turn.cos() - x * turn.sin(),
+                );
+                signed(1.0 - (u / a).powi(2) - (v / 0.7).powi(2))
+            }
+        };
+        let (one, other) = (ellipse(1.3), ellipse(1.3 + 1e-6));
+        let boundaries = [trace(one), trace(other)];
+        let phases = |[x, y]: [f64; 2]| Ok::<_, Infallible>([one(x, y).0, other(x, y).0]);
+        let Ok(areas) = areas(WINDOW, [&boundaries[0], &boundaries[1]], &phases);
+        assert!((areas.window - 16.0).abs() < 1e-12);
+        let exact = PI * 1.3 * 0.7;
+        assert!((areas.elliptic - exact).abs() < 1e-3 * exact, "{areas:?}");
+        let differing = areas.false_instability + areas.suppressed_instability;
+        assert!(differing < 1e-3, "turned by {turn}: {areas:?}");
+    }
 }

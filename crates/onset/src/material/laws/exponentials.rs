@@ -29,7 +29,7 @@ pub(super) fn beyond_linear<R: Real>(x: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::beyond_linear;
-    use crate::real::{Interval, Jet, Real};
+    use crate::real::{Interval, Jet};
 
     #[test]
     fn small_arguments_keep_their_digits() {

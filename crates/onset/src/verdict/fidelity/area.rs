@@ -108,11 +108,23 @@ pub fn areas<E>(
 ) -> Result<Areas, E> {
     let pieces = pieces(boundaries);
     let breaks = breaks(window, &pieces);
+    let uncrossed = [0, 1].map(|of| uncrossed(window, &pieces, of));
+    let middle = 0.5 * (window.low[1] + window.high[1]);
+    let mut known: [Vec<Phase>; 2] = Default::default();
+    for of in 0..2 {
+        for [start, end] in &uncrossed[of] {
+            known[of].push(phases([0.5 * (start + end), middle])?[of]);
+        }
+    }
+    let alone = |x: f64, of: usize| {
+        let strip = uncrossed[of]
+            .iter()
+            .position(|[start, end]| *start < x && x < *end);
+        strip.map(|strip| known[of][strip])
+    };
     let mut areas = Areas::default();
     let mut active: Vec<Piece> = Vec::new();
     let mut waiting = pieces.into_iter().peekable();
-    // Of a strip that no curve of one kind crosses: what it was in the strip before.
-    let mut uncrossed: [Option<Phase>; 2] = [None; 2];
     for pair in breaks.windows(2) {
         let (start, end) = (pair[0], pair[1]);
         active.retain(|piece| piece.to[0] > start);
@@ -127,14 +139,6 @@ pub fn areas<E>(
             .map(|piece| (piece.height(center), *piece))
             .collect();
         crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for of in 0..2 {
-            if crossed.iter().any(|(_, piece)| piece.of == of) {
-                uncrossed[of] = None;
-            } else if uncrossed[of].is_none() {
-                let middle = 0.5 * (window.low[1] + window.high[1]);
-                uncrossed[of] = Some(phases([center, middle])?[of]);
-            }
-        }
         for n in 0..=crossed.len() {
             let low = n.checked_sub(1).map_or(window.low[1], |n| crossed[n].0);
             let high = crossed.get(n).map_or(window.high[1], |(y, _)| *y);
@@ -142,7 +146,7 @@ pub fn areas<E>(
             if area <= 0.0 {
                 continue;
             }
-            let known = [0, 1].map(|of| uncrossed[of].or_else(|| between(&crossed, n, of)));
+            let known = [0, 1].map(|of| alone(center, of).or_else(|| between(&crossed, n, of)));
             let here = match known {
                 [Some(material), Some(particles)] => [material, particles],
                 _ => {
@@ -154,6 +158,22 @@ pub fn areas<E>(
         }
     }
     Ok(areas)
+}
+
+/// Strips that no chord of one kind crosses. Each is asked in its middle, as far as can be from the chords, which cut off a little of
+/// what they enclose.
+fn uncrossed(window: Window, pieces: &[Piece], of: usize) -> Vec<[f64; 2]> {
+    let (mut strips, mut reached) = (Vec::new(), window.low[0]);
+    for piece in pieces.iter().filter(|piece| piece.of == of) {
+        if piece.from[0] > reached {
+            strips.push([reached, piece.from[0]]);
+        }
+        reached = reached.max(piece.to[0]);
+    }
+    if reached < window.high[0] {
+        strips.push([reached, window.high[0]]);
+    }
+    strips
 }
 
 /// The phase below the `n`-th crossing by the curves of one kind on both sides; `None` when they contradict each other.
