@@ -209,3 +209,23 @@ fn the_search_says_the_same_whether_or_not_it_knows_that_a_cell_has_one_particle
         }
     }
 }
+
+/// At `k = 0` four eigenvalues are two zeros and an unstable pair, with which an iteration that compares with diagonal entries does not
+/// end.
+#[test]
+fn particles_of_a_cell_that_move_against_each_other_grow_with_a_number() {
+    let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
+    let choices = UpdatedSphChoices {
+        kernel: onset::kernel::Kernel::WendlandC6,
+        radius: 2.522442815530998,
+        momentum: MomentumForm::Mean,
+        density_evolution: onset::scheme::sph::DensityEvolution::Summation,
+        support_size: onset::method::SupportSize::Fixed,
+        ..UpdatedSphChoices::default()
+    };
+    let scheme = UpdatedSph::new(honeycomb, choices).expect("a method");
+    let f = stretched([1.3485364741063428, 1.0755666960085821, 1.0]);
+    let (spectrum, waves) = answer::<2>(&scheme, &*law("neo-hooke-quadratic"), &f);
+    assert!(spectrum.growth_rate().is_finite());
+    assert_grows_as(&spectrum, &waves, 1.0);
+}

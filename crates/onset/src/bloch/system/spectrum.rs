@@ -223,8 +223,17 @@ fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
 /// Eigenvalues of any complex matrix; imaginary parts that the noise of the entries explains are left out.
 pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<Complex> {
     let (size, norm) = (matrix.nrows(), matrix.norm());
-    let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
-    let Some(values) = schur.and_then(|schur| schur.eigenvalues()) else {
+    let values_of = |matrix| {
+        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
+        schur.and_then(|schur| schur.eigenvalues())
+    };
+    // The iteration compares with diagonal entries, and may not end where several eigenvalues are zero: then they are moved away.
+    let moved = |shift: f64| {
+        let shift = Complex::new(shift, 0.0);
+        let values = values_of(&matrix + DMatrix::identity(size, size) * shift)?;
+        Some(values.map(|value| value - shift))
+    };
+    let Some(values) = values_of(matrix.clone()).or_else(|| moved(norm)) else {
         return vec![Complex::new(f64::NAN, f64::NAN); size];
     };
     let mut values: Vec<Complex> = values.iter().copied().collect();

@@ -275,8 +275,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
             .unwrap_or(rest);
         // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
-        let is_rounding =
-            softest.is_long_wave && softest.scaled > -HARDLY && lowest.omega_squared.re >= 0.0;
+        let noise = self.system.noise();
+        let stiffest = noise / f64::EPSILON / self.search.speed_squared();
+        let is_rounding = softest.is_long_wave
+            && softest.scaled > -HARDLY * stiffest.max(1.0)
+            && lowest.omega_squared.re >= -ROUNDING * noise;
         let tolerance = match is_rounding {
             true => tolerance.max(-softest.scaled),
             false => tolerance,
