@@ -105,12 +105,10 @@ const PATH_EXAMPLES: &str = "Examples:
   onset path --from 1,1 --to 3,1
   onset path --mode simple-shear --lateral plane-strain --to 2 --fail-on any";
 const CRITERIA_EXAMPLES: &str = "Examples:
-  onset criteria --set material.model=ogden
   onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
   onset criteria --set material.model=ogden --incompressible
   onset criteria --mode uniaxial --range 0.2,5 --out figures";
 const CARD_EXAMPLES: &str = "Examples:
-  onset card --set material.model=blatz-ko
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
   onset card STUDY.toml --range 0.5,2
   onset card rubber.inp --from abaqus";

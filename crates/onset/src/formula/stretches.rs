@@ -83,4 +83,8 @@ impl PrincipalEnergy for StretchTape {
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
         self.0.evaluate(|part| leaf(stretches, part))
     }
+
+    fn is_defined(&self, stretches: [Interval; 3]) -> bool {
+        self.trouble(stretches).is_none()
+    }
 }

@@ -20,6 +20,12 @@ pub trait PrincipalEnergy {
     /// `W(lambda_1, lambda_2, lambda_3)` per reference volume, the same for every order of the stretches; units of
     /// stress. Written with operations of [`Real`] only, without branches on its arguments.
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R;
+
+    /// Whether the function is known to have a value at all stretches of some intervals. Terms that cancel leave no trace of that in
+    /// the bounds of their sum.
+    fn is_defined(&self, _stretches: [Interval; 3]) -> bool {
+        true
+    }
 }
 
 /// Relative difference of two eigenvalues of `C` below which they count as close: there the quotient has lost less than two
@@ -166,7 +172,7 @@ fn up_to<R: Real>(size: f64) -> R {
 /// In axes that nearly are the principal ones `C = D + E` with `D` diagonal and `E` small beside it. The eigenvalues of `D + t E` are in
 /// Gershgorin's discs, those of discs that overlap in their union; there `w` with its derivatives is enclosed. With `M` a bound of the second
 /// derivative of the energy by `C` for all eigenvalues in the discs, the first one differs from `diag(g_i)` by no more than `M |E|`, and the
-/// second one has no component larger than `M`. `None` where a disc reaches zero.
+/// second one has no component larger than `M`. `None` where a disc reaches zero, or a part has no value.
 fn enclosed<R: Real>(
     energy: &impl PrincipalEnergy,
     c: &[[R; 3]; 3],
@@ -183,6 +189,9 @@ fn enclosed<R: Real>(
         .iter()
         .any(|disc| !(disc.low > 0.0 && disc.is_finite()))
     {
+        return None;
+    }
+    if !energy.is_defined(discs.map(Real::sqrt)) {
         return None;
     }
     let w = energy.of_stretches(Jet::<3, Interval>::variables(discs).map(Real::sqrt));
