@@ -177,7 +177,8 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
         };
         mode.place()
     };
-    assert_eq!(at(&[0.5, -1.0 / 3.0]), "(1/2, -1/3)");
+    // Opposite ones are the same, and so are those that differ by a reciprocal vector.
+    assert_eq!(at(&[0.5, -1.0 / 3.0]), "(1/2, 1/3)");
     assert_eq!(at(&[0.0, 1.0, 5.0 / 12.0]), "(0, 1, 5/12)");
     assert_eq!(at(&[0.123456]), "(0.1235)");
     assert_eq!(at(&[-1e-17]), "(0)");

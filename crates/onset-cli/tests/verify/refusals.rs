@@ -170,7 +170,7 @@ fn what_a_code_cannot_compute_is_refused() {
         ),
         (
             &format!("--code lammps-smd-ulsph --wave-vector 3.141592653589793 {law}"),
-            "--wave-vector has 1 number(s); expected 2",
+            "--wave-vector has 1 number; expected 2",
         ),
         (
             &format!(

@@ -86,7 +86,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         "material-points",
         &[
             &[],
-            &["unknowns=updated"],
+            &["unknowns=total-lagrangian"],
             &["unknowns=particles"],
             &["points-per-side=1"],
             &["grid-functions=gimp"],
