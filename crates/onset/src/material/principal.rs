@@ -236,7 +236,7 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
     }
     // |S| is no larger than |V^T V - 1|, and |T - 1| than |S| / (1 - |S|).
     let defect = 1.2 * square.sqrt();
-    if !(defect < 0.1) {
+    if defect.is_nan() || defect >= 0.1 {
         return None;
     }
     let t = |i: usize, j: usize| -> R {

@@ -72,7 +72,7 @@ fn has_answer(case: &Case) -> bool {
 fn evaluable() -> impl Strategy<Value = Case> {
     case()
         .prop_map(lagrangian)
-        .prop_filter("a support that is large enough", |case| has_answer(case))
+        .prop_filter("a support that is large enough", has_answer)
 }
 
 /// The smallest scaled measure on a grid of half of the zone.
