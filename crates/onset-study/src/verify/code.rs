@@ -5,10 +5,11 @@ use crate::answers::Problem;
 use crate::output::Files;
 use onset::kinematics::DeformationGradient;
 use onset::time_step::Stepping;
+use serde::Serialize;
 use std::path::Path;
 
 /// A choice that a code has made: a key of the settings with its value, and how it deviates from what was published.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Settled {
     /// The key.
     pub key: &'static str,
@@ -16,6 +17,26 @@ pub struct Settled {
     pub value: &'static str,
     /// The deviation; empty where there is none.
     pub deviation: &'static str,
+}
+
+impl Settled {
+    /// As it was published.
+    pub const fn exactly(key: &'static str, value: &'static str) -> Self {
+        Self::deviating(key, value, "")
+    }
+
+    /// With a deviation.
+    pub const fn deviating(
+        key: &'static str,
+        value: &'static str,
+        deviation: &'static str,
+    ) -> Self {
+        Self {
+            key,
+            value,
+            deviation,
+        }
+    }
 }
 
 /// A program that runs decks.

@@ -89,38 +89,20 @@ impl Code for Peri {
     }
 
     fn dialect(&self) -> &'static [Settled] {
-        &[
-            Settled {
-                key: "discretization.method",
-                value: "peridynamics",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.lattice",
-                value: "simple-cubic",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.bonds",
-                value: "bond-based",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.calibration",
-                value: "continuum",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.influence",
-                value: "constant",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.partial-volumes",
-                value: "inside",
-                deviation: "particles beyond the horizon do not count although part of their volume is within it: the bulk modulus is 14 to 10 % low with horizons of 3 to 5 spacings",
-            },
-        ]
+        const {
+            &[
+                Settled::exactly("discretization.method", "peridynamics"),
+                Settled::exactly("discretization.lattice", "simple-cubic"),
+                Settled::exactly("discretization.bonds", "bond-based"),
+                Settled::exactly("discretization.calibration", "continuum"),
+                Settled::exactly("discretization.influence", "constant"),
+                Settled::deviating(
+                    "discretization.partial-volumes",
+                    "inside",
+                    "particles beyond the horizon do not count although part of their volume is within it: the bulk modulus is 14 to 10 % low with horizons of 3 to 5 spacings",
+                ),
+            ]
+        }
     }
 
     fn remarks(&self) -> &'static [&'static str] {

@@ -204,43 +204,25 @@ impl Code for TotalSmd {
     }
 
     fn dialect(&self) -> &'static [Settled] {
-        &[
-            Settled {
-                key: "discretization.method",
-                value: "total-lagrangian-sph",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.lattice",
-                value: "square",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.kernel",
-                value: "(1-q)^3",
-                deviation: "the spiky kernel of Desbrun and Gascuel (1996)",
-            },
-            Settled {
-                key: "discretization.corrected",
-                value: "true",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.penalty-form",
-                value: "smd",
-                deviation: "discretization.penalty is the hourglass amplitude hg; denominators are regularized, alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)",
-            },
-            Settled {
-                key: "discretization.viscosity",
-                value: "0",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.velocity-smoothing",
-                value: "0",
-                deviation: "",
-            },
-        ]
+        const {
+            &[
+                Settled::exactly("discretization.method", "total-lagrangian-sph"),
+                Settled::exactly("discretization.lattice", "square"),
+                Settled::deviating(
+                    "discretization.kernel",
+                    "(1-q)^3",
+                    "the spiky kernel of Desbrun and Gascuel (1996)",
+                ),
+                Settled::exactly("discretization.corrected", "true"),
+                Settled::deviating(
+                    "discretization.penalty-form",
+                    "smd",
+                    "discretization.penalty is the hourglass amplitude hg; denominators are regularized, alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)",
+                ),
+                Settled::exactly("discretization.viscosity", "0"),
+                Settled::exactly("discretization.velocity-smoothing", "0"),
+            ]
+        }
     }
 
     fn remarks(&self) -> &'static [&'static str] {

@@ -108,58 +108,28 @@ impl Code for UpdatedSmd {
     }
 
     fn dialect(&self) -> &'static [Settled] {
-        &[
-            Settled {
-                key: "discretization.method",
-                value: "updated-sph",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.lattice",
-                value: "square",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.kernel",
-                value: "(1-q)^3",
-                deviation: "the spiky kernel of Desbrun and Gascuel (1996)",
-            },
-            Settled {
-                key: "discretization.momentum",
-                value: "mean",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.density-evolution",
-                value: "continuity",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.corrected",
-                value: "false",
-                deviation: "*GRADIENT_CORRECTION, which is left out, would multiply the stress by the correction as well as the velocity gradient",
-            },
-            Settled {
-                key: "discretization.support-size",
-                value: "fixed",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.artificial-stress",
-                value: "0",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.viscosity",
-                value: "0",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.velocity-smoothing",
-                value: "0",
-                deviation: "",
-            },
-        ]
+        const {
+            &[
+                Settled::exactly("discretization.method", "updated-sph"),
+                Settled::exactly("discretization.lattice", "square"),
+                Settled::deviating(
+                    "discretization.kernel",
+                    "(1-q)^3",
+                    "the spiky kernel of Desbrun and Gascuel (1996)",
+                ),
+                Settled::exactly("discretization.momentum", "mean"),
+                Settled::exactly("discretization.density-evolution", "continuity"),
+                Settled::deviating(
+                    "discretization.corrected",
+                    "false",
+                    "*GRADIENT_CORRECTION, which is left out, would multiply the stress by the correction as well as the velocity gradient",
+                ),
+                Settled::exactly("discretization.support-size", "fixed"),
+                Settled::exactly("discretization.artificial-stress", "0"),
+                Settled::exactly("discretization.viscosity", "0"),
+                Settled::exactly("discretization.velocity-smoothing", "0"),
+            ]
+        }
     }
 
     fn remarks(&self) -> &'static [&'static str] {

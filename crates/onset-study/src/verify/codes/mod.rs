@@ -7,7 +7,7 @@ mod lammps_smd_ulsph;
 mod plain;
 mod pysph;
 
-use super::{Code, VerifyError};
+use super::{Code, Settled, VerifyError};
 use serde::Serialize;
 use std::fmt;
 
@@ -46,20 +46,9 @@ pub struct ListedCode {
     /// Whether blocks are periodic.
     pub is_periodic: bool,
     /// Its choices.
-    pub dialect: Vec<ListedChoice>,
+    pub dialect: &'static [Settled],
     /// What else deviates.
     pub remarks: &'static [&'static str],
-}
-
-/// A choice of a code as it is listed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct ListedChoice {
-    /// The key.
-    pub key: &'static str,
-    /// Its value.
-    pub value: &'static str,
-    /// How it deviates from what was published; empty where it does not.
-    pub deviation: &'static str,
 }
 
 impl Codes {
@@ -69,15 +58,7 @@ impl Codes {
             name: code.name(),
             title: code.title(),
             is_periodic: code.is_periodic(),
-            dialect: code
-                .dialect()
-                .iter()
-                .map(|choice| ListedChoice {
-                    key: choice.key,
-                    value: choice.value,
-                    deviation: choice.deviation,
-                })
-                .collect(),
+            dialect: code.dialect(),
             remarks: code.remarks(),
         };
         Self(CODES.into_iter().map(listed).collect())
@@ -91,7 +72,7 @@ impl fmt::Display for Codes {
                 writeln!(formatter, "\n")?;
             }
             write!(formatter, "{}: {}", code.name, code.title)?;
-            for choice in &code.dialect {
+            for choice in code.dialect {
                 write!(formatter, "\n  {} = {}", choice.key, choice.value)?;
                 if !choice.deviation.is_empty() {
                     write!(formatter, "\n    {}", choice.deviation)?;

@@ -95,53 +95,19 @@ impl Code for PySph {
     }
 
     fn dialect(&self) -> &'static [Settled] {
-        &[
-            Settled {
-                key: "discretization.method",
-                value: "updated-sph",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.lattice",
-                value: "square",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.kernel",
-                value: "cubic-spline",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.momentum",
-                value: "symmetric",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.density-evolution",
-                value: "continuity",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.corrected",
-                value: "false",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.support-size",
-                value: "fixed",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.viscosity",
-                value: "0",
-                deviation: "",
-            },
-            Settled {
-                key: "discretization.velocity-smoothing",
-                value: "0",
-                deviation: "",
-            },
-        ]
+        const {
+            &[
+                Settled::exactly("discretization.method", "updated-sph"),
+                Settled::exactly("discretization.lattice", "square"),
+                Settled::exactly("discretization.kernel", "cubic-spline"),
+                Settled::exactly("discretization.momentum", "symmetric"),
+                Settled::exactly("discretization.density-evolution", "continuity"),
+                Settled::exactly("discretization.corrected", "false"),
+                Settled::exactly("discretization.support-size", "fixed"),
+                Settled::exactly("discretization.viscosity", "0"),
+                Settled::exactly("discretization.velocity-smoothing", "0"),
+            ]
+        }
     }
 
     fn remarks(&self) -> &'static [&'static str] {
