@@ -108,16 +108,19 @@ impl<const D: usize> Waves<D> {
         }
     }
 
-    /// `omega^2`; of pairs that rounding may have made of a double one the real parts.
-    pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
+    /// The eigenvalues as they are computed.
+    fn eigenvalues(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
         let matrix = (self.matrix)(k);
         if matrix.norm() > MASSLESS * self.scale {
             return Vec::new();
         }
         let values = Schur::try_new(matrix, f64::EPSILON, 10_000).and_then(|s| s.eigenvalues());
-        let Some(values) = values else {
-            return Vec::new();
-        };
+        values.map_or_else(Vec::new, |values| values.iter().copied().collect())
+    }
+
+    /// `omega^2`; of pairs that rounding may have made of a double one the real parts.
+    pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
+        let values = self.eigenvalues(k);
         let explained = |n: usize| {
             let others = (0..values.len()).filter(|m| *m != n);
             let distance = others
@@ -135,6 +138,12 @@ impl<const D: usize> Waves<D> {
         (0..values.len()).map(without_rounding).collect()
     }
 
+    /// The largest growth rate at a wave vector, whether or not rounding may have made it of equal eigenvalues.
+    pub fn growth_with_rounding(&self, k: &SVector<f64, D>) -> f64 {
+        let values = self.eigenvalues(k).into_iter();
+        values.map(growth).fold(0.0, f64::max)
+    }
+
     /// The largest growth rate at a wave vector.
     pub fn growth(&self, k: &SVector<f64, D>) -> f64 {
         let values = self.omega_squared(k).into_iter();
@@ -147,13 +156,17 @@ impl<const D: usize> Waves<D> {
     }
 
     fn scaled(&self, k: &SVector<f64, D>) -> f64 {
+        self.over_laplacian(&self.omega_squared(k), k)
+    }
+
+    fn over_laplacian(&self, values: &[Complex<f64>], k: &SVector<f64, D>) -> f64 {
         let laplacian = self.lattice.laplacian(k);
         let reciprocal = self.lattice.reciprocal().column(0).norm();
         if laplacian < (1e-2 * reciprocal).powi(2) {
             return f64::INFINITY;
         }
         // What may be rounding has no sign, and over a small Laplacian any size.
-        let values = self.omega_squared(k).into_iter().map(|z| z.re);
+        let values = values.iter().map(|z| z.re);
         let told = values.filter(|x| self.is_hermitian || *x != 0.0);
         told.fold(f64::INFINITY, f64::min) / laplacian
     }
@@ -188,7 +201,7 @@ impl<const D: usize> Waves<D> {
             let fastest = values.iter().map(|z| growth(*z)).fold(0.0, f64::max);
             grids[0].push((-fastest, k));
             grids[1].push((lowest, k));
-            grids[2].push((lowest / self.lattice.laplacian(&k), k));
+            grids[2].push((self.over_laplacian(&values, &k), k));
             grids[3].push((-highest, k));
         }
         let step = self.lattice.reciprocal() / points as f64;

@@ -8,7 +8,10 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle};
 use onset::material::{Hyperelastic, Law};
 use onset::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
-use onset::scheme::{Discretization, GridFunctions, MaterialPointChoices, MaterialPoints};
+use onset::scheme::{
+    BondModel, Discretization, GridFunctions, Influence, MaterialPointChoices, MaterialPoints,
+    PartialVolumes, Peridynamics, PeridynamicsChoices, ZeroEnergyControl,
+};
 use onset::verdict::Survey;
 
 fn law(name: &str) -> Box<dyn Hyperelastic> {
@@ -228,4 +231,37 @@ fn particles_of_a_cell_that_move_against_each_other_grow_with_a_number() {
     let (spectrum, waves) = answer::<2>(&scheme, &*law("neo-hooke-quadratic"), &f);
     assert!(spectrum.growth_rate().is_finite());
     assert_grows_as(&spectrum, &waves, 1.0);
+}
+
+/// Of two particles in a cell each sees the other as the mirror image of what the other sees, so that both have the gradient
+/// `F = G + s b^T` of a uniform gradient `G` and a shift `s` of one against the other. With `s` opposite to `a`, waves `a N^T` along
+/// `N = b` strain nothing, whatever the law.
+#[test]
+fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_direction() {
+    let cell = 2.0_f64.sqrt();
+    let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * cell).expect("a lattice");
+    let second = SVector::from([0.6327610244503956, 0.47530746619751374]);
+    let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
+    let choices = PeridynamicsChoices {
+        horizon: 2.259834990769473,
+        influence: Influence::Gaussian,
+        partial_volumes: PartialVolumes::Tapered,
+        model: BondModel::Correspondence {
+            control: ZeroEnergyControl::None,
+        },
+        ..PeridynamicsChoices::default()
+    };
+    let scheme = Peridynamics::new(crystal, choices).expect("a method");
+    let f = stretched([1.0201461683179034, 1.039459395937052, 1.0]);
+    let (spectrum, waves) = answer(&scheme, &*law("saint-venant-kirchhoff"), &f);
+    assert!(spectrum.softest.is_long_wave);
+    assert!(spectrum.softest.scaled.abs() < 1e-7, "{spectrum:?}");
+    assert!(spectrum.is_stable(), "{spectrum:?}");
+    // Finite waves along it cost energy, of a higher order.
+    let along = spectrum.softest.wave_vector;
+    let of_length = |k: f64| {
+        let values = waves.omega_squared(&(along * k)).into_iter();
+        values.map(|z| z.re).fold(f64::INFINITY, f64::min)
+    };
+    assert!(of_length(0.1) > 0.0 && of_length(0.1) < 0.1 * 0.01);
 }

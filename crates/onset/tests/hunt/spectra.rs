@@ -152,7 +152,7 @@ fn compared<const D: usize>(
     // What is said to grow does.
     let mode = &spectrum.fastest_growing;
     if !spectrum.is_stable() && mode.wave_vector.norm() > 0.0 {
-        let own = waves.growth(&mode.wave_vector);
+        let own = waves.growth_with_rounding(&mode.wave_vector);
         if own < 0.9 * said {
             let k = mode.wave_vector;
             wrong.push(format!(

@@ -29,6 +29,8 @@ const ROUNDING: f64 = 4.0;
 const ACCURATE: f64 = 1e-3;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
+/// No scaled measure is told from zero below this.
+const LEAST: f64 = 1e-15;
 /// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
 const ZERO: f64 = 1e-13;
 /// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
@@ -386,7 +388,13 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Scaled measures of smaller magnitude are zero to rounding.
     pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
-        ROUNDING * matrix.long_wave_noise() / self.speed_squared
+        self.told(ROUNDING * matrix.long_wave_noise())
+    }
+
+    /// The scaled measure of a rounding error of a squared wave speed; no less than that of `c^2` itself, which is what the force
+    /// constants of particles that hardly see each other are sums of.
+    pub(in crate::bloch) fn told(&self, noise: f64) -> f64 {
+        (noise / self.speed_squared).max(LEAST)
     }
 
     /// Growth rates of complex `omega^2` are flutter beyond this: a fraction of sound speed over the spacing of so many particles in

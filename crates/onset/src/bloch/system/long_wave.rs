@@ -9,6 +9,9 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// Internal displacements softer than this fraction of the stiffest entry are free.
 const FREE: f64 = 1e-10;
 
+/// What sums lose, in units of the rounding of what is summed up.
+const SUMS: f64 = 1024.0;
+
 /// The inverse, on the complement of the displacements that cost nothing where there are some: no force answers them, so that they
 /// take no part in the relaxation.
 fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
@@ -92,8 +95,9 @@ impl<const D: usize> WaveSystem<D> {
         SMatrix::from_fn(|i, k| limit[(i, k)].re)
     }
 
-    /// Rounding error to expect in [`WaveSystem::long_wave_stiffness`], of its sums and of the relaxation.
-    pub(super) fn long_wave_noise(&self) -> f64 {
+    /// Rounding error to expect in [`WaveSystem::long_wave_stiffness`]: of its sums, in which the forces of particles that relax cancel
+    /// others; and with that of `D0`, which `G = D0^-1` makes `G dD0 G`.
+    pub(super) fn long_wave_noise(&self) -> [f64; 2] {
         let origin = |site: usize| self.crystal.position(&Particle::home(site));
         let moment = |(from, to, block): (usize, &Particle<D>, &SMatrix<f64, D, D>)| {
             block.amax() * (self.crystal.position(to) - origin(from)).norm_squared()
@@ -105,9 +109,14 @@ impl<const D: usize> WaveSystem<D> {
             let [duals, internal] = long_wave.relaxation();
             let [_, d1, _] = &long_wave.orders;
             let (from, to) = (d1 * &long_wave.translations, duals * d1);
-            from.norm() * internal.norm() * to.norm()
+            let relaxed = from.norm() * internal.norm() * to.norm();
+            [relaxed, relaxed * internal.norm() * long_wave.magnitude]
         });
-        f64::EPSILON * (direct + relaxed.filter(|x| x.is_finite()).fold(0.0, f64::max))
+        let [relaxed, conditioned] = relaxed
+            .filter(|x| x.iter().all(|x| x.is_finite()))
+            .fold([0.0_f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let sums = SUMS * f64::EPSILON * (direct + relaxed);
+        [sums, sums + SUMS * f64::EPSILON * conditioned]
     }
 
     /// `D(0)` on the rigid translations: zero, unless a translation strains the body. 1/time^2.

@@ -22,8 +22,6 @@ const POINTS_PER_PERIOD: usize = 10;
 /// What is within this multiple of the rounding error of sums counts as zero: force constants carry the rounding of the shape functions
 /// that they are made of, which is some times that of the sums.
 const ROUNDING: f64 = 16.0;
-/// The same for the limit of long waves, where the forces of particles that relax cancel others.
-const RELAXED: f64 = 1024.0;
 /// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
 /// is done for them.
 const FREQUENCY_GAP: f64 = 1e-6;
@@ -32,8 +30,6 @@ const FREQUENCY_SHARE: usize = 4;
 const LOOSE: f64 = 1e-3;
 /// How often a pocket that is foreseen is looked at again from nearer.
 const CLOSER: usize = 3;
-/// Scaled measures of long waves of this size may be rounding of a relaxation.
-const HARDLY: f64 = 1e-9;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
@@ -247,7 +243,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             // A translation that costs energy leaves no long waves to become soft.
             long_wave.scaled = f64::INFINITY;
         }
-        let tolerance = RELAXED * self.system.long_wave_noise() / self.search.speed_squared();
+        let noise = self.system.long_wave_noise();
+        let [tolerance, of_limit] = noise.map(|noise| self.search.told(noise));
         let rest = self.rest(long_wave.scaled);
         let grows_at_rest = rest.omega_squared.re < 0.0;
         let covered = match grows_at_rest {
@@ -275,11 +272,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
             .unwrap_or(rest);
         // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
-        let noise = self.system.noise();
-        let stiffest = noise / f64::EPSILON / self.search.speed_squared();
         let is_rounding = softest.is_long_wave
-            && softest.scaled > -HARDLY * stiffest.max(1.0)
-            && lowest.omega_squared.re >= -ROUNDING * noise;
+            && softest.scaled > -of_limit
+            && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
         let tolerance = match is_rounding {
             true => tolerance.max(-softest.scaled),
             false => tolerance,
