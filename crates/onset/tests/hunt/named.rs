@@ -3,10 +3,12 @@
 
 use crate::dense::Waves;
 use nalgebra::{SMatrix, SVector};
+use onset::approximation::Approximation;
 use onset::bloch::{BlochBlocks, Mass, SpectrumSummary, WaveSystem, ZoneSearch};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle};
 use onset::material::{Hyperelastic, Law};
+use onset::scheme::conforming::{ConformingChoices, ConformingIntegration};
 use onset::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
 use onset::scheme::{
     BondModel, Discretization, GridFunctions, Influence, MaterialPointChoices, MaterialPoints,
@@ -264,4 +266,36 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
         values.map(|z| z.re).fold(f64::INFINITY, f64::min)
     };
     assert!(of_length(0.1) > 0.0 && of_length(0.1) < 0.1 * 0.01);
+}
+
+/// Where weights do not add up to one, a translation strains: here the mean displacement of two particles does, and their displacement
+/// against each other is free. The limit of long waves is not that of translations.
+#[test]
+fn where_a_translation_costs_energy_and_another_displacement_does_not_no_long_wave_grows() {
+    let cell = 2.0_f64.sqrt();
+    let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * cell).expect("a lattice");
+    let second = SVector::from([0.5663173018375012, 0.5094942008969261]);
+    let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
+    let choices = ConformingChoices {
+        radius: 2.1745312819925546,
+        approximation: Approximation::Raw,
+        kernel: onset::kernel::Kernel::QuarticSpline,
+        modification: 0.0,
+        ..ConformingChoices::default()
+    };
+    let scheme = ConformingIntegration::new(crystal, &choices).expect("a method");
+    let material = law("hencky");
+    let f = stretched([1.0104, 0.9983, 1.0]);
+    let system = scheme.waves(&*material, &f).expect("waves");
+    assert!(
+        system.rigid_translation().amax() > 1e-7,
+        "{}",
+        system.rigid_translation()
+    );
+    let (spectrum, waves) = answer(&scheme, &*material, &f);
+    let at_rest = waves.omega_squared(&SVector::zeros());
+    assert!(at_rest.iter().all(|z| z.re > -1e-12));
+    assert!(at_rest.iter().any(|z| z.re.abs() < 1e-12));
+    assert!(spectrum.is_stable(), "{spectrum:?}");
+    assert!(waves.searched(64, 20).growth.0 < 1e-6);
 }

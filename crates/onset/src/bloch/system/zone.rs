@@ -239,8 +239,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .iter()
             .map(|value| value.re)
             .fold(f64::INFINITY, f64::min);
-        if self.system.rigid_translation().amax() > 0.0 && least > ROUNDING * self.system.noise() {
-            // A translation that costs energy leaves no long waves to become soft.
+        if self.system.rigid_translation().amax() > 0.0 && least >= -ROUNDING * self.system.noise()
+        {
+            // A translation that costs energy leaves no long waves to become soft; what is free beside it is found at finite ones.
             long_wave.scaled = f64::INFINITY;
         }
         let noise = self.system.long_wave_noise();
