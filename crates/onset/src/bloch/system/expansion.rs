@@ -15,7 +15,7 @@ pub(super) struct MatrixExpansion<const D: usize> {
 
 impl<const D: usize> MatrixExpansion<D> {
     /// From what is to be summed: value, first and second derivatives in turn.
-    pub(super) fn from_parts(part: impl Fn(&[usize]) -> DMatrix<Complex>) -> Self {
+    pub(super) fn from_parts(mut part: impl FnMut(&[usize]) -> DMatrix<Complex>) -> Self {
         let mut hessian: [[DMatrix<Complex>; D]; D] =
             std::array::from_fn(|_| std::array::from_fn(|_| DMatrix::zeros(0, 0)));
         for a in 0..D {

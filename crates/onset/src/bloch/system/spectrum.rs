@@ -208,16 +208,13 @@ fn hermitian(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
 }
 
 fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
-    let size = matrix.nrows();
-    let eigen = hermitian(matrix).try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * size);
-    match eigen {
-        Some(eigen) => eigen
-            .eigenvalues
-            .iter()
-            .map(|value| Complex::new(*value, 0.0))
-            .collect(),
-        None => vec![Complex::new(f64::NAN, f64::NAN); size],
+    // Of finite entries the iteration ends.
+    if !matrix.iter().all(|z| z.re.is_finite() && z.im.is_finite()) {
+        return vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
     }
+    let values = hermitian(matrix).symmetric_eigenvalues();
+    let values = values.iter();
+    values.map(|value| Complex::new(*value, 0.0)).collect()
 }
 
 /// Eigenvalues of any complex matrix; imaginary parts that the noise of the entries explains are left out.

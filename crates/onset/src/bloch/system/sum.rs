@@ -12,7 +12,10 @@ use std::collections::BTreeMap;
 /// Shape `(D n) x (D n)` with `n` particles in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlochSum<const D: usize> {
-    sites: usize,
+    /// Where the particles of a cell are, from the first one.
+    sites: Vec<SVector<f64, D>>,
+    /// The cells with particles of columns. Of many pairs with the same cells the phase is computed once.
+    cells: Vec<SVector<f64, D>>,
     terms: Vec<Term<D>>,
 }
 
@@ -21,9 +24,23 @@ pub struct BlochSum<const D: usize> {
 struct Term<const D: usize> {
     from: usize,
     to: Particle<D>,
+    /// The number of its cell.
+    cell: usize,
     /// `X_to - X_from` in the reference state.
     vector: SVector<f64, D>,
     block: SMatrix<f64, D, D>,
+}
+
+/// `exp(i k.X)` of particles at home and of cells.
+struct Phases {
+    sites: Vec<Complex>,
+    cells: Vec<Complex>,
+}
+
+impl Phases {
+    fn of<const D: usize>(&self, term: &Term<D>) -> Complex {
+        self.sites[term.from].conj() * self.sites[term.to.site] * self.cells[term.cell]
+    }
 }
 
 /// Collects the blocks of a [`BlochSum`].
@@ -51,34 +68,20 @@ impl<const D: usize> BlochBlocks<D> {
     pub fn sum(self, crystal: &Crystal<D>) -> BlochSum<D> {
         let largest = self.blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
         let is_zero = |entry: &f64| entry.abs() <= 1e-15 * largest;
-        let origin = |site: usize| crystal.position(&Particle::home(site));
-        let terms = self.blocks.into_iter();
-        let terms =
-            terms
+        let blocks = self.blocks.into_iter();
+        BlochSum::of_blocks(
+            crystal,
+            blocks
                 .filter(|(_, block)| !block.iter().all(is_zero))
-                .map(|((from, to), block)| Term {
-                    from,
-                    to,
-                    vector: crystal.position(&to) - origin(from),
-                    block,
-                });
-        BlochSum {
-            sites: crystal.sites().len(),
-            terms: terms.collect(),
-        }
+                .map(|((from, to), block)| (from, to, block)),
+        )
     }
 }
 
 impl<const D: usize> Term<D> {
-    fn phase(&self, k: &SVector<f64, D>) -> Complex {
-        let (sine, cosine) = k.dot(&self.vector).sin_cos();
-        Complex::new(cosine, sine)
-    }
-
     /// The phase and its derivatives by the components of the wave vector, as many as there is room for: the first, then the second ones
     /// by `a` and `b <= a`.
-    fn derivatives(&self, k: &SVector<f64, D>, room: &mut [Complex]) {
-        let phase = self.phase(k);
+    fn derivatives(&self, phase: Complex, room: &mut [Complex]) {
         let first = (0..D).map(|a| phase * Complex::new(0.0, self.vector[a]));
         let second = (0..D)
             .flat_map(|a| (0..=a).map(move |b| (a, b)))
@@ -89,9 +92,51 @@ impl<const D: usize> Term<D> {
 }
 
 impl<const D: usize> BlochSum<D> {
+    fn of_blocks(
+        crystal: &Crystal<D>,
+        blocks: impl Iterator<Item = (usize, Particle<D>, SMatrix<f64, D, D>)>,
+    ) -> Self {
+        let position = |particle: &Particle<D>| crystal.position(particle);
+        let mut numbers = BTreeMap::new();
+        let mut cells = Vec::new();
+        let terms = blocks.map(|(from, to, block)| {
+            let cell = *numbers.entry(to.cell).or_insert_with(|| {
+                let home = Particle::home(0);
+                cells.push(position(&home.moved(&to.cell)) - position(&home));
+                cells.len() - 1
+            });
+            Term {
+                from,
+                to,
+                cell,
+                vector: position(&to) - position(&Particle::home(from)),
+                block,
+            }
+        });
+        let terms = terms.collect();
+        let home = |site: usize| position(&Particle::home(site));
+        let count = crystal.sites().len();
+        Self {
+            sites: (0..count).map(|n| home(n) - home(0)).collect(),
+            cells,
+            terms,
+        }
+    }
+
     /// Number of rows, `D n`.
     pub fn size(&self) -> usize {
-        D * self.sites
+        D * self.sites.len()
+    }
+
+    fn phases(&self, k: &SVector<f64, D>) -> Phases {
+        let phase = |vector: &SVector<f64, D>| {
+            let (sine, cosine) = k.dot(vector).sin_cos();
+            Complex::new(cosine, sine)
+        };
+        Phases {
+            sites: self.sites.iter().map(phase).collect(),
+            cells: self.cells.iter().map(phase).collect(),
+        }
     }
 
     /// The blocks: the site of the row, the particle of the column, and the block itself.
@@ -112,27 +157,21 @@ impl<const D: usize> BlochSum<D> {
 
     /// The same with lattice coordinates in another basis of a crystal, which come from those here by a matrix of integers.
     pub(super) fn relabeled(&self, inverse: &SMatrix<f64, D, D>, crystal: &Crystal<D>) -> Self {
-        let term = |term: &Term<D>| {
+        let blocks = self.terms.iter().map(|term| {
             let cell = inverse * SVector::from(term.to.cell.map(f64::from));
             let to = Particle {
                 site: term.to.site,
                 cell: std::array::from_fn(|i| cell[i].round() as i32),
             };
-            Term {
-                to,
-                vector: crystal.position(&to) - crystal.position(&Particle::home(term.from)),
-                ..term.clone()
-            }
-        };
-        Self {
-            sites: self.sites,
-            terms: self.terms.iter().map(term).collect(),
-        }
+            (term.from, to, term.block)
+        });
+        Self::of_blocks(crystal, blocks)
     }
 
     /// `S(k)`.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
-        self.summed(|term| term.phase(k))
+        let phases = self.phases(k);
+        self.summed(|term| phases.of(term))
     }
 
     /// The Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
@@ -152,7 +191,10 @@ impl<const D: usize> BlochSum<D> {
         &self,
         k: &SVector<f64, D>,
     ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
-        let mut sums = self.sums(1 + D, |term, factors| term.derivatives(k, factors));
+        let phases = self.phases(k);
+        let mut sums = self.sums(1 + D, |term, factors| {
+            term.derivatives(phases.of(term), factors);
+        });
         let slopes = std::array::from_fn(|a| std::mem::take(&mut sums[1 + a]));
         (sums.swap_remove(0), slopes)
     }
@@ -160,11 +202,16 @@ impl<const D: usize> BlochSum<D> {
     /// `S(k)` with its derivatives by the components of the wave vector.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
         let parts = 1 + D + D * (D + 1) / 2;
-        let sums = self.sums(parts, |term, factors| term.derivatives(k, factors));
-        MatrixExpansion::from_parts(|indices| match *indices {
-            [] => sums[0].clone(),
-            [a] => sums[1 + a].clone(),
-            [a, b, ..] => sums[1 + D + a * (a + 1) / 2 + b].clone(),
+        let phases = self.phases(k);
+        let mut sums = self.sums(parts, |term, factors| {
+            term.derivatives(phases.of(term), factors);
+        });
+        MatrixExpansion::from_parts(|indices| {
+            std::mem::take(match *indices {
+                [] => &mut sums[0],
+                [a] => &mut sums[1 + a],
+                [a, b, ..] => &mut sums[1 + D + a * (a + 1) / 2 + b],
+            })
         })
     }
 
@@ -229,7 +276,7 @@ impl<const D: usize> BlochSum<D> {
 
     /// The sum over the columns' particles, `S(0)` applied to a rigid translation; for each site of the rows.
     pub fn row_sums(&self) -> Vec<SMatrix<f64, D, D>> {
-        let mut sums = vec![SMatrix::zeros(); self.sites];
+        let mut sums = vec![SMatrix::zeros(); self.sites.len()];
         for term in &self.terms {
             sums[term.from] += term.block;
         }
