@@ -185,9 +185,14 @@ impl<const D: usize> StateWaves<D> {
     fn stability(&self) -> Result<(Stability, f64), MethodError> {
         match self {
             Self::Direct(waves) => Ok(waves.search.stability(&waves.matrix)),
-            Self::System(_) => {
-                let spectrum = self.spectrum()?;
-                Ok((spectrum.stability(), spectrum.softest.scaled))
+            Self::System(waves) => {
+                waves.0.check_mass()?;
+                let (stability, measure) = waves.1.stability_of(&waves.0);
+                // Frequencies that over- or underflow are told by the measure.
+                if measure.is_nan() {
+                    return Err(MethodError::NotFinite);
+                }
+                Ok((stability, measure))
             }
         }
     }

@@ -4,10 +4,10 @@ use crate::dense::Waves;
 use crate::hunt::hunted;
 use crate::methods::{Drawn, material, method, state};
 use crate::random::Random;
-use onset::bloch::{SpectrumSummary, dynamical_matrix};
+use onset::bloch::{SpectrumSummary, Stability, dynamical_matrix};
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset::verdict::{Survey, assess};
+use onset::verdict::{Phase, Survey, assess};
 use std::time::{Duration, Instant};
 
 /// Growth that counts, as a fraction of sound speed over spacing: below, a dense search does not tell it from rounding.
@@ -199,4 +199,35 @@ fn compared<const D: usize>(
         *last += &format!("\n    scale {:e}, c {speed}, {spectrum:?}", waves.scale);
     }
     wrong
+}
+
+/// A probe stops at the first witness; a state is searched whole.
+#[test]
+fn a_probe_says_what_the_whole_search_says() {
+    let (seed, cases) = hunted(24);
+    for case in 0..cases as u64 {
+        let mut random = Random::new(seed + case);
+        let (probed, searched) = match random.one_of(&[1, 2, 2, 3]) {
+            1 => phases::<1>(&mut random),
+            2 => phases::<2>(&mut random),
+            _ => phases::<3>(&mut random),
+        }
+        .unzip();
+        assert_eq!(probed, searched, "seed {}", seed + case);
+    }
+}
+
+fn phases<const D: usize>(random: &mut Random) -> Option<(Phase, Phase)> {
+    let Some((_, Drawn::Scheme(scheme))) = method::<D>(random) else {
+        return None;
+    };
+    let (_, material) = material(random);
+    let f = state::<D>(random);
+    let survey = Survey::new(&*scheme, &*material).ok()?;
+    let searched = match survey.spectrum(&f).ok()?.stability() {
+        Stability::Stable => Phase::Stable,
+        Stability::Flutter => Phase::Flutter,
+        Stability::Divergence => Phase::Unstable,
+    };
+    Some((survey.probe(&f).ok()?.0, searched))
 }

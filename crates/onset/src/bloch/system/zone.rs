@@ -10,7 +10,7 @@ use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::short_range::ShortRange;
-use crate::bloch::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
+use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
@@ -81,6 +81,21 @@ impl<const D: usize> ZoneSearch<D> {
             None => Sweep::new(self, system, is_bounded).summary(),
         }
     }
+
+    /// Whether a mode grows, and how: the same answer as that of the summary, without the largest frequency, and without more than one
+    /// witness; with a measure whose sign it is where the spectrum is real.
+    pub(crate) fn stability_of(&self, system: &WaveSystem<D>) -> (Stability, f64) {
+        if let Some((system, unit)) = system.in_moderate_units() {
+            return self.in_units(unit).stability_of(&system);
+        }
+        if let Some((_, search, system)) = self.short_ranged_system(system) {
+            return search.stability_of(&system);
+        }
+        match system.single() {
+            Some(matrix) => self.stability(&matrix),
+            None => Sweep::new(self, system, false).stability(),
+        }
+    }
 }
 
 impl<const D: usize> ZoneSearch<D> {
@@ -114,6 +129,25 @@ struct Sweep<'a, const D: usize> {
     /// `omega^2` at `k = 0`, translations left out where they are free.
     at_rest: Vec<Complex>,
     stiffness: Stiffness<D>,
+}
+
+/// What is known without a search: of the limit of long waves, and of `k = 0`.
+struct LongWaves<const D: usize> {
+    mode: Mode<D>,
+    rest: Mode<D>,
+    /// Scaled measures of smaller magnitude are zero to rounding; and those of the limit, where particles of a cell relax.
+    tolerance: f64,
+    of_limit: f64,
+}
+
+/// What does not flutter.
+struct Softest<const D: usize> {
+    softest: Mode<D>,
+    lowest: Mode<D>,
+    long_wave: Mode<D>,
+    grows_at_rest: bool,
+    tolerance: f64,
+    bound: f64,
 }
 
 /// How much is looked at, at most.
@@ -233,20 +267,74 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     fn summary(&self) -> SpectrumSummary<D> {
-        let mut long_wave = self.search.long_wave_mode(&self.stiffness);
-        let least = self
-            .at_rest
-            .iter()
-            .map(|value| value.re)
-            .fold(f64::INFINITY, f64::min);
-        if self.system.rigid_translation().amax() > 0.0 && least >= -ROUNDING * self.system.noise()
-        {
+        let found = self.softest(&self.long_waves());
+        let Softest {
+            softest, lowest, ..
+        } = found;
+        let fluttering = self.flutter();
+        let fastest_growing = fluttering
+            .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
+            .unwrap_or(lowest);
+        let at_rest = self.at_rest.iter().map(|value| value.re);
+        let highest = at_rest.fold(0.0, f64::max);
+        let highest = self
+            .lowest(Objective::Highest, -highest, &softest)
+            .map_or(highest, |(value, _)| highest.max(-value));
+        SpectrumSummary {
+            softest: if found.grows_at_rest {
+                self.search.over_largest_laplacian(lowest)
+            } else {
+                softest
+            },
+            long_wave: found.long_wave,
+            lowest,
+            fastest_growing,
+            maximum_omega: highest.max(0.0).sqrt(),
+            tolerance: found.tolerance,
+            bound: found.bound,
+            flutters: fluttering.is_some(),
+        }
+    }
+
+    fn stability(&self) -> (Stability, f64) {
+        let long = self.long_waves();
+        if long.rest.omega_squared.re < 0.0 || long.mode.scaled < -long.of_limit {
+            // The limit of long waves is that of the rest, unless this grows itself.
+            return (Stability::Divergence, long.rest.scaled);
+        }
+        let found = self.softest(&long);
+        let stability =
+            if found.softest.scaled < -found.tolerance || found.lowest.omega_squared.re < 0.0 {
+                Stability::Divergence
+            } else if self.flutter().is_some() {
+                Stability::Flutter
+            } else {
+                Stability::Stable
+            };
+        (stability, found.softest.scaled)
+    }
+
+    fn long_waves(&self) -> LongWaves<D> {
+        let mut mode = self.search.long_wave_mode(&self.stiffness);
+        let at_rest = self.at_rest.iter().map(|value| value.re);
+        let least = at_rest.fold(f64::INFINITY, f64::min);
+        let strains = self.system.rigid_translation().amax() > 0.0;
+        if strains && least >= -ROUNDING * self.system.noise() {
             // A translation that costs energy leaves no long waves to become soft; what is free beside it is found at finite ones.
-            long_wave.scaled = f64::INFINITY;
+            mode.scaled = f64::INFINITY;
         }
         let noise = self.system.long_wave_noise();
         let [tolerance, of_limit] = noise.map(|noise| self.search.told(noise));
-        let rest = self.rest(long_wave.scaled);
+        LongWaves {
+            mode,
+            rest: self.rest(mode.scaled),
+            tolerance,
+            of_limit,
+        }
+    }
+
+    fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
+        let (long_wave, rest) = (long.mode, long.rest);
         let grows_at_rest = rest.omega_squared.re < 0.0;
         let covered = match grows_at_rest {
             false => self.covered(Objective::Scaled, long_wave.scaled, None),
@@ -266,7 +354,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 },
                 _ => self.mode(&k),
             });
-        let lowest = (grows_at_rest || softest.scaled < -tolerance)
+        let lowest = (grows_at_rest || softest.scaled < -long.tolerance)
             .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
@@ -274,34 +362,18 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .unwrap_or(rest);
         // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
         let is_rounding = softest.is_long_wave
-            && softest.scaled > -of_limit
+            && softest.scaled > -long.of_limit
             && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
-        let tolerance = match is_rounding {
-            true => tolerance.max(-softest.scaled),
-            false => tolerance,
-        };
-        let fluttering = self.flutter();
-        let fastest_growing = fluttering
-            .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
-            .unwrap_or(lowest);
-        let at_rest = self.at_rest.iter().map(|value| value.re);
-        let highest = at_rest.fold(0.0, f64::max);
-        let highest = self
-            .lowest(Objective::Highest, -highest, &softest)
-            .map_or(highest, |(value, _)| highest.max(-value));
-        SpectrumSummary {
-            softest: if grows_at_rest {
-                self.search.over_largest_laplacian(lowest)
-            } else {
-                softest
-            },
-            long_wave,
+        Softest {
+            softest,
             lowest,
-            fastest_growing,
-            maximum_omega: highest.max(0.0).sqrt(),
-            tolerance,
+            long_wave,
+            grows_at_rest,
+            tolerance: match is_rounding {
+                true => long.tolerance.max(-softest.scaled),
+                false => long.tolerance,
+            },
             bound: covered.map_or(f64::NEG_INFINITY, |covered| covered.bound),
-            flutters: fluttering.is_some(),
         }
     }
 
