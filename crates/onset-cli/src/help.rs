@@ -18,7 +18,11 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
         &["state", "path", "dispersion", "modes"],
         &[],
     ),
-    ("A method", &["recommend", "compare", "tune"], &["verify"]),
+    (
+        "A method",
+        &["recommend", "compare", "tune"],
+        &["simulate", "verify"],
+    ),
     (
         "A law",
         &["criteria", "card"],

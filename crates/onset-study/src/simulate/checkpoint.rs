@@ -40,8 +40,16 @@ impl Progress {
             self.samples.len() as u64,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        let state = self.state.displacements.iter().chain(&self.state.velocities);
-        let lists = self.history.as_flattened().iter().chain(self.samples.as_flattened());
+        let state = self
+            .state
+            .displacements
+            .iter()
+            .chain(&self.state.velocities);
+        let lists = self
+            .history
+            .as_flattened()
+            .iter()
+            .chain(self.samples.as_flattened());
         bytes.extend(state.chain(lists).flat_map(|number| number.to_le_bytes()));
         let sum = crc32c::crc32c(&bytes);
         bytes.extend(sum.to_le_bytes());
@@ -153,7 +161,10 @@ mod tests {
         };
         for cut in 0..bytes.len() {
             let told = read(&bytes[..cut], "0123456789ab", 2);
-            assert!(told.contains("cut off") || told.contains("no checkpoint"), "{told}");
+            assert!(
+                told.contains("cut off") || told.contains("no checkpoint"),
+                "{told}"
+            );
         }
         for place in 0..bytes.len() {
             let mut changed = bytes.clone();
@@ -165,6 +176,9 @@ mod tests {
         let mut wrong = progress();
         wrong.state.velocities[1] = f64::NAN;
         let told = read(&wrong.bytes("0123456789ab"), "0123456789ab", 2);
-        assert!(told.contains("velocity number 1 is NaN, at step 7"), "{told}");
+        assert!(
+            told.contains("velocity number 1 is NaN, at step 7"),
+            "{told}"
+        );
     }
 }

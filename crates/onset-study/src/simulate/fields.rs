@@ -29,7 +29,13 @@ pub(super) fn vtu(dimension: usize, places: &[[f64; 3]], state: &PatchState) -> 
         text.push_str("</DataArray>\n");
     };
     let of = |flat: &[f64], n: usize| -> [f64; 3] {
-        std::array::from_fn(|i| if i < dimension { flat[dimension * n + i] } else { 0.0 })
+        std::array::from_fn(|i| {
+            if i < dimension {
+                flat[dimension * n + i]
+            } else {
+                0.0
+            }
+        })
     };
     let moved = |n: usize| -> [f64; 3] {
         let u = of(&state.displacements, n);
@@ -58,7 +64,9 @@ pub(super) fn vtu(dimension: usize, places: &[[f64; 3]], state: &PatchState) -> 
 
 /// The fields with their times.
 pub(super) fn pvd(times: &[f64]) -> String {
-    let mut text = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n",
+    );
     for (number, time) in times.iter().enumerate() {
         let _ = writeln!(
             text,

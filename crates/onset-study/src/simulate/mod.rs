@@ -16,3 +16,5 @@ pub use checkpoint::CHECKPOINT;
 pub use error::SimulateError;
 pub use plan::{Duration, Question, Seeded};
 pub use run::{Place, Watch, simulate};
+
+pub use onset::motion::Stepper;

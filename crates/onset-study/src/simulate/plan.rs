@@ -15,6 +15,8 @@ use std::f64::consts::PI;
 pub enum Seeded {
     /// One wave, by its reference wave vector; 1/length.
     Wave(Vec<f64>),
+    /// One wave, by how many times it turns along each side of the patch.
+    Turns(Vec<i64>),
     /// The wave of the patch with the least `omega^2`.
     Critical,
     /// Every particle at random; that wave is measured.
@@ -136,7 +138,9 @@ impl Question {
             .iter()
             .try_fold(problem.analysis.sites(), |all, own| all.checked_mul(*own));
         let waves = count.and_then(|count| count.checked_mul(dimension));
-        if count.is_none_or(|count| count > PARTICLES) || waves.is_none_or(|waves| waves > 2 * WAVES) {
+        if count.is_none_or(|count| count > PARTICLES)
+            || waves.is_none_or(|waves| waves > 2 * WAVES)
+        {
             return Err(refused(
                 "--cells: the patch has too many particles",
                 format!(
@@ -160,7 +164,10 @@ impl Plan {
         let stepper = question.stepper;
         if stepper.goes_back() && problem.analysis.is_damped() {
             return Err(refused(
-                format!("--integrator {} goes back in time, where damping feeds", stepper.name()),
+                format!(
+                    "--integrator {} goes back in time, where damping feeds",
+                    stepper.name()
+                ),
                 "choose kick-drift-kick, or leave the viscosity out",
             ));
         }
@@ -178,7 +185,10 @@ impl Plan {
         if steps / every > MOST_LINES {
             return Err(refused(
                 format!("the history would have {} lines", steps / every),
-                format!("at most {MOST_LINES} are kept: choose --every {}", steps.div_ceil(MOST_LINES)),
+                format!(
+                    "at most {MOST_LINES} are kept: choose --every {}",
+                    steps.div_ceil(MOST_LINES)
+                ),
             ));
         }
         let (sampling, samples) = sampled(&wave, step, steps);
@@ -190,7 +200,7 @@ impl Plan {
         let seeding = match question.seeded {
             Seeded::Noise => "noise",
             Seeded::Critical => "critical",
-            Seeded::Wave(_) => "wave",
+            Seeded::Wave(_) | Seeded::Turns(_) => "wave",
         };
         let last = question.fields.saturating_sub(1).max(1);
         let mut fields: Vec<u64> = (0..question.fields)
@@ -219,7 +229,11 @@ impl Plan {
             cells,
             seeding,
             tolerance: question.tolerance,
-            mark: sum.iter().take(6).map(|byte| format!("{byte:02x}")).collect(),
+            mark: sum
+                .iter()
+                .take(6)
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
             wave,
             step,
             critical,
@@ -253,27 +267,79 @@ fn chosen(
     cells: &[usize],
 ) -> Result<PatchWave, SimulateError> {
     let waves = patch.waves();
-    let Seeded::Wave(k) = &question.seeded else {
-        // Translations of the whole patch apart.
-        let moving = waves.iter().filter(|wave| {
-            !(wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0))
-        });
-        let least = |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
-        return moving.min_by(least).cloned().ok_or_else(|| {
-            refused("the patch holds no wave", "choose more --cells")
-        });
+    let turns = match &question.seeded {
+        Seeded::Wave(k) => turns_of(problem, k, cells)?,
+        Seeded::Turns(turns) => turns.clone(),
+        Seeded::Critical | Seeded::Noise => {
+            // Translations of the whole patch apart.
+            let moving = waves.iter().filter(|wave| {
+                !(wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0))
+            });
+            let least =
+                |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
+            return moving
+                .min_by(least)
+                .cloned()
+                .ok_or_else(|| refused("the patch holds no wave", "choose more --cells"));
+        }
     };
+    if turns.len() != cells.len() {
+        return Err(refused(
+            format!(
+                "--turns has {} numbers; expected {}",
+                turns.len(),
+                cells.len()
+            ),
+            "one for each side of the patch, for example 1,0",
+        ));
+    }
+    let folded = |sign: i64| -> Vec<usize> {
+        let pairs = turns.iter().zip(cells);
+        pairs
+            .map(|(turns, n)| (sign * turns).rem_euclid(*n as i64) as usize)
+            .collect()
+    };
+    let (own, opposite) = (folded(1), folded(-1));
+    let of_it: Vec<&PatchWave> = waves
+        .iter()
+        .filter(|wave| wave.turns == own || wave.turns == opposite)
+        .collect();
+    let found = of_it.iter().find(|wave| wave.branch == question.branch);
+    found.map(|wave| (*wave).clone()).ok_or_else(|| {
+        refused(
+            format!("there is no branch {}", question.branch),
+            format!(
+                "branches are counted from 1 to {} by increasing omega^2",
+                of_it.len()
+            ),
+        )
+    })
+}
+
+/// How many times a wave turns along each side of the patch.
+fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, SimulateError> {
     if k.len() != cells.len() {
         return Err(refused(
-            format!("--wave-vector has {} numbers; expected {}", k.len(), cells.len()),
+            format!(
+                "--wave-vector has {} numbers; expected {}",
+                k.len(),
+                cells.len()
+            ),
             "one for each dimension, for example 3.141592654,0",
         ));
     }
     let mut in_space = nalgebra::Vector3::zeros();
     in_space.iter_mut().zip(k).for_each(|(own, k)| *own = *k);
     let fractional = problem.analysis.fractional(&in_space);
-    let turns: Vec<f64> = fractional.iter().zip(cells).map(|(own, n)| own * *n as f64).collect();
-    if turns.iter().any(|turns| (turns - turns.round()).abs() > TYPED * turns.abs().max(1.0)) {
+    let turns: Vec<f64> = fractional
+        .iter()
+        .zip(cells)
+        .map(|(own, n)| own * *n as f64)
+        .collect();
+    if turns
+        .iter()
+        .any(|turns| (turns - turns.round()).abs() > TYPED * turns.abs().max(1.0))
+    {
         let reciprocal = problem.analysis.reciprocal();
         let mut nearest = nalgebra::Vector3::zeros();
         for ((turns, n), b) in turns.iter().zip(cells).zip(reciprocal) {
@@ -286,28 +352,16 @@ fn chosen(
             ),
             format!(
                 "the nearest wave of a patch with these --cells is {}; or choose other --cells",
-                nearest.iter().take(cells.len()).map(|x| exact(*x)).collect::<Vec<_>>().join(",")
+                nearest
+                    .iter()
+                    .take(cells.len())
+                    .map(|x| exact(*x))
+                    .collect::<Vec<_>>()
+                    .join(",")
             ),
         ));
     }
-    let folded = |sign: i64| -> Vec<usize> {
-        let pairs = turns.iter().zip(cells);
-        pairs
-            .map(|(turns, n)| (sign * turns.round() as i64).rem_euclid(*n as i64) as usize)
-            .collect()
-    };
-    let (own, opposite) = (folded(1), folded(-1));
-    let of_it: Vec<&PatchWave> = waves
-        .iter()
-        .filter(|wave| wave.turns == own || wave.turns == opposite)
-        .collect();
-    let found = of_it.iter().find(|wave| wave.branch == question.branch);
-    found.map(|wave| (*wave).clone()).ok_or_else(|| {
-        refused(
-            format!("there is no branch {}", question.branch),
-            format!("branches are counted from 1 to {} by increasing omega^2", of_it.len()),
-        )
-    })
+    Ok(turns.iter().map(|turns| turns.round() as i64).collect())
 }
 
 fn step(question: &Question, critical: f64) -> Result<f64, SimulateError> {
