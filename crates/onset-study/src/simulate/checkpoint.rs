@@ -26,6 +26,8 @@ pub(super) struct Progress {
     pub(super) history: Vec<Line>,
     /// Times and amplitudes.
     pub(super) samples: Vec<[f64; 2]>,
+    /// The displacements of the fields so far, one field after the other; of small patches only.
+    pub(super) fields: Vec<f64>,
 }
 
 impl Progress {
@@ -38,6 +40,7 @@ impl Progress {
             self.state.displacements.len() as u64,
             self.history.len() as u64,
             self.samples.len() as u64,
+            self.fields.len() as u64,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
         let state = self
@@ -49,7 +52,8 @@ impl Progress {
             .history
             .as_flattened()
             .iter()
-            .chain(self.samples.as_flattened());
+            .chain(self.samples.as_flattened())
+            .chain(&self.fields);
         bytes.extend(state.chain(lists).flat_map(|number| number.to_le_bytes()));
         let sum = crc32c::crc32c(&bytes);
         bytes.extend(sum.to_le_bytes());
@@ -85,14 +89,15 @@ impl Progress {
             ));
         }
         let (numbers, _) = rest[..rest.len() - 4].as_chunks::<8>();
-        let (counts, numbers) = numbers.split_at_checked(4).ok_or_else(damaged)?;
-        let counts: [u64; 4] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
+        let (counts, numbers) = numbers.split_at_checked(5).ok_or_else(damaged)?;
+        let counts: [u64; 5] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
         let numbers: Vec<f64> = numbers.iter().map(|own| f64::from_le_bytes(*own)).collect();
-        let [step, components, lines, samples] = counts;
+        let [step, components, lines, samples, fields] = counts;
         let total = lines
             .checked_mul(COLUMNS as u64)
             .and_then(|all| all.checked_add(samples.checked_mul(2)?))
-            .and_then(|all| all.checked_add(components.checked_mul(2)?));
+            .and_then(|all| all.checked_add(components.checked_mul(2)?))
+            .and_then(|all| all.checked_add(fields));
         if components != size as u64 || total != Some(numbers.len() as u64) {
             return Err(damaged());
         }
@@ -114,7 +119,8 @@ impl Progress {
         }
         let (displacements, rest) = numbers.split_at(size);
         let (velocities, rest) = rest.split_at(size);
-        let (history, samples) = rest.split_at(lines as usize * COLUMNS);
+        let (history, rest) = rest.split_at(lines as usize * COLUMNS);
+        let (samples, fields) = rest.split_at(2 * samples as usize);
         Ok(Self {
             state: PatchState {
                 step,
@@ -123,6 +129,7 @@ impl Progress {
             },
             history: history.as_chunks().0.to_vec(),
             samples: samples.as_chunks().0.to_vec(),
+            fields: fields.to_vec(),
         })
     }
 }
@@ -142,6 +149,7 @@ mod tests {
             },
             history: vec![[0.5; 10], [1.5; 10]],
             samples: vec![[0.0, 1.0], [0.1, 0.9], [0.2, 0.7]],
+            fields: vec![0.25, 0.5],
         }
     }
 

@@ -8,6 +8,7 @@ mod answer;
 mod checkpoint;
 mod error;
 mod fields;
+mod page;
 mod plan;
 mod run;
 

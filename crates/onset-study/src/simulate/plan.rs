@@ -95,6 +95,8 @@ pub(super) struct Plan {
 const PARTICLES: usize = 1_000_000;
 /// The most waves of a patch, which all are computed.
 const WAVES: usize = 200_000;
+/// The most numbers of a page with moving particles.
+const SHOWN: usize = 100_000;
 /// Lines of a history.
 const LINES: u64 = 400;
 /// The most of them.
@@ -244,6 +246,11 @@ impl Plan {
             fields,
             start,
         })
+    }
+
+    /// Whether a page shows the run moving.
+    pub(super) fn is_shown(&self) -> bool {
+        self.fields.len() > 1 && self.start.displacements.len() * self.fields.len() <= SHOWN
     }
 
     /// The two rates of the wave as its record tells them; of those that travel that with the positive frequency first.

@@ -1,6 +1,7 @@
 //! A run: steps, what is kept of them, and how it goes on after an end before the end.
 
 use super::checkpoint::{CHECKPOINT, Line, Progress};
+use super::page::page;
 use super::plan::Plan;
 use super::{Question, SimulateAnswer, SimulateError, fields};
 use crate::answers::Problem;
@@ -106,7 +107,16 @@ fn run(
     let times = plan.fields.iter().map(|step| *step as f64 * plan.step);
     let last = match is_interrupted || plan.fields.is_empty() {
         true => Vec::new(),
-        false => vec![text("fields.pvd", fields::pvd(&times.collect::<Vec<_>>()))],
+        false => {
+            let pvd = fields::pvd(&times.collect::<Vec<_>>());
+            let mut last = vec![text("fields.pvd", pvd)];
+            if plan.is_shown() {
+                let spacing = problem.analysis.spacing();
+                let page = page(&answer, &keeper.places, &progress.fields, spacing);
+                last.push(text("simulate.html", page));
+            }
+            last
+        }
     };
     answer.files = keeper.keep(patch, &mut progress, last)?;
     Ok(answer)
@@ -215,6 +225,9 @@ impl Keeper<'_> {
         {
             let field = fields::vtu(patch.dimension(), &self.places, &patch.state());
             self.pending.push(text(fields::name(number), field));
+            if plan.is_shown() {
+                progress.fields.extend(patch.state().displacements);
+            }
         }
         Ok(())
     }
