@@ -573,9 +573,9 @@ pub struct SimulateArguments {
     /// Time, instead of steps.
     #[arg(long, value_name = "T", value_parser = positive, help_heading = "Time")]
     pub time: Option<f64>,
-    /// The step over the largest stable one for the waves of the patch.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = positive, help_heading = "Time")]
-    pub fraction: f64,
+    /// The step over the largest stable one for the waves of the patch [default: 0.5, less for a wave that grows fast].
+    #[arg(long, value_name = "SHARE", value_parser = positive, help_heading = "Time")]
+    pub fraction: Option<f64>,
     /// The step itself, instead of that.
     #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
     pub time_step: Option<f64>,

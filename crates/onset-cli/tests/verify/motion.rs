@@ -323,7 +323,7 @@ impl Subject {
 // Checkpoints.
 
 /// A run of some tenths of a second with checkpoints, histories and fields.
-const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangian-sph --cells 6 --mode noise --steps 1500 --checkpoint 50 --fields 5 --seed 7 --quiet";
+const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangian-sph --cells 4 --mode noise --steps 600 --checkpoint 20 --fields 5 --seed 7 --quiet";
 
 fn into(place: &Path) -> [String; 2] {
     ["--out".to_owned(), text(place).to_owned()]
@@ -495,7 +495,7 @@ fn a_full_disk_leaves_the_last_checkpoint() {
     let place = Place::new();
     let limited = "ulimit -f 64; trap '' XFSZ; exec \"$@\"";
     let line = RUN
-        .replace("--cells 6", "--cells 2")
+        .replace("--cells 4", "--cells 2")
         .replace("--fields 5", "--fields 0");
     let output = Command::new("sh")
         .args(["-c", limited, "sh", env!("CARGO_BIN_EXE_onset"), "simulate"])

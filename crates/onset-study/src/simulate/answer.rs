@@ -1,8 +1,8 @@
 //! What a run says of a prediction.
 
-use super::Question;
 use super::checkpoint::Progress;
 use super::plan::Plan;
+use super::{Question, Seeded};
 use crate::answers::Problem;
 use crate::number::{counted, exact, told, vector};
 use crate::verify::{Rate, compared, fitted};
@@ -91,9 +91,12 @@ impl SimulateAnswer {
     ) -> Self {
         let wave = &plan.wave.wave;
         let rates = plan.rates();
-        let (outcome, reason, measured) = match wave.has_zero_energy {
-            true => standing(plan, patch, progress),
-            false => moving(plan, progress),
+        let (outcome, reason, measured) = match (wave.has_zero_energy, &question.seeded) {
+            (true, Seeded::Noise) => undecided(
+                "the wave has zero energy, and the others push it: without noise it is seeded alone".to_owned(),
+            ),
+            (true, _) => standing(plan, patch, progress),
+            (false, _) => moving(plan, progress),
         };
         let energies = progress.history.iter().map(|line| line[4]);
         let first = progress.history.first().map_or(0.0, |line| line[4]);
@@ -139,6 +142,9 @@ impl SimulateAnswer {
     }
 }
 
+/// The fewest samples of a record.
+const FEWEST: usize = 16;
+
 type Verdict = (Outcome, String, Option<Measured>);
 
 fn undecided(reason: String) -> Verdict {
@@ -151,6 +157,12 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     let samples: Vec<(f64, f64)> = progress.samples.iter().map(|[t, y]| (*t, *y)).collect();
     if (samples.len() as u64) < plan.samples {
         return undecided("the run has not come to the end of the record".to_owned());
+    }
+    if samples.len() < FEWEST {
+        return undecided(format!(
+            "the record has {}, too few to tell a rate: run more steps, or smaller ones",
+            counted(samples.len(), "sample")
+        ));
     }
     let fit = match fitted(&samples, rates) {
         Ok(fit) => fit,
@@ -179,7 +191,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
     let (Some([_, first]), Some([end, _])) = (samples.first(), samples.last()) else {
         return undecided("there is no record".to_owned());
     };
-    if samples.len() < 16 || *first == 0.0 {
+    if samples.len() < FEWEST || *first == 0.0 {
         return undecided("the record is too short, or nothing moves".to_owned());
     }
     let row = |t: f64| Vector3::new(1.0, t / end, (t / end).powi(2));
@@ -229,7 +241,9 @@ impl fmt::Display for SimulateAnswer {
             true => format!("growth rate {:.9}", rate.growth),
             false => format!(
                 "frequency {:.9}, growth rate {:+.3e}",
-                rate.frequency, rate.growth
+                rate.frequency,
+                // Zero has no sign.
+                rate.growth + 0.0
             ),
         };
         writeln!(formatter, "outcome      {}", self.outcome.name())?;

@@ -51,8 +51,8 @@ pub struct Question {
     pub seed: u64,
     /// For how long.
     pub duration: Duration,
-    /// The step over the largest stable one for the waves of the patch.
-    pub fraction: f64,
+    /// The step over the largest stable one for the waves of the patch; a half, or less where the wave asks for it, when left out.
+    pub fraction: Option<f64>,
     /// The step itself, instead of that.
     pub time_step: Option<f64>,
     /// Whether a step above the largest stable one is meant.
@@ -105,6 +105,10 @@ const MOST_LINES: u64 = 1_000_000;
 const STEPS: u64 = 10_000_000_000;
 /// The fewest of a run whose length is not told.
 const FEWEST: f64 = 160.0;
+/// Steps of a zero-energy mode whose length is not told.
+const OF_ZERO_ENERGY: f64 = 1000.0;
+/// The step over the largest stable one where nobody says.
+const HALF: f64 = 0.5;
 /// The most samples of a record.
 const SAMPLES: u64 = 400;
 /// Samples of a period, and of an e-folding time.
@@ -175,7 +179,7 @@ impl Plan {
         }
         let wave = chosen(problem, question, patch, &cells)?;
         let critical = patch.critical_time_step(stepper);
-        let step = step(question, critical)?;
+        let step = step(question, critical, &wave)?;
         let wave = patch.stepped(&wave, stepper, step).ok_or_else(|| {
             refused(
                 "the eigenvalues of this wave do not converge",
@@ -371,8 +375,14 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
     Ok(turns.iter().map(|turns| turns.round() as i64).collect())
 }
 
-fn step(question: &Question, critical: f64) -> Result<f64, SimulateError> {
-    let step = question.time_step.unwrap_or(question.fraction * critical);
+fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, SimulateError> {
+    // What grows or travels fast is resolved by at least so many steps.
+    let resolved = natural(wave).map_or(f64::INFINITY, |time| time / FEWEST);
+    let step = match (question.time_step, question.fraction) {
+        (Some(step), _) => step,
+        (None, Some(fraction)) => fraction * critical,
+        (None, None) => (HALF * critical).min(resolved),
+    };
     if !step.is_finite() {
         return Err(refused(
             "no wave of the patch oscillates, so no step is the largest stable one",
@@ -393,16 +403,24 @@ fn step(question: &Question, critical: f64) -> Result<f64, SimulateError> {
     Ok(step)
 }
 
+/// How long a wave is followed where nobody says: a period, or some e-folding times. None of zero-energy modes, which have no time. Time.
+fn natural(wave: &PatchWave) -> Option<f64> {
+    let rate = wave.rate.norm();
+    match (wave.has_zero_energy, wave.rate.re > 1e-9 * rate) {
+        (true, _) => None,
+        (false, true) => Some(E_FOLDINGS / wave.rate.re),
+        (false, false) => Some(2.0 * PI / rate),
+    }
+}
+
 fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, SimulateError> {
-    let rate = wave.wave.rate.norm();
     let count = match question.duration {
         Duration::Steps(count) => return checked(count as f64),
         Duration::Time(time) => (time / step).round(),
-        Duration::Natural if wave.wave.has_zero_energy => 1000.0,
-        Duration::Natural if wave.wave.rate.re > 1e-9 * rate => {
-            (E_FOLDINGS / (wave.wave.rate.re * step)).ceil().max(FEWEST)
-        }
-        Duration::Natural => (2.0 * PI / (rate * step)).ceil().max(FEWEST),
+        Duration::Natural => match natural(&wave.wave) {
+            Some(time) => (time / step).ceil().max(FEWEST),
+            None => OF_ZERO_ENERGY,
+        },
     };
     checked(count)
 }
