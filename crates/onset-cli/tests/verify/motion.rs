@@ -87,13 +87,40 @@ impl Subject {
     fn all(dimensions: &[usize]) -> Vec<Self> {
         let of = |dimension: &usize| {
             let dimension = *dimension;
-            methods(dimension).into_iter().map(move |(name, set)| Self {
-                dimension,
-                name,
-                set,
-            })
+            let new = move |(name, set)| {
+                Self {
+                    dimension,
+                    name,
+                    set,
+                }
+                .without_idle_keys()
+            };
+            methods(dimension).into_iter().map(new)
         };
         dimensions.iter().flat_map(of).collect()
+    }
+
+    /// What all methods have in common counts where a method reads it, as in `onset compare`.
+    fn without_idle_keys(mut self) -> Self {
+        loop {
+            let answer = self.run(&self.stretch(1.0, 1.0), "--steps 1");
+            let told = answer.stderr.strip_prefix("error: --set ");
+            let Some(told) = told.filter(|told| told.contains("has no effect")) else {
+                return self;
+            };
+            let key = told.split('=').next();
+            let idle = self.set.iter().position(|own| own.split('=').next() == key);
+            let idle = idle.unwrap_or_else(|| panic!("{told}"));
+            self.set.drain(idle - 1..=idle);
+        }
+    }
+
+    /// A state at which no wave grows. An artificial stress has a kink where particles feel no stress, and acts in tension alone.
+    fn stable(&self) -> String {
+        match self.name.contains("artificial stress") {
+            true => self.stretch(0.97, 1.0),
+            false => self.stretch(1.0, 1.0),
+        }
     }
 
     fn cells(&self) -> usize {
@@ -136,10 +163,12 @@ impl Subject {
 
     /// A state, not far from the reference one, at which a wave of the patch grows.
     fn unstable(&self) -> Option<String> {
-        let stretches = [1.1, 0.9, 1.25, 0.75, 1.5, 0.6, 2.0, 0.45];
-        let states = stretches
+        let stretches = [1.1, 0.8, 1.4, 0.6, 2.0];
+        let mut states: Vec<String> = stretches
             .iter()
-            .flat_map(|own| [self.stretch(*own, 1.0), self.stretch(*own, *own)]);
+            .flat_map(|own| [self.stretch(*own, 1.0), self.stretch(*own, *own)])
+            .collect();
+        states.dedup();
         states.into_iter().find(|state| {
             let answer = self.run(state, "--steps 1");
             !Self::is_undefined(&answer)
@@ -155,8 +184,8 @@ impl Subject {
         let line = format!("--turns {turns} --branch {} --steps 400", self.dimension);
         let mut rows = vec![Row {
             what: "stable",
-            answer: self.agrees(&rest, &line),
-            state: rest.clone(),
+            answer: self.agrees(&self.stable(), &line),
+            state: self.stable(),
         }];
         if let Some(state) = self.unstable() {
             rows.push(Row {
