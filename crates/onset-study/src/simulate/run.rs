@@ -265,7 +265,7 @@ impl Keeper<'_> {
         Ok(written)
     }
 
-    fn failed(&self, fault: Fault) -> SimulateError {
+    fn failed(&self, fault: Box<Fault>) -> SimulateError {
         let hint = match fault.ground {
             _ if self.plan.step > self.plan.critical => {
                 "the step is above the largest stable one: leave --supercritical out"
@@ -276,7 +276,7 @@ impl Keeper<'_> {
             }
         };
         SimulateError::Fault {
-            fault: Box::new(fault),
+            fault,
             hint: hint.to_owned(),
             checkpoint: self.last.clone(),
         }

@@ -56,13 +56,13 @@ pub trait PatchMotion {
     ///
     /// # Errors
     /// [`Fault`] where there are no forces, or no finite ones.
-    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Fault>;
+    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>>;
 
     /// Energies and momentum. `step` is that of the run.
     ///
     /// # Errors
     /// [`Fault`] where there are no forces.
-    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Fault>;
+    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>>;
 
     /// The plane waves that fit into the patch, one of each pair of opposite ones. The first, as many as a cell has degrees of freedom, have the
     /// wave vector zero.
@@ -223,7 +223,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
         worst
     }
 
-    fn fault(&self, none: NoForce, step: f64) -> Fault {
+    fn fault(&self, none: NoForce, step: f64) -> Box<Fault> {
         let particle = none.particle;
         let of = |field: &Field<D>| field[particle].iter().copied().collect::<Vec<f64>>();
         let compressed = self.most_compressed(particle);
@@ -235,7 +235,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
             (None, Some((volume, _))) if *volume <= 0.0 => Ground::Inverted,
             _ => Ground::OutsideDomain,
         };
-        Fault {
+        Box::new(Fault {
             time: self.count as f64 * step,
             step: self.count,
             particle,
@@ -244,7 +244,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
             velocity: of(&self.v),
             deformation: compressed.map_or_else(Vec::new, |(_, f)| f),
             ground,
-        }
+        })
     }
 }
 
@@ -281,7 +281,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
         self.count = state.step;
     }
 
-    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Fault> {
+    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>> {
         for part in stepper.parts() {
             self.part(stepper.integrator(), part * step)
                 .map_err(|none| self.fault(none, step))?;
@@ -302,7 +302,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
         }
     }
 
-    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Fault> {
+    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>> {
         let failed = |none| self.fault(none, step);
         let velocities = self.velocities_now(stepper, step).map_err(failed)?;
         let momentum = self.equations.momentum(&velocities);
