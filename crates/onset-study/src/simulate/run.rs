@@ -97,7 +97,7 @@ fn run(
         if keeper.is_due(step) {
             keeper.keep(patch, &mut progress, Vec::new())?;
             watch.advance(step, plan.steps);
-        } else if step % LOOK == 0 {
+        } else if step.is_multiple_of(LOOK) {
             watch.advance(step, plan.steps);
         }
     }
@@ -198,8 +198,8 @@ impl Keeper<'_> {
         let plan = self.plan;
         let time = step as f64 * plan.step;
         let sampling = u64::from(plan.sampling);
-        let is_sampled = step % sampling == 0 && step / sampling <= plan.samples;
-        let is_line = step % plan.every == 0 || step == plan.steps;
+        let is_sampled = step.is_multiple_of(sampling) && step / sampling <= plan.samples;
+        let is_line = step.is_multiple_of(plan.every) || step == plan.steps;
         if is_sampled {
             progress.samples.push([time, patch.amplitude(&plan.wave)]);
         }
@@ -235,8 +235,8 @@ impl Keeper<'_> {
     fn is_due(&self, step: u64) -> bool {
         match self.place.map(|place| place.checkpoint) {
             None => false,
-            Some(Some(steps)) => step % steps == 0,
-            Some(None) => step % LOOK == 0 && self.written.elapsed() >= INTERVAL,
+            Some(Some(steps)) => step.is_multiple_of(steps),
+            Some(None) => step.is_multiple_of(LOOK) && self.written.elapsed() >= INTERVAL,
         }
     }
 
