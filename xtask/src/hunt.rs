@@ -82,6 +82,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 1_000_000,
     },
     Subject {
+        name: "killed-runs",
+        claim: "a simulation that is killed at any time goes on to the same bytes",
+        package: "onset-cli",
+        program: "verify",
+        test: "a_run_that_is_killed_goes_on_to_the_same_bytes",
+        cases: 200,
+    },
+    Subject {
         name: "damaged-stores",
         claim: "a damaged store is refused, or gives what was stored",
         package: "onset-cli",

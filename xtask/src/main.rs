@@ -1,10 +1,11 @@
-//! Tasks of the workspace: `cargo xtask test`, `verify`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
+//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
 
 mod bench;
 mod fortran;
 mod hunt;
 mod python;
 mod readme;
+mod simulate;
 mod timings;
 mod verify;
 
@@ -98,6 +99,7 @@ fn main() -> ExitCode {
         Some("verify") => reported(verify::run(
             std::env::args().nth(2).as_deref() == Some("--all"),
         )),
+        Some("simulate") => reported(simulate::run()),
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -107,7 +109,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }

@@ -10,6 +10,7 @@ use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::Program;
 use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
+use onset_study::simulate::Stepper;
 use onset_study::verify::Stepping;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -135,6 +136,12 @@ const VERIFY_EXAMPLES: &str = "Examples:
   onset verify read deck/wave.dump --json
 
 Exit codes of run and read: 0 agrees, 1 differs, 3 undecided, 2 the input is wrong.";
+const SIMULATE_EXAMPLES: &str = "Examples:
+  onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
+  onset simulate --stretch 1,1 --wave-vector 3.141592654,0 --set discretization.lattice=square --cells 4
+  onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
+
+Exit codes: 0 agrees, 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -366,6 +373,12 @@ pub enum Command {
         #[command(subcommand)]
         task: VerifyTask,
     },
+    /// See a prediction in motion: the particles of a periodic patch, step by step
+    ///
+    /// A patch of cells about a homogeneous state, one wave or noise, the nonlinear forces of the method: the measured rate of a wave beside the
+    /// predicted one in discrete time, with histories, fields and checkpoints.
+    #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &keys()))]
+    Simulate(Box<SimulateArguments>),
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
     /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
@@ -508,6 +521,104 @@ pub struct DeckArguments {
     /// Folder for the deck and its case.json.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+}
+
+/// A simulation.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("length").args(["steps", "time"])))]
+#[command(group(ArgGroup::new("size").args(["fraction", "time_step"])))]
+pub struct SimulateArguments {
+    /// The problem.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// The state.
+    #[command(flatten)]
+    pub strain: StrainArguments,
+    /// Cells of the patch along each primitive vector: one number, or one for each.
+    #[arg(long, value_name = "N", default_value = "8", help_heading = "Patch")]
+    pub cells: String,
+    /// What moves at the start: critical, the wave of the patch with the least omega^2, or noise, of which that wave is measured.
+    #[arg(long, value_name = "MODE", default_value = "critical", value_parser = ["critical", "noise"], help_heading = "Patch")]
+    pub mode: String,
+    /// Seed this wave instead, by its reference wave vector (in units of 1/length); it must fit into the patch.
+    #[arg(
+        long,
+        value_name = "K1,K2",
+        allow_hyphen_values = true,
+        conflicts_with = "mode",
+        help_heading = "Patch"
+    )]
+    pub wave_vector: Option<String>,
+    /// Seed this wave instead, by how many times it turns along each side of the patch.
+    #[arg(
+        long,
+        value_name = "N1,N2",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["mode", "wave_vector"],
+        help_heading = "Patch"
+    )]
+    pub turns: Option<String>,
+    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2.
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Patch")]
+    pub branch: usize,
+    /// The largest displacement at the start, in particle spacings.
+    #[arg(long, value_name = "A", default_value_t = 1e-6, value_parser = share, help_heading = "Patch")]
+    pub amplitude: f64,
+    /// The seed of the noise.
+    #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
+    pub seed: u64,
+    /// Steps [default: about a period of the wave, or four e-folding times].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
+    pub steps: Option<u64>,
+    /// Time, instead of steps.
+    #[arg(long, value_name = "T", value_parser = positive, help_heading = "Time")]
+    pub time: Option<f64>,
+    /// The step over the largest stable one for the waves of the patch [default: 0.5, less for a wave that grows fast].
+    #[arg(long, value_name = "SHARE", value_parser = positive, help_heading = "Time")]
+    pub fraction: Option<f64>,
+    /// The step itself, instead of that.
+    #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
+    pub time_step: Option<f64>,
+    /// Run a step above the largest stable one all the same.
+    #[arg(long, help_heading = "Time")]
+    pub supercritical: bool,
+    /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), or sixth-order, a
+    /// composition of nine steps of the first.
+    #[arg(long, value_name = "NAME", default_value = "kick-drift-kick", value_parser = stepper, help_heading = "Time")]
+    pub integrator: Stepper,
+    /// The relative difference of rates that counts as agreement.
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = share)]
+    pub tolerance: f64,
+    /// Folder for history.csv, fields and checkpoints; nothing is written without it.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub out: Option<PathBuf>,
+    /// Steps between lines of the history [default: about 400 lines].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
+    pub every: Option<u64>,
+    /// How many fields are written (field-0000.vtu, ... and fields.pvd), from the start to the end.
+    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u64).range(0..=10_000), help_heading = "Files")]
+    pub fields: u64,
+    /// Steps between checkpoints [default: every five seconds].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
+    pub checkpoint: Option<u64>,
+    /// Go on from the checkpoint in the folder; the files become those of a run that never ended.
+    #[arg(
+        long,
+        requires = "out",
+        conflicts_with = "overwrite",
+        help_heading = "Files"
+    )]
+    pub resume: bool,
+    /// Begin anew where there is a checkpoint.
+    #[arg(long, requires = "out", help_heading = "Files")]
+    pub overwrite: bool,
+}
+
+fn stepper(text: &str) -> Result<Stepper, String> {
+    Stepper::named(text).ok_or_else(|| {
+        let names = Stepper::ALL.map(Stepper::name);
+        format!("available are {}", names.join(", "))
+    })
 }
 
 /// A positive number as typed.

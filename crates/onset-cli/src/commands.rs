@@ -8,6 +8,7 @@ mod criteria;
 mod localize;
 mod modes;
 mod plot;
+mod simulate;
 mod tune;
 mod verify;
 
@@ -165,6 +166,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Recommend(arguments) => compare::recommend(&arguments),
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Verify { task } => verify::verify(&task),
+        Command::Simulate(arguments) => simulate::simulate(&arguments),
         Command::Reproduce { out } => reproduce(&out),
     }
 }

@@ -18,7 +18,11 @@ const GROUPS: [(&str, &[&str], &[&str]); 5] = [
         &["state", "path", "dispersion", "modes"],
         &[],
     ),
-    ("A method", &["recommend", "compare", "tune"], &["verify"]),
+    (
+        "A method",
+        &["recommend", "compare", "tune"],
+        &["simulate", "verify"],
+    ),
     (
         "A law",
         &["criteria", "card"],
@@ -37,8 +41,8 @@ const EXAMPLES: &str = "Examples:
   onset path --mode uniaxial --to 3 --set material.model=ogden
   onset recommend --set material.model=blatz-ko --stretches 0.8,1.6";
 
-const MORE: &str = "Exit codes: 0 done; 1 a strict audit has findings, a claim of the paper is not as recorded, a particle code differs, or a file cannot
-be written; 2 the input is wrong; 3 a verdict is one of --fail-on, or whether a particle code agrees is undecided; 130 interrupted.
+const MORE: &str = "Exit codes: 0 done; 1 a strict audit has findings, a claim of the paper is not as recorded, a particle code or a motion differs, or a file
+cannot be written; 2 the input is wrong; 3 a verdict is one of --fail-on, or whether a code or a motion agrees is undecided; 130 interrupted.
 What can be set: `onset list keys`, `onset list method NAME`, `onset list materials`, `onset list aliases`.";
 
 /// The arguments with the overview.

@@ -1,8 +1,8 @@
 //! The `onset` command: where a material and its particle discretization are stable.
 //!
 //! Thin: arguments become a problem, the answer is printed. Exit codes: 0 done, 1 a claim of the paper is not
-//! what is recorded, a strict audit has findings, a particle code differs or a file cannot be written, 2 the input is wrong, 3 a verdict is
-//! one of `--fail-on` or whether a particle code agrees is undecided, 130 interrupted.
+//! what is recorded, a strict audit has findings, a particle code or a motion differs, a motion breaks down or a file cannot be written, 2 the input
+//! is wrong, 3 a verdict is one of `--fail-on` or whether a particle code or a motion agrees is undecided, 130 interrupted.
 
 mod arguments;
 mod commands;

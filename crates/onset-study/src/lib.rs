@@ -25,6 +25,7 @@ pub mod plot;
 pub mod reproduce;
 pub mod settings;
 pub mod shell;
+pub mod simulate;
 pub mod store;
 pub mod tune;
 pub mod verify;

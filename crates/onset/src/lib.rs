@@ -14,6 +14,7 @@
 //! 9. [`verdict`]: stable or not, why, and where along a path that changes.
 //! 10. [`certificate`]: the same answer proved, or left open.
 //! 11. [`time_step`], [`measures`]: which steps are stable, and how good a method is beside others.
+//! 12. [`motion`]: the discrete equations themselves, step by step.
 //!
 //! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
 //!
@@ -47,6 +48,7 @@ pub mod lattice;
 pub mod material;
 pub mod measures;
 pub mod method;
+pub mod motion;
 pub mod plasticity;
 pub mod quadrature;
 pub mod real;

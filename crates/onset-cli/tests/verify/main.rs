@@ -1,14 +1,18 @@
 //! `onset verify`: what it says of runs that are right, wrong, noisy, cut off, or of another study.
 //!
-//! `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
+//! `motion` is `onset simulate`. `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
 //! themselves, where the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask test` and
 //! `cargo xtask verify --all` install them.
 
 mod lammps;
 mod made;
+mod motion;
 mod pysph;
 mod refusals;
 mod zoo;
+
+#[path = "../../../onset/tests/shared/hunt.rs"]
+mod hunt;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -12,7 +12,8 @@ const FRAMES: usize = 24;
 /// Width of a picture, in pixels.
 const WIDTH: f64 = 320.0;
 
-const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#111}\
+/// How pages with moving pictures look.
+pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#111}\
 main{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0}figcaption{max-width:320px}";
 
 impl ModesAnswer {
@@ -40,56 +41,80 @@ impl ModesAnswer {
     }
 
     fn moving(&self, mode: &ShownMode) -> String {
-        let mut shown = self.shown(mode);
+        let shown = self.shown(mode);
         let places: Vec<[f64; 3]> = shown.iter().map(|n| mode.positions[*n]).collect();
-        let view = View::of(&places, self.dimension);
-        // The farthest are drawn first.
-        shown.sort_by(|a, b| {
-            let farness = |n: &usize| view.seen(&mode.positions[*n]).farness;
-            farness(b).total_cmp(&farness(a))
-        });
-        let ends = |axis: fn((f64, f64)) -> f64| {
-            let all = places.iter().map(|x| axis(view.seen(x).at));
-            let low = all.clone().fold(f64::INFINITY, f64::min);
-            let high = all.fold(f64::NEG_INFINITY, f64::max);
-            (low - self.spacing, high + self.spacing)
-        };
-        let ((left, right), (bottom, top)) = (ends(|at| at.0), ends(|at| at.1));
-        let scale = WIDTH / (right - left);
-        let height = (top - bottom) * scale;
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" \
-             role=\"img\" aria-label=\"moving particles\">"
-        );
-        for n in shown {
-            let (x, u, quarter) = (&mode.positions[n], &mode.displacements[n], &mode.quarter[n]);
-            let rest = view.seen(x);
-            let radius = (0.16 * self.spacing * scale * rest.scale).max(1.5);
-            let frames: Vec<(f64, f64)> = (0..=FRAMES)
-                .map(|frame| {
-                    let (sine, cosine) = (TAU * frame as f64 / FRAMES as f64).sin_cos();
-                    let moved = std::array::from_fn(|i| x[i] + u[i] * cosine + quarter[i] * sine);
-                    let at = view.seen(&moved).at;
-                    ((at.0 - left) * scale, (top - at.1) * scale)
-                })
-                .collect();
-            let along = |axis: fn(&(f64, f64)) -> f64| {
-                let all: Vec<String> = frames.iter().map(|at| format!("{:.2}", axis(at))).collect();
-                (all[0].clone(), all.join(";"))
-            };
-            let ((cx, xs), (cy, ys)) = (along(|at| at.0), along(|at| at.1));
-            let color = match self.dimension {
-                3 => palette::BLUE.toward(palette::WHITE, 0.75 * rest.farness),
-                _ => palette::BLUE,
-            };
-            let _ = write!(
-                svg,
-                "<circle cx=\"{cx}\" cy=\"{cy}\" r=\"{radius:.2}\" fill=\"{color}\" stroke=\"#ffffff\" stroke-width=\"0.7\">\
-                 <animate attributeName=\"cx\" values=\"{xs}\" dur=\"2s\" repeatCount=\"indefinite\"/>\
-                 <animate attributeName=\"cy\" values=\"{ys}\" dur=\"2s\" repeatCount=\"indefinite\"/></circle>"
+        let path = |n: &usize| -> Vec<[f64; 3]> {
+            let (x, u, quarter) = (
+                &mode.positions[*n],
+                &mode.displacements[*n],
+                &mode.quarter[*n],
             );
-        }
-        svg.push_str("</svg>");
-        svg
+            let turned = (0..=FRAMES).map(|frame| (TAU * frame as f64 / FRAMES as f64).sin_cos());
+            let moved = turned.map(|(sine, cosine)| {
+                std::array::from_fn(|i| x[i] + u[i] * cosine + quarter[i] * sine)
+            });
+            moved.collect()
+        };
+        let paths: Vec<Vec<[f64; 3]>> = shown.iter().map(path).collect();
+        moving_particles(&places, &paths, self.dimension, self.spacing, 2)
     }
+}
+
+/// Particles that move along paths of equally many places, over and over, in a picture; all lengths in the same unit. What belongs at rest to the
+/// `places` decides about the frame.
+pub(crate) fn moving_particles(
+    places: &[[f64; 3]],
+    paths: &[Vec<[f64; 3]>],
+    dimension: usize,
+    spacing: f64,
+    seconds: u32,
+) -> String {
+    let view = View::of(places, dimension);
+    // The farthest are drawn first.
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|a, b| {
+        let farness = |n: &usize| view.seen(&places[*n]).farness;
+        farness(b).total_cmp(&farness(a))
+    });
+    let ends = |axis: fn((f64, f64)) -> f64| {
+        let all = places.iter().map(|x| axis(view.seen(x).at));
+        let low = all.clone().fold(f64::INFINITY, f64::min);
+        let high = all.fold(f64::NEG_INFINITY, f64::max);
+        (low - spacing, high + spacing)
+    };
+    let ((left, right), (bottom, top)) = (ends(|at| at.0), ends(|at| at.1));
+    let scale = WIDTH / (right - left);
+    let height = (top - bottom) * scale;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" \
+         role=\"img\" aria-label=\"moving particles\">"
+    );
+    for n in order {
+        let rest = view.seen(&places[n]);
+        let radius = (0.16 * spacing * scale * rest.scale).max(1.5);
+        let frames: Vec<(f64, f64)> = paths[n]
+            .iter()
+            .map(|moved| {
+                let at = view.seen(moved).at;
+                ((at.0 - left) * scale, (top - at.1) * scale)
+            })
+            .collect();
+        let along = |axis: fn(&(f64, f64)) -> f64| {
+            let all: Vec<String> = frames.iter().map(|at| format!("{:.2}", axis(at))).collect();
+            (all.first().cloned().unwrap_or_default(), all.join(";"))
+        };
+        let ((cx, xs), (cy, ys)) = (along(|at| at.0), along(|at| at.1));
+        let color = match dimension {
+            3 => palette::BLUE.toward(palette::WHITE, 0.75 * rest.farness),
+            _ => palette::BLUE,
+        };
+        let _ = write!(
+            svg,
+            "<circle cx=\"{cx}\" cy=\"{cy}\" r=\"{radius:.2}\" fill=\"{color}\" stroke=\"#ffffff\" stroke-width=\"0.7\">\
+             <animate attributeName=\"cx\" values=\"{xs}\" dur=\"{seconds}s\" repeatCount=\"indefinite\"/>\
+             <animate attributeName=\"cy\" values=\"{ys}\" dur=\"{seconds}s\" repeatCount=\"indefinite\"/></circle>"
+        );
+    }
+    svg.push_str("</svg>");
+    svg
 }

@@ -5,6 +5,8 @@ mod export;
 mod figure;
 mod view;
 
+pub(crate) use animation::{STYLE, moving_particles};
+
 use crate::answers::{Problem, ProblemError, notes};
 use crate::settings::{Effective, Settings};
 use nalgebra::SVector;

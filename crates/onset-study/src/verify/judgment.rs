@@ -176,28 +176,38 @@ fn outcome(
             ),
         );
     }
-    if fit.residual > ONE_WAVE {
+    compared(fit.residual, difference, uncertainty, case.tolerance)
+}
+
+/// What a fit says of a prediction: how much of the record it leaves unexplained, how far it is from what is predicted, and how uncertain it is, all
+/// relative.
+pub(crate) fn compared(
+    residual: f64,
+    difference: f64,
+    uncertainty: f64,
+    tolerance: f64,
+) -> (Outcome, String) {
+    if residual > ONE_WAVE {
         return (
             Outcome::Undecided,
             format!(
                 "the record is not one wave: {:.1} % of it are left unexplained",
-                100.0 * fit.residual
+                100.0 * residual
             ),
         );
     }
-    if difference > case.tolerance + uncertainty {
+    if difference > tolerance + uncertainty {
         return (Outcome::Differs, String::new());
     }
-    if uncertainty > case.tolerance {
+    if uncertainty > tolerance {
         return (
             Outcome::Undecided,
             format!(
-                "the rate is uncertain by {uncertainty:.1e}, more than the tolerance {:.1e}",
-                case.tolerance
+                "the rate is uncertain by {uncertainty:.1e}, more than the tolerance {tolerance:.1e}"
             ),
         );
     }
-    match difference <= case.tolerance {
+    match difference <= tolerance {
         true => (Outcome::Agrees, String::new()),
         false => (
             Outcome::Undecided,

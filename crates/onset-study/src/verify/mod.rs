@@ -24,6 +24,7 @@ pub use code::{Code, Deck, Program, Settled};
 pub use codes::{CODES, Codes, named};
 pub use error::VerifyError;
 pub use fit::{Fit, FitError, fitted};
+pub(crate) use judgment::compared;
 pub use judgment::{Judgment, Outcome, judge, read};
 pub use prediction::{Prediction, Rate};
 pub use record::{Projector, Record};

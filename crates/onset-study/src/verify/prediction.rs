@@ -9,7 +9,7 @@ use onset::time_step::Stepping;
 use serde::{Deserialize, Serialize};
 
 /// A solution `exp(s t)`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
     /// `Re s`; 1/time.
     pub growth: f64,

@@ -14,6 +14,7 @@ use crate::measures::{
     fidelity, long_wave_error, onset, spurious_modes,
 };
 use crate::method::{Method, MethodError};
+use crate::motion::{PatchMotion, with_motion};
 use crate::scheme::{Discretization, PeriodicPatch};
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -286,6 +287,16 @@ impl<const D: usize> Analysis for Body<D> {
             position: crystal.position(particle).in_3d(),
         });
         placed.collect()
+    }
+
+    fn with_motion(
+        &self,
+        f: &DeformationGradient,
+        cells: &[usize],
+        work: &mut dyn FnMut(&mut dyn PatchMotion),
+    ) -> Result<(), MethodError> {
+        let cells = std::array::from_fn(|i| cells.get(i).copied().unwrap_or(1));
+        with_motion::<D>(&*self.discretization, &*self.material, f, cells, work)
     }
 
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {

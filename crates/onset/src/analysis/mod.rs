@@ -17,6 +17,7 @@ use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
+use crate::motion::PatchMotion;
 use crate::scheme::MethodChoices;
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -177,6 +178,18 @@ pub trait Analysis: Send + Sync {
 
     /// The particles of a periodic patch with so many cells along each primitive vector.
     fn patch(&self, cells: usize) -> Vec<PatchParticle>;
+
+    /// Does something with the motion of a periodic patch about a homogeneous state; `cells` along each primitive vector, at least as many
+    /// numbers as dimensions.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn with_motion(
+        &self,
+        f: &DeformationGradient,
+        cells: &[usize],
+        work: &mut dyn FnMut(&mut dyn PatchMotion),
+    ) -> Result<(), MethodError>;
 
     /// The errors of frequencies at wavelengths in particle spacings.
     ///

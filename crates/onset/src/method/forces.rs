@@ -6,11 +6,19 @@ use crate::approximation::Order;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Particle, determinant};
 use crate::material::Hyperelastic;
-use crate::scheme::{PeriodicPatch, PointResponse};
+use crate::scheme::{NoForce, PatchForces, PeriodicPatch, PointResponse};
 use nalgebra::{SMatrix, SVector};
 
 /// Forces of a quadrature point on particles of its surroundings, by their lattice coordinates relative to its cell.
 type Share<const D: usize> = Vec<([i32; D], SVector<f64, D>)>;
+
+/// The quadrature points of a method at a homogeneous state, in every cell of a patch.
+pub(crate) struct PatchPoints<'a, const D: usize> {
+    method: &'a Method<D>,
+    f: DeformationGradient,
+    patch: PeriodicPatch<D>,
+    points: Vec<(ConfiguredPoint<D>, PointResponse<'a, D>)>,
+}
 
 impl<const D: usize> Method<D> {
     /// The forces on the particles of a periodic patch displaced from a homogeneous state.
@@ -22,18 +30,17 @@ impl<const D: usize> Method<D> {
     ///
     /// # Errors
     /// [`MethodError::NotOfForces`] for linearizations other than the exact one; otherwise as for the dynamical matrix.
-    pub(crate) fn patch_forces(
-        &self,
-        material: &dyn Hyperelastic,
+    pub(crate) fn patch_points<'a>(
+        &'a self,
+        material: &'a dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let discretization = self.choices();
-        let eulerian = discretization.frame == Frame::Eulerian;
-        if eulerian && discretization.linearization != Linearization::Exact {
+    ) -> Result<PatchPoints<'a, D>, MethodError> {
+        let choices = self.choices();
+        let is_eulerian = choices.frame == Frame::Eulerian;
+        if is_eulerian && choices.linearization != Linearization::Exact {
             return Err(MethodError::NotOfForces {
-                linearization: discretization.linearization.name(),
+                linearization: choices.linearization.name(),
             });
         }
         let order = if self.is_naturally_stabilized() {
@@ -41,32 +48,19 @@ impl<const D: usize> Method<D> {
         } else {
             Order::First
         };
-        let configuration = self.configuration(f, order)?;
-        let mut forces = vec![SVector::zeros(); patch.len()];
-        for point in &configuration.points {
+        let with_response = |point: ConfiguredPoint<D>| {
             let response = PointResponse::new(material, &point.deformation)?;
-            for origin in patch.origins() {
-                let number = |cell: &[i32; D]| {
-                    patch.number(
-                        &Particle {
-                            site: 0,
-                            cell: *cell,
-                        }
-                        .moved(&origin),
-                    )
-                };
-                let moved = |cell: &[i32; D]| displacements[number(cell)];
-                let share = if eulerian {
-                    self.eulerian_share(point, f, &response, &moved)?
-                } else {
-                    lagrangian_share(point, &response, &moved)
-                };
-                for (cell, force) in share {
-                    forces[number(&cell)] += force;
-                }
-            }
-        }
-        Ok(forces)
+            Ok((point, response))
+        };
+        let points = self.configuration(f, order)?.points.into_iter();
+        Ok(PatchPoints {
+            method: self,
+            f: *f,
+            patch: *patch,
+            points: points
+                .map(with_response)
+                .collect::<Result<_, MethodError>>()?,
+        })
     }
 
     fn eulerian_share(
@@ -124,6 +118,47 @@ impl<const D: usize> Method<D> {
         Ok(shares
             .map(|(cell, gradient)| (cell, stress * gradient * -volume))
             .collect())
+    }
+}
+
+impl<const D: usize> PatchForces<D> for PatchPoints<'_, D> {
+    fn at(
+        &self,
+        displacements: &[SVector<f64, D>],
+        _: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, NoForce> {
+        let is_eulerian = self.method.choices().frame == Frame::Eulerian;
+        let mut forces = vec![SVector::zeros(); self.patch.len()];
+        for (point, response) in &self.points {
+            for origin in self.patch.origins() {
+                let number = |cell: &[i32; D]| {
+                    let own = Particle {
+                        site: 0,
+                        cell: *cell,
+                    };
+                    self.patch.number(&own.moved(&origin))
+                };
+                let moved = |cell: &[i32; D]| displacements[number(cell)];
+                let none = |source| NoForce {
+                    particle: number(&[0; D]),
+                    source,
+                };
+                let share = match is_eulerian {
+                    true => self
+                        .method
+                        .eulerian_share(point, &self.f, response, &moved)
+                        .map_err(|error| none(Some(error)))?,
+                    false => lagrangian_share(point, response, &moved),
+                };
+                for (cell, force) in share {
+                    if force.iter().any(|component| !component.is_finite()) {
+                        return Err(none(None));
+                    }
+                    forces[number(&cell)] += force;
+                }
+            }
+        }
+        Ok(forces)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The kernel methods of [`crate::method`] among the discretizations.
 
-use super::{DirectWaves, Discretization, PeriodicPatch, SeenForm, StrainOperator};
+use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
 use crate::bloch::{
     BlochBlocks, GradientMoments, Mass, WaveSystem, ZERO_ENERGY, ZoneSearch, dynamical_matrix,
@@ -69,14 +69,15 @@ impl<const D: usize> Discretization<D> for Method<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        self.patch_forces(material, f, patch, displacements)
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
+        work(&self.patch_points(material, f, patch)?);
+        Ok(())
     }
 
     fn neighbors(&self) -> f64 {

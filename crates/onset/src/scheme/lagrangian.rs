@@ -1,6 +1,6 @@
 //! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
 
-use super::{Interaction, Motion, PeriodicPatch, PointResponse, StrainOperator, patch_forces};
+use super::{Interaction, Motion, PointResponse, StrainOperator};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
@@ -107,16 +107,6 @@ pub(super) fn strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOp
         strain.add_strain(&point.particles, point.gradients.clone());
     }
     strain
-}
-
-/// The forces of interactions on a patch at rest.
-pub(super) fn forces_at_rest<'i, I: Interaction<D> + 'i, const D: usize>(
-    patch: &PeriodicPatch<D>,
-    interactions: impl IntoIterator<Item = &'i I>,
-    displacements: &[SVector<f64, D>],
-) -> Vec<SVector<f64, D>> {
-    let at_rest = vec![SVector::zeros(); patch.len()];
-    patch_forces(patch, interactions, displacements, &at_rest)
 }
 
 /// The mean number of particles that share a point with a particle, itself included.

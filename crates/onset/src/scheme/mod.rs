@@ -29,7 +29,7 @@ pub use linearized::{Forced, linearized};
 pub use material_point::{
     Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
 };
-pub use patch::{PeriodicPatch, patch_forces};
+pub use patch::{Assembled, NoForce, PatchForces, PeriodicPatch};
 pub use peridynamics::{
     BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
     ZeroEnergyControl,
@@ -99,6 +99,19 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     /// [`MethodError`] when the discretization cannot be evaluated there.
     fn strain(&self) -> Result<StrainOperator<D>, MethodError>;
 
+    /// Does something with the forces on the particles of a periodic patch near a homogeneous state: those whose derivatives
+    /// [`waves`](Self::waves) has, at any displacements and velocities.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn with_forces(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        patch: &PeriodicPatch<D>,
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError>;
+
     /// The forces on the particles of a periodic patch that are displaced from a homogeneous state, in the order of
     /// [`PeriodicPatch`]; the particles are at rest.
     ///
@@ -110,7 +123,14 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
         displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError>;
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        let mut forces = Ok(Vec::new());
+        self.with_forces(material, f, patch, &mut |own| {
+            forces = own.at(displacements, &at_rest);
+        })?;
+        forces.map_err(|none| none.source.unwrap_or(MethodError::NotFinite))
+    }
 
     /// The mean number of particles that an evaluation of the forces on one particle looks at in the reference state, itself
     /// included: a measure of cost.

@@ -2,6 +2,7 @@
 
 use super::{Interaction, Motion};
 use crate::lattice::{Crystal, Particle, cells_between};
+use crate::method::MethodError;
 use nalgebra::SVector;
 
 /// A periodic patch of `cells` cells along each primitive vector. Its particles are numbered cell by cell, the first
@@ -60,33 +61,102 @@ impl<const D: usize> PeriodicPatch<D> {
     }
 }
 
-/// The forces on the particles of a patch that are displaced and move, from the interactions of one cell.
-pub fn patch_forces<'i, I: Interaction<D> + 'i, const D: usize>(
-    patch: &PeriodicPatch<D>,
-    interactions: impl IntoIterator<Item = &'i I>,
-    displacements: &[SVector<f64, D>],
-    velocities: &[SVector<f64, D>],
-) -> Vec<SVector<f64, D>> {
-    let mut forces = vec![SVector::zeros(); patch.len()];
-    let origins = patch.origins();
-    for interaction in interactions {
-        for origin in &origins {
-            let numbers: Vec<usize> = interaction
-                .particles()
-                .iter()
-                .map(|particle| patch.number(&particle.moved(origin)))
-                .collect();
-            let gathered = |values: &[SVector<f64, D>]| -> Vec<[f64; D]> {
-                numbers.iter().map(|n| values[*n].into()).collect()
-            };
-            let motion = Motion {
-                displacements: &gathered(displacements),
-                velocities: &gathered(velocities),
-            };
-            for (number, force) in numbers.iter().zip(interaction.forces(motion)) {
-                forces[*number] += SVector::from(force);
-            }
+/// The forces on the particles of a periodic patch near a homogeneous state, prepared to be evaluated many times.
+pub trait PatchForces<const D: usize> {
+    /// The force on each particle, in the order of [`PeriodicPatch`], at displacements from the homogeneous state (length) and velocities
+    /// (length/time); force (in one and two dimensions per unit of the dimensions that are left out).
+    ///
+    /// # Errors
+    /// [`NoForce`] for a motion at which the law or the method is not defined.
+    fn at(
+        &self,
+        displacements: &[SVector<f64, D>],
+        velocities: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, NoForce>;
+}
+
+/// A motion without forces: an inverted or locked particle, a support that has lost its neighbors, a number that overflows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoForce {
+    /// The number of the particle about which there is none.
+    pub particle: usize,
+    /// What the method says; none where the law itself is not defined.
+    pub source: Option<MethodError>,
+}
+
+/// The forces of interactions, each repeated in every cell of a patch.
+pub struct Assembled<'i, I, const D: usize> {
+    particles: usize,
+    /// Each interaction with the numbers of its particles, cell by cell.
+    repeated: Vec<(&'i I, Vec<Vec<usize>>)>,
+}
+
+impl<'i, I: Interaction<D>, const D: usize> Assembled<'i, I, D> {
+    /// Of the interactions of one cell.
+    pub fn new(patch: &PeriodicPatch<D>, interactions: impl IntoIterator<Item = &'i I>) -> Self {
+        let origins = patch.origins();
+        let numbers = |interaction: &I, origin: &[i32; D]| -> Vec<usize> {
+            let particles = interaction.particles().iter();
+            particles
+                .map(|own| patch.number(&own.moved(origin)))
+                .collect()
+        };
+        let repeated = interactions.into_iter().map(|interaction| {
+            let all = origins.iter().map(|origin| numbers(interaction, origin));
+            (interaction, all.collect())
+        });
+        Self {
+            particles: patch.len(),
+            repeated: repeated.collect(),
         }
     }
-    forces
+}
+
+impl<I: Interaction<D>, const D: usize> PatchForces<D> for Assembled<'_, I, D> {
+    fn at(
+        &self,
+        displacements: &[SVector<f64, D>],
+        velocities: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, NoForce> {
+        let mut forces = vec![SVector::zeros(); self.particles];
+        let (mut moved, mut moving): (Vec<[f64; D]>, Vec<[f64; D]>) = Default::default();
+        for (interaction, repeated) in &self.repeated {
+            for numbers in repeated {
+                moved.clear();
+                moved.extend(numbers.iter().map(|n| <[f64; D]>::from(displacements[*n])));
+                moving.clear();
+                moving.extend(numbers.iter().map(|n| <[f64; D]>::from(velocities[*n])));
+                let motion = Motion {
+                    displacements: &moved,
+                    velocities: &moving,
+                };
+                for (number, force) in numbers.iter().zip(interaction.forces(motion)) {
+                    if force.iter().any(|component| !component.is_finite()) {
+                        return Err(NoForce {
+                            particle: numbers[0],
+                            source: None,
+                        });
+                    }
+                    forces[*number] += SVector::from(force);
+                }
+            }
+        }
+        Ok(forces)
+    }
+}
+
+/// The sum of forces of two kinds.
+pub(super) struct Both<A, B>(pub(super) A, pub(super) B);
+
+impl<A: PatchForces<D>, B: PatchForces<D>, const D: usize> PatchForces<D> for Both<A, B> {
+    fn at(
+        &self,
+        displacements: &[SVector<f64, D>],
+        velocities: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, NoForce> {
+        let mut forces = self.0.at(displacements, velocities)?;
+        let more = self.1.at(displacements, velocities)?;
+        forces.iter_mut().zip(more).for_each(|(own, f)| *own += f);
+        Ok(forces)
+    }
 }

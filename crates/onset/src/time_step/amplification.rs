@@ -39,6 +39,16 @@ impl Amplification {
         }
     }
 
+    /// An oscillator without damping, `d^2 u / dt^2 = -omega^2 u`: one wave of many, in the direction of its own mode.
+    pub fn oscillator(omega_squared: Complex) -> Self {
+        let one = |x| DMatrix::from_element(1, 1, x);
+        Self {
+            stiffness: one(omega_squared),
+            damping: one(Complex::new(0.0, 0.0)),
+            drift: one(Complex::new(1.0, 0.0)),
+        }
+    }
+
     /// `G(dt)` with `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
     pub fn matrix(&self, integrator: Integrator, step: f64) -> DMatrix<Complex> {
         let n = self.stiffness.nrows();

@@ -6,7 +6,7 @@ use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::Particle;
 use onset::material::Hyperelastic;
-use onset::scheme::{Discretization, PeriodicPatch};
+use onset::scheme::{Discretization, PatchForces, PeriodicPatch};
 
 /// Checks a scheme at a state: derivatives of the forces of a patch against the stiffness, and what a translation does.
 #[track_caller]
@@ -16,6 +16,7 @@ pub fn assert_scheme<const D: usize>(
     f: &DeformationGradient,
 ) {
     assert_waves_are_those_of_a_patch(scheme, material, f);
+    assert_damping_is_that_of_a_patch(scheme, material, f);
     assert_translations_are_free(scheme, material, f);
     assert_equilibrium(scheme, material, f);
 }
@@ -78,6 +79,68 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
                     expected[D * site + i]
                 );
             }
+        }
+    }
+}
+
+/// The forces of a patch whose particles move by a plane wave, by central differences against `C(k)`.
+#[track_caller]
+pub fn assert_damping_is_that_of_a_patch<const D: usize>(
+    scheme: &dyn Discretization<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) {
+    let system = scheme.waves(material, f).expect("an evaluable state");
+    let Some(damping) = system.damping() else {
+        return;
+    };
+    let crystal = scheme.crystal();
+    let side = 2 * damping.reach() + 3;
+    let patch = PeriodicPatch::new(crystal, [side; D]);
+    let fractional = SVector::<f64, D>::from_fn(|i, _| (i + 1) as f64 / side as f64);
+    let k = crystal.lattice().reciprocal() * fractional;
+    let mut random = Random::new(7);
+    let amplitudes = DVector::from_fn(system.size(), |_, _| {
+        Complex::new(random.number(), random.number())
+    });
+    let at_rest = vec![SVector::zeros(); patch.len()];
+    let h = 1e-6 * crystal.nearest_distance();
+    let forces = |factor: Complex| {
+        let moving = |sign: f64| -> Vec<SVector<f64, D>> {
+            let of = |particle: &Particle<D>| {
+                let phase = k.dot(&crystal.position(particle));
+                let turn = Complex::new(phase.cos(), phase.sin()) * factor * (sign * h);
+                SVector::from_fn(|i, _| (amplitudes[D * particle.site + i] * turn).re)
+            };
+            patch.particles().iter().map(of).collect()
+        };
+        let mut slopes = Vec::new();
+        let work = &mut |own: &dyn PatchForces<D>| {
+            let at = |sign| own.at(&at_rest, &moving(sign)).expect("forces");
+            let pairs = at(1.0).into_iter().zip(at(-1.0));
+            slopes = pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect();
+        };
+        let prepared = scheme.with_forces(material, f, &patch, work);
+        prepared.expect("an evaluable state");
+        slopes
+    };
+    let (real, imaginary) = (
+        forces(Complex::new(1.0, 0.0)),
+        forces(Complex::new(0.0, -1.0)),
+    );
+    let expected = -(damping.at(&k) * &amplitudes);
+    for site in 0..crystal.sites().len() {
+        let particle = Particle::home(site);
+        let phase = k.dot(&crystal.position(&particle));
+        let turn = Complex::new(phase.cos(), -phase.sin());
+        let number = patch.number(&particle);
+        for i in 0..D {
+            let measured = Complex::new(real[number][i], imaginary[number][i]) * turn;
+            let difference = (measured - expected[D * site + i]).norm();
+            assert!(
+                difference < 1e-4 * damping.magnitude(),
+                "site {site}: {difference}"
+            );
         }
     }
 }

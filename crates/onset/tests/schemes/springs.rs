@@ -10,8 +10,8 @@ use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::MethodError;
 use onset::real::Real;
 use onset::scheme::{
-    Discretization, Interaction, Motion, PeriodicPatch, SeenForm, StrainOperator, linearized,
-    lumped_masses, patch_forces,
+    Assembled, Discretization, Interaction, Motion, PatchForces, PeriodicPatch, SeenForm,
+    StrainOperator, linearized, lumped_masses,
 };
 use std::f64::consts::PI;
 
@@ -102,15 +102,15 @@ impl Discretization<1> for Chain {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         _: &dyn Hyperelastic,
         _: &DeformationGradient,
         patch: &PeriodicPatch<1>,
-        displacements: &[SVector<f64, 1>],
-    ) -> Result<Vec<SVector<f64, 1>>, MethodError> {
-        let at_rest = vec![SVector::zeros(); patch.len()];
-        Ok(patch_forces(patch, &self.springs, displacements, &at_rest))
+        work: &mut dyn FnMut(&dyn PatchForces<1>),
+    ) -> Result<(), MethodError> {
+        work(&Assembled::new(patch, &self.springs));
+        Ok(())
     }
 
     fn neighbors(&self) -> f64 {

@@ -9,8 +9,11 @@
 mod gauss;
 mod region;
 
-use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
-use super::{Discretization, PeriodicPatch, StrainOperator, linearized, lumped_masses};
+use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};
+use super::{
+    Assembled, Discretization, PatchForces, PeriodicPatch, StrainOperator, linearized,
+    lumped_masses,
+};
 use crate::approximation::{Approximation, Order};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -182,15 +185,16 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         Ok(strains(&self.points))
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
         let points = stressed(&self.points, material, f)?;
-        Ok(forces_at_rest(patch, &points, displacements))
+        work(&Assembled::new(patch, &points));
+        Ok(())
     }
 
     /// The particles that share an integration point with a particle.

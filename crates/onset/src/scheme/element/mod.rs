@@ -13,8 +13,9 @@ pub use mesh::{Mesh, MeshError};
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
-use super::lagrangian::{LagrangianPoint, forces_at_rest, mean_neighbors, strains, stressed};
-use super::{Discretization, Forced, PeriodicPatch, StrainOperator};
+use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};
+use super::patch::Both;
+use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -304,20 +305,20 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let mut forces =
-            forces_at_rest(patch, &stressed(&self.points, material, f)?, displacements);
-        let control = forces_at_rest(patch, &self.resisted(material)?, displacements);
-        for (force, more) in forces.iter_mut().zip(control) {
-            *force += more;
-        }
-        Ok(forces)
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
+        let points = stressed(&self.points, material, f)?;
+        let modes = self.resisted(material)?;
+        work(&Both(
+            Assembled::new(patch, &points),
+            Assembled::new(patch, &modes),
+        ));
+        Ok(())
     }
 
     /// The nodes that share an element with a node.

@@ -8,11 +8,11 @@
 mod point;
 mod shape;
 
-use super::lagrangian::{LagrangianPoint, Stressed, forces_at_rest, strains, stressed};
+use super::lagrangian::{LagrangianPoint, Stressed, strains, stressed};
 use super::layout::{Layout, assert_planar, assert_positive};
 use super::{
-    Discretization, Interaction, Motion, PeriodicPatch, PointResponse, StrainOperator, linearized,
-    lumped_masses,
+    Assembled, Discretization, Interaction, Motion, PatchForces, PeriodicPatch, PointResponse,
+    StrainOperator, linearized, lumped_masses,
 };
 use crate::approximation::Approximation;
 use crate::bloch::{Mass, WaveSystem};
@@ -307,16 +307,14 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
         Ok(strains(&points.collect::<Vec<_>>()))
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        self.with_points(material, f, |points| {
-            forces_at_rest(patch, points, displacements)
-        })
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
+        self.with_points(material, f, |points| work(&Assembled::new(patch, points)))
     }
 
     fn neighbors(&self) -> f64 {

@@ -10,7 +10,7 @@ mod step;
 
 pub use functions::GridFunctions;
 
-use super::{Discretization, Forced, PeriodicPatch, StrainOperator, patch_forces};
+use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
@@ -406,35 +406,31 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
         let state = self.state(material, f)?;
         let (profile, density) = (&self.profile, self.choices.density);
-        let step = || {
-            Step::new(
-                state,
-                profile,
-                &self.grid,
-                patch.cells(),
-                &self.points,
-                density,
-            )
-        };
-        Ok(match self.choices.formulation {
-            Formulation::TotalLagrangian { .. } => {
-                let point = |(place, volume): &(_, _)| Point::new(state, profile, *place, *volume);
-                let points: Vec<Point<'_, D>> = self.points.iter().map(point).collect();
-                let at_rest = vec![SVector::zeros(); patch.len()];
-                patch_forces(patch, &points, displacements, &at_rest)
-            }
-            Formulation::Updated { .. } => step().nodal_forces(displacements),
-            Formulation::Particles { .. } => step().particle_forces(displacements),
-        })
+        if let Formulation::TotalLagrangian { .. } = self.choices.formulation {
+            let point = |(place, volume): &(_, _)| Point::new(state, profile, *place, *volume);
+            let points: Vec<Point<'_, D>> = self.points.iter().map(point).collect();
+            work(&Assembled::new(patch, &points));
+            return Ok(());
+        }
+        work(&Step::new(
+            state,
+            profile,
+            &self.grid,
+            patch.cells(),
+            &self.points,
+            density,
+            matches!(self.choices.formulation, Formulation::Particles { .. }),
+        ));
+        Ok(())
     }
 
     /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.

@@ -3,7 +3,7 @@
 use super::functions::Profile;
 use super::point::State;
 use crate::lattice::{Crystal, Particle};
-use crate::scheme::PeriodicPatch;
+use crate::scheme::{NoForce, PatchForces, PeriodicPatch};
 use nalgebra::{SMatrix, SVector};
 
 /// A material point of a patch.
@@ -20,6 +20,8 @@ pub(super) struct Step<'a, const D: usize> {
     pub(super) profile: &'a Profile,
     pub(super) nodes: PeriodicPatch<D>,
     pub(super) points: Vec<Carried<D>>,
+    /// Whether the unknowns are the points, not the nodes.
+    moves_points: bool,
 }
 
 /// The nodes that a place sees: their numbers, functions and gradients.
@@ -34,6 +36,7 @@ impl<'a, const D: usize> Step<'a, D> {
         cells: [usize; D],
         points: &[(SVector<f64, D>, f64)],
         density: f64,
+        moves_points: bool,
     ) -> Self {
         let nodes = PeriodicPatch::new(grid, cells);
         let of_cell = |node: &Particle<D>| {
@@ -50,6 +53,7 @@ impl<'a, const D: usize> Step<'a, D> {
             profile,
             points: nodes.particles().iter().flat_map(of_cell).collect(),
             nodes,
+            moves_points,
         }
     }
 
@@ -90,17 +94,9 @@ impl<'a, const D: usize> Step<'a, D> {
         (forces, seen)
     }
 
-    /// The forces on nodes that are displaced.
-    pub(super) fn nodal_forces(&self, displacements: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        self.stepped(displacements).0
-    }
-
     /// The forces on particles, mass times the acceleration that they get from the grid, whose velocities would have
     /// displaced them: `m_p sum_i N_ip f_i / m_i`.
-    pub(super) fn particle_forces(
-        &self,
-        displacements: &[SVector<f64, D>],
-    ) -> Vec<SVector<f64, D>> {
+    fn particle_forces(&self, displacements: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let before: Vec<Seen<D>> = self.points.iter().map(|p| self.seen(&p.place)).collect();
         let masses = self.nodal_masses(&before);
         let mut nodal = vec![SVector::zeros(); self.nodes.len()];
@@ -127,5 +123,35 @@ impl<'a, const D: usize> Step<'a, D> {
             }
         }
         masses
+    }
+}
+
+impl<const D: usize> PatchForces<D> for Step<'_, D> {
+    /// On nodes that are displaced, or on particles.
+    fn at(
+        &self,
+        displacements: &[SVector<f64, D>],
+        _: &[SVector<f64, D>],
+    ) -> Result<Vec<SVector<f64, D>>, NoForce> {
+        // A place that is no number is in no cell.
+        let lost = |all: &[SVector<f64, D>]| {
+            all.iter()
+                .position(|own| own.iter().any(|component| !component.is_finite()))
+        };
+        let none = |particle| NoForce {
+            particle,
+            source: None,
+        };
+        if let Some(particle) = lost(displacements) {
+            return Err(none(particle));
+        }
+        let forces = match self.moves_points {
+            true => self.particle_forces(displacements),
+            false => self.stepped(displacements).0,
+        };
+        match lost(&forces) {
+            Some(particle) => Err(none(particle)),
+            None => Ok(forces),
+        }
     }
 }

@@ -8,8 +8,10 @@ mod bond;
 mod correspondence;
 mod family;
 
-use super::lagrangian::forces_at_rest;
-use super::{Discretization, PeriodicPatch, SeenForm, StrainOperator, linearized, lumped_masses};
+use super::{
+    Assembled, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator, linearized,
+    lumped_masses,
+};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Crystal;
@@ -18,7 +20,6 @@ use crate::method::MethodError;
 use bond::Bond;
 use correspondence::Point;
 use family::Family;
-use nalgebra::SVector;
 
 /// How the weight of a bond depends on its length `r` in the reference state, `q = r / horizon`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -404,17 +405,18 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        Ok(match self.interactions(material, f)? {
-            Interactions::Bonds(bonds) => forces_at_rest(patch, &bonds, displacements),
-            Interactions::Points(points) => forces_at_rest(patch, &points, displacements),
-        })
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
+        match self.interactions(material, f)? {
+            Interactions::Bonds(bonds) => work(&Assembled::new(patch, &bonds)),
+            Interactions::Points(points) => work(&Assembled::new(patch, &points)),
+        }
+        Ok(())
     }
 
     /// The size of a family, the particle included.

@@ -1,13 +1,14 @@
 //! Total-Lagrangian SPH.
 
-use super::super::lagrangian::{LagrangianPoint, forces_at_rest, strains, stressed};
+use super::super::lagrangian::{LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, assert_positive};
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Compliance, PenaltyForm, Slope, ViscousBond, ViscousScales,
     assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
-    Discretization, PeriodicPatch, PointResponse, StrainOperator, linearized, lumped_masses,
+    Assembled, Discretization, PatchForces, PeriodicPatch, PointResponse, StrainOperator,
+    linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -267,15 +268,15 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
         self.with_interactions(material, f, |interactions| {
-            forces_at_rest(patch, interactions, displacements)
+            work(&Assembled::new(patch, interactions));
         })
     }
 

@@ -1,13 +1,13 @@
 //! SPH with kernels of current coordinates.
 
-use super::super::lagrangian::forces_at_rest;
 use super::super::layout::{Layout, assert_planar, assert_positive};
 use super::super::stabilization::{
     ArtificialStress, ArtificialViscosity, Repulsion, Slope, SmoothedMotion, ViscousBond,
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
-    Discretization, PeriodicPatch, PointResponse, StrainOperator, linearized, lumped_masses,
+    Assembled, Discretization, PatchForces, PeriodicPatch, PointResponse, StrainOperator,
+    linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -18,7 +18,6 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{MethodError, SupportSize};
-use nalgebra::SVector;
 use std::collections::BTreeMap;
 
 /// How the stresses of two particles become a force between them.
@@ -438,15 +437,15 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         Ok(strain)
     }
 
-    fn forces(
+    fn with_forces(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
         patch: &PeriodicPatch<D>,
-        displacements: &[SVector<f64, D>],
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        work: &mut dyn FnMut(&dyn PatchForces<D>),
+    ) -> Result<(), MethodError> {
         self.with_interactions(material, f, false, |_, interactions| {
-            forces_at_rest(patch, interactions, displacements)
+            work(&Assembled::new(patch, interactions));
         })
     }
 

@@ -1,0 +1,311 @@
+//! What a run says of a prediction.
+
+use super::checkpoint::Progress;
+use super::plan::Plan;
+use super::{Question, Seeded};
+use crate::answers::Problem;
+use crate::number::{counted, exact, told, vector};
+use crate::verify::{Rate, compared, fitted};
+use nalgebra::{Matrix3, Vector3};
+use onset::motion::PatchMotion;
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+pub use crate::verify::Outcome;
+
+/// A rate that was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The rate; 1/time.
+    pub rate: Rate,
+    /// How far it is from the predicted one, over that; of a zero-energy mode over the largest frequency of the patch.
+    pub difference: f64,
+    /// How far it may be from the true one, over the same.
+    pub uncertainty: f64,
+    /// What is left of the record, root mean square, over its largest amplitude.
+    pub residual: f64,
+    /// Samples of the record.
+    pub samples: usize,
+}
+
+/// A run beside its prediction.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimulateAnswer {
+    /// Whether they agree.
+    pub outcome: Outcome,
+    /// Why, where it is undecided; empty otherwise.
+    pub reason: String,
+    /// Whether the run was interrupted.
+    pub interrupted: bool,
+    /// `wave`, `critical` or `noise`.
+    pub mode: &'static str,
+    /// Cells along each primitive vector.
+    pub cells: Vec<usize>,
+    /// Particles.
+    pub particles: usize,
+    /// The deformation gradient of the homogeneous state.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// The measured wave: reference wave vector; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// Which of its waves.
+    pub branch: usize,
+    /// `omega^2` of the linearized equations, real and imaginary part; 1/time^2.
+    pub omega_squared: [f64; 2],
+    /// Whether no force answers the wave.
+    pub has_zero_energy: bool,
+    /// The integrator.
+    pub integrator: &'static str,
+    /// Time.
+    pub time_step: f64,
+    /// The largest stable step for the waves of the patch; time.
+    pub critical_time_step: f64,
+    /// Steps of the run.
+    pub steps: u64,
+    /// Steps that were taken.
+    pub steps_taken: u64,
+    /// The rate in continuous time; 1/time.
+    pub continuous: Rate,
+    /// The rate in discrete time, as the record tells it; 1/time.
+    pub predicted: Rate,
+    /// What was measured; none where the record tells nothing.
+    pub measured: Option<Measured>,
+    /// The difference that counts as agreement.
+    pub tolerance: f64,
+    /// The largest change of the energy in the history, over the largest sum of the sizes of kinetic and potential energy.
+    pub energy_drift: f64,
+    /// The largest displacement of a particle from the homogeneous state in the history; length.
+    pub largest_displacement: f64,
+    /// Files that were written.
+    #[serde(skip)]
+    pub files: Vec<PathBuf>,
+}
+
+impl SimulateAnswer {
+    pub(super) fn new(
+        problem: &Problem,
+        question: &Question,
+        plan: &Plan,
+        patch: &dyn PatchMotion,
+        progress: &Progress,
+    ) -> Self {
+        let wave = &plan.wave.wave;
+        let rates = plan.rates();
+        let (outcome, reason, measured) = match (wave.has_zero_energy, &question.seeded) {
+            (true, Seeded::Noise) => undecided(
+                "the wave has zero energy, and the others push it: without noise it is seeded alone".to_owned(),
+            ),
+            (true, _) => standing(plan, patch, progress),
+            (false, _) => moving(plan, progress),
+        };
+        let energies = progress.history.iter().map(|line| line[4]);
+        let first = progress.history.first().map_or(0.0, |line| line[4]);
+        let sizes = progress
+            .history
+            .iter()
+            .map(|line| line[2].abs() + line[3].abs());
+        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0_f64, f64::max);
+        let size = largest(&mut sizes.into_iter());
+        let changed = largest(&mut energies.map(|energy| (energy - first).abs()));
+        let mut continuous = Rate::from(wave.rate);
+        if wave.has_zero_energy {
+            continuous = Rate::default();
+        }
+        Self {
+            outcome,
+            reason,
+            interrupted: false,
+            mode: plan.seeding,
+            cells: plan.cells.clone(),
+            particles: plan.cells.iter().product::<usize>() * problem.analysis.sites(),
+            deformation_gradient: *question.f.components(),
+            wave_vector: wave.wave_vector.clone(),
+            branch: wave.branch,
+            omega_squared: [wave.omega_squared.re, wave.omega_squared.im],
+            has_zero_energy: wave.has_zero_energy,
+            integrator: plan.stepper.name(),
+            time_step: plan.step,
+            critical_time_step: plan.critical,
+            steps: plan.steps,
+            steps_taken: progress.state.step,
+            continuous,
+            predicted: match wave.has_zero_energy {
+                true => Rate::default(),
+                false => rates[0].into(),
+            },
+            measured,
+            tolerance: plan.tolerance,
+            energy_drift: if size > 0.0 { changed / size } else { 0.0 },
+            largest_displacement: largest(&mut progress.history.iter().map(|line| line[8])),
+            files: Vec::new(),
+        }
+    }
+}
+
+/// The fewest samples of a record.
+const FEWEST: usize = 16;
+
+type Verdict = (Outcome, String, Option<Measured>);
+
+fn undecided(reason: String) -> Verdict {
+    (Outcome::Undecided, reason, None)
+}
+
+/// A wave that travels, grows or decays: the fit of its rates.
+fn moving(plan: &Plan, progress: &Progress) -> Verdict {
+    let rates = plan.rates();
+    let samples: Vec<(f64, f64)> = progress.samples.iter().map(|[t, y]| (*t, *y)).collect();
+    if (samples.len() as u64) < plan.samples {
+        return undecided("the run has not come to the end of the record".to_owned());
+    }
+    if samples.len() < FEWEST {
+        return undecided(format!(
+            "the record has {}, too few to tell a rate: run more steps, or smaller ones",
+            counted(samples.len(), "sample")
+        ));
+    }
+    let fit = match fitted(&samples, rates) {
+        Ok(fit) => fit,
+        Err(error) => return undecided(error.to_string()),
+    };
+    let scale = rates[0].norm();
+    let measured = Measured {
+        rate: fit.rate.into(),
+        difference: (fit.rate - rates[0]).norm() / scale,
+        uncertainty: fit.uncertainty / scale,
+        residual: fit.residual,
+        samples: samples.len(),
+    };
+    let (outcome, reason) = compared(
+        fit.residual,
+        measured.difference,
+        measured.uncertainty,
+        plan.tolerance,
+    );
+    (outcome, reason, Some(measured))
+}
+
+/// A zero-energy mode stays where it is. A rate `s` would bend its record: `y = y0 (1 + s^2 t^2 / 2)`, in units of the largest frequency of the patch.
+fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdict {
+    let samples = &progress.samples;
+    let (Some([_, first]), Some([end, _])) = (samples.first(), samples.last()) else {
+        return undecided("there is no record".to_owned());
+    };
+    if samples.len() < FEWEST || *first == 0.0 {
+        return undecided("the record is too short, or nothing moves".to_owned());
+    }
+    let row = |t: f64| Vector3::new(1.0, t / end, (t / end).powi(2));
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for [t, y] in samples {
+        normal += row(*t) * row(*t).transpose();
+        right += row(*t) * (y / first);
+    }
+    let Some(inverse) = normal.try_inverse() else {
+        return undecided("the record does not tell a rate".to_owned());
+    };
+    let found = inverse * right;
+    let left = samples
+        .iter()
+        .map(|[t, y]| (y / first - row(*t).dot(&found)).powi(2));
+    let variance = left.sum::<f64>() / (samples.len() - 3) as f64;
+    let waves = patch.waves().iter();
+    let fastest = waves
+        .map(|wave| wave.omega_squared.norm())
+        .fold(0.0, f64::max)
+        .sqrt();
+    let of = |square: f64| (2.0 * square.abs()).sqrt() / end;
+    let rate = of(found[2]);
+    let measured = Measured {
+        rate: Rate {
+            growth: if found[2] > 0.0 { rate } else { 0.0 },
+            frequency: if found[2] > 0.0 { 0.0 } else { rate },
+        },
+        difference: rate / fastest,
+        uncertainty: of(4.0 * (variance * inverse[(2, 2)]).sqrt()) / fastest,
+        residual: variance.sqrt(),
+        samples: samples.len(),
+    };
+    let (outcome, reason) = compared(
+        measured.residual,
+        measured.difference,
+        measured.uncertainty,
+        plan.tolerance,
+    );
+    (outcome, reason, Some(measured))
+}
+
+impl fmt::Display for SimulateAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rate = |rate: &Rate| match rate.is_growth() {
+            _ if *rate == Rate::default() => "zero".to_owned(),
+            true => format!("growth rate {:.9}", rate.growth),
+            false => format!(
+                "frequency {:.9}, growth rate {:+.3e}",
+                rate.frequency,
+                // Zero has no sign.
+                rate.growth + 0.0
+            ),
+        };
+        writeln!(formatter, "outcome      {}", self.outcome.name())?;
+        if !self.reason.is_empty() {
+            writeln!(formatter, "             {}", self.reason)?;
+        }
+        let cells: Vec<String> = self.cells.iter().map(usize::to_string).collect();
+        writeln!(
+            formatter,
+            "patch        {} cells, {}, periodic; seeded: {}",
+            cells.join(" x "),
+            counted(self.particles, "particle"),
+            self.mode
+        )?;
+        writeln!(
+            formatter,
+            "wave         k = {}, branch {}, omega^2 = {}{}",
+            vector(&self.wave_vector),
+            self.branch,
+            told(self.omega_squared[0]),
+            match self.omega_squared[1] {
+                0.0 => String::new(),
+                own => format!(
+                    " {}{} i",
+                    if own < 0.0 { "- " } else { "+ " },
+                    told(own.abs())
+                ),
+            }
+        )?;
+        writeln!(
+            formatter,
+            "run          {} of {} steps of {} ({} of the largest stable one), {}",
+            self.steps_taken,
+            self.steps,
+            exact(self.time_step),
+            told(self.time_step / self.critical_time_step),
+            self.integrator
+        )?;
+        writeln!(formatter, "linearized   {}", rate(&self.continuous))?;
+        writeln!(
+            formatter,
+            "predicted    {}, in discrete time",
+            rate(&self.predicted)
+        )?;
+        if let Some(measured) = &self.measured {
+            writeln!(formatter, "measured     {}", rate(&measured.rate))?;
+            writeln!(
+                formatter,
+                "difference   {:.1e} of the {}, uncertain by {:.1e}; tolerance {:.1e}",
+                measured.difference,
+                match self.has_zero_energy {
+                    true => "largest frequency",
+                    false => "rate",
+                },
+                measured.uncertainty,
+                self.tolerance
+            )?;
+        }
+        write!(
+            formatter,
+            "energy       changes by {:.1e} of itself; largest displacement {:.3e}",
+            self.energy_drift, self.largest_displacement
+        )
+    }
+}

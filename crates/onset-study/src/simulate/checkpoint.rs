@@ -1,0 +1,192 @@
+//! Checkpoints: all that a run needs to go on, and to end with the same bytes.
+//!
+//! Eight bytes that name the format, the mark of the run, how many numbers follow of each kind, the numbers, and a CRC-32C of all of it; everything with
+//! the lowest byte first.
+
+use super::SimulateError;
+use onset::motion::PatchState;
+use std::path::Path;
+
+/// The file of a checkpoint.
+pub const CHECKPOINT: &str = "checkpoint.onset";
+
+const FORMAT: &[u8; 8] = b"onsetck1";
+/// Digits of a mark.
+const MARK: usize = 12;
+/// Numbers in a line of the history.
+pub(super) const COLUMNS: usize = 10;
+
+/// A line of the history: step, time, kinetic and potential energy, their sum, momentum, largest displacement, amplitude of the wave.
+pub(super) type Line = [f64; COLUMNS];
+
+/// What a run has come to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Progress {
+    pub(super) state: PatchState,
+    pub(super) history: Vec<Line>,
+    /// Times and amplitudes.
+    pub(super) samples: Vec<[f64; 2]>,
+    /// The displacements of the fields so far, one field after the other; of small patches only.
+    pub(super) fields: Vec<f64>,
+}
+
+impl Progress {
+    /// The bytes of a checkpoint.
+    pub(super) fn bytes(&self, mark: &str) -> Vec<u8> {
+        let mut bytes = FORMAT.to_vec();
+        bytes.extend(mark.as_bytes());
+        let counts = [
+            self.state.step,
+            self.state.displacements.len() as u64,
+            self.history.len() as u64,
+            self.samples.len() as u64,
+            self.fields.len() as u64,
+        ];
+        bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
+        let state = self
+            .state
+            .displacements
+            .iter()
+            .chain(&self.state.velocities);
+        let lists = self
+            .history
+            .as_flattened()
+            .iter()
+            .chain(self.samples.as_flattened())
+            .chain(&self.fields);
+        bytes.extend(state.chain(lists).flat_map(|number| number.to_le_bytes()));
+        let sum = crc32c::crc32c(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        bytes
+    }
+
+    /// Reads a checkpoint of a run with a mark and so many numbers in its displacements.
+    pub(super) fn of_bytes(
+        path: &Path,
+        bytes: &[u8],
+        mark: &str,
+        size: usize,
+    ) -> Result<Self, SimulateError> {
+        const ANEW: &str = "run it anew with --overwrite, or into another folder";
+        let wrong = |what: &str, hint| SimulateError::Checkpoint {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            hint,
+        };
+        let Some(rest) = bytes.strip_prefix(FORMAT) else {
+            return Err(wrong("this is no checkpoint of `onset simulate`", ANEW));
+        };
+        let damaged = || wrong("the checkpoint is cut off or damaged", ANEW);
+        let (content, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;
+        if crc32c::crc32c(content) != u32::from_le_bytes(*sum) {
+            return Err(damaged());
+        }
+        let (own, rest) = rest.split_at_checked(MARK).ok_or_else(damaged)?;
+        if own != mark.as_bytes() {
+            return Err(wrong(
+                "the checkpoint is of another run: study, state, wave or steps differ",
+                "resume with the arguments of that run, or run this one into another folder",
+            ));
+        }
+        let (numbers, _) = rest[..rest.len() - 4].as_chunks::<8>();
+        let (counts, numbers) = numbers.split_at_checked(5).ok_or_else(damaged)?;
+        let counts: [u64; 5] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
+        let numbers: Vec<f64> = numbers.iter().map(|own| f64::from_le_bytes(*own)).collect();
+        let [step, components, lines, samples, fields] = counts;
+        let total = lines
+            .checked_mul(COLUMNS as u64)
+            .and_then(|all| all.checked_add(samples.checked_mul(2)?))
+            .and_then(|all| all.checked_add(components.checked_mul(2)?))
+            .and_then(|all| all.checked_add(fields));
+        if components != size as u64 || total != Some(numbers.len() as u64) {
+            return Err(damaged());
+        }
+        if let Some(place) = numbers.iter().position(|number| !number.is_finite()) {
+            let what = match place {
+                place if place < size => "the displacement",
+                place if place < 2 * size => "the velocity",
+                _ => "the history",
+            };
+            return Err(SimulateError::Checkpoint {
+                path: path.to_owned(),
+                what: format!(
+                    "{what} number {} is {}, at step {step}",
+                    place % size.max(1),
+                    numbers[place]
+                ),
+                hint: ANEW,
+            });
+        }
+        let (displacements, rest) = numbers.split_at(size);
+        let (velocities, rest) = rest.split_at(size);
+        let (history, rest) = rest.split_at(lines as usize * COLUMNS);
+        let (samples, fields) = rest.split_at(2 * samples as usize);
+        Ok(Self {
+            state: PatchState {
+                step,
+                displacements: displacements.to_vec(),
+                velocities: velocities.to_vec(),
+            },
+            history: history.as_chunks().0.to_vec(),
+            samples: samples.as_chunks().0.to_vec(),
+            fields: fields.to_vec(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Progress;
+    use onset::motion::PatchState;
+    use std::path::Path;
+
+    fn progress() -> Progress {
+        Progress {
+            state: PatchState {
+                step: 7,
+                displacements: vec![0.1, -0.2],
+                velocities: vec![1e-300, 3.0],
+            },
+            history: vec![[0.5; 10], [1.5; 10]],
+            samples: vec![[0.0, 1.0], [0.1, 0.9], [0.2, 0.7]],
+            fields: vec![0.25, 0.5],
+        }
+    }
+
+    #[test]
+    fn a_checkpoint_is_read_as_it_was_written() {
+        let bytes = progress().bytes("0123456789ab");
+        let read = Progress::of_bytes(Path::new("c"), &bytes, "0123456789ab", 2);
+        assert_eq!(read.expect("a checkpoint"), progress());
+    }
+
+    #[test]
+    fn damage_of_any_kind_is_told() {
+        let bytes = progress().bytes("0123456789ab");
+        let read = |bytes: &[u8], mark: &str, size| {
+            let read = Progress::of_bytes(Path::new("c"), bytes, mark, size);
+            read.expect_err("refused").to_string()
+        };
+        for cut in 0..bytes.len() {
+            let told = read(&bytes[..cut], "0123456789ab", 2);
+            assert!(
+                told.contains("cut off") || told.contains("no checkpoint"),
+                "{told}"
+            );
+        }
+        for place in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[place] ^= 0x10;
+            read(&changed, "0123456789ab", 2);
+        }
+        assert!(read(&bytes, "0123456789ac", 2).contains("another run"));
+        assert!(read(&bytes, "0123456789ab", 3).contains("damaged"));
+        let mut wrong = progress();
+        wrong.state.velocities[1] = f64::NAN;
+        let told = read(&wrong.bytes("0123456789ab"), "0123456789ab", 2);
+        assert!(
+            told.contains("velocity number 1 is NaN, at step 7"),
+            "{told}"
+        );
+    }
+}

@@ -1,0 +1,489 @@
+//! What is run, settled before the first step.
+
+use super::SimulateError;
+use crate::answers::Problem;
+use crate::number::{exact, told, vector};
+use onset::algebra::Complex;
+use onset::kinematics::DeformationGradient;
+use onset::motion::{PatchMotion, PatchState, PatchWave, SteppedWave, Stepper};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::f64::consts::PI;
+
+/// What is moved at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Seeded {
+    /// One wave, by its reference wave vector; 1/length.
+    Wave(Vec<f64>),
+    /// One wave, by how many times it turns along each side of the patch.
+    Turns(Vec<i64>),
+    /// The wave of the patch with the least `omega^2`.
+    Critical,
+    /// Every particle at random; that wave is measured.
+    Noise,
+}
+
+/// For how long.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Duration {
+    /// As the wave asks for: about a period, or four e-folding times.
+    Natural,
+    /// Steps.
+    Steps(u64),
+    /// Time.
+    Time(f64),
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The homogeneous state.
+    pub f: DeformationGradient,
+    /// Cells of the patch along each primitive vector.
+    pub cells: Vec<usize>,
+    /// What is moved.
+    pub seeded: Seeded,
+    /// Which of the waves with a wave vector, counted from 1 by increasing `omega^2`.
+    pub branch: usize,
+    /// The largest displacement at the start, in particle spacings.
+    pub amplitude: f64,
+    /// Of the noise.
+    pub seed: u64,
+    /// For how long.
+    pub duration: Duration,
+    /// The step over the largest stable one for the waves of the patch; a half, or less where the wave asks for it, when left out.
+    pub fraction: Option<f64>,
+    /// The step itself, instead of that.
+    pub time_step: Option<f64>,
+    /// Whether a step above the largest stable one is meant.
+    pub is_supercritical: bool,
+    /// How steps are taken.
+    pub stepper: Stepper,
+    /// Steps between lines of the history; about four hundred lines when left out.
+    pub every: Option<u64>,
+    /// Fields that are written, from the first step to the last.
+    pub fields: u64,
+    /// The relative difference of rates that counts as agreement.
+    pub tolerance: f64,
+}
+
+/// A run, settled.
+pub(super) struct Plan {
+    pub(super) stepper: Stepper,
+    pub(super) cells: Vec<usize>,
+    pub(super) seeding: &'static str,
+    pub(super) tolerance: f64,
+    /// Marks the checkpoints of the run: the first twelve digits of the SHA-256 sum of all that decides about it.
+    pub(super) mark: String,
+    pub(super) wave: SteppedWave,
+    /// Time.
+    pub(super) step: f64,
+    /// The largest stable step for the waves of the patch; time.
+    pub(super) critical: f64,
+    pub(super) steps: u64,
+    /// Steps between lines of the history.
+    pub(super) every: u64,
+    /// Steps between samples of the record that is fitted, and how many there are at most.
+    pub(super) sampling: u32,
+    pub(super) samples: u64,
+    /// The steps after which fields are written.
+    pub(super) fields: Vec<u64>,
+    pub(super) start: PatchState,
+}
+
+/// The most particles.
+const PARTICLES: usize = 1_000_000;
+/// The most waves of a patch, which all are computed.
+const WAVES: usize = 200_000;
+/// The most numbers of a page with moving particles.
+const SHOWN: usize = 100_000;
+/// Lines of a history.
+const LINES: u64 = 400;
+/// The most of them.
+const MOST_LINES: u64 = 1_000_000;
+/// The most steps.
+const STEPS: u64 = 10_000_000_000;
+/// The fewest of a run whose length is not told.
+const FEWEST: f64 = 160.0;
+/// Steps of a zero-energy mode whose length is not told.
+const OF_ZERO_ENERGY: f64 = 1000.0;
+/// The step over the largest stable one where nobody says.
+const HALF: f64 = 0.5;
+/// The most samples of a record.
+const SAMPLES: u64 = 400;
+/// Samples of a period, and of an e-folding time.
+const OF_PERIOD: f64 = 20.0;
+const OF_GROWTH: f64 = 40.0;
+/// E-folding times that are looked at: beyond, a wave that grows is no small one.
+const E_FOLDINGS: f64 = 4.0;
+/// A wave vector may miss the nearest one that fits by this share of a turn, as when typed.
+const TYPED: f64 = 1e-6;
+
+fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
+    SimulateError::Refused {
+        what: what.into(),
+        hint: hint.into(),
+    }
+}
+
+impl Question {
+    /// The cells along each primitive vector, checked.
+    pub(super) fn patch(&self, problem: &Problem) -> Result<Vec<usize>, SimulateError> {
+        let dimension = problem.dimension();
+        let cells = match self.cells[..] {
+            [all] => vec![all; dimension],
+            _ => self.cells.clone(),
+        };
+        if cells.len() != dimension || cells.contains(&0) {
+            return Err(refused(
+                format!("--cells: expected one positive number, or {dimension}"),
+                "for example --cells 8",
+            ));
+        }
+        let count = cells
+            .iter()
+            .try_fold(problem.analysis.sites(), |all, own| all.checked_mul(*own));
+        let waves = count.and_then(|count| count.checked_mul(dimension));
+        if count.is_none_or(|count| count > PARTICLES)
+            || waves.is_none_or(|waves| waves > 2 * WAVES)
+        {
+            return Err(refused(
+                "--cells: the patch has too many particles",
+                format!(
+                    "at most {} are run, whose waves are all computed",
+                    2 * WAVES / dimension
+                ),
+            ));
+        }
+        Ok(cells)
+    }
+}
+
+impl Plan {
+    /// Settles a question on its patch.
+    pub(super) fn new(
+        problem: &Problem,
+        question: &Question,
+        patch: &dyn PatchMotion,
+        cells: Vec<usize>,
+    ) -> Result<Self, SimulateError> {
+        let stepper = question.stepper;
+        if stepper.goes_back() && problem.analysis.is_damped() {
+            return Err(refused(
+                format!(
+                    "--integrator {} goes back in time, where damping feeds",
+                    stepper.name()
+                ),
+                "choose kick-drift-kick, or leave the viscosity out",
+            ));
+        }
+        let wave = chosen(problem, question, patch, &cells)?;
+        let critical = patch.critical_time_step(stepper);
+        let step = step(question, critical, &wave)?;
+        let wave = patch.stepped(&wave, stepper, step).ok_or_else(|| {
+            refused(
+                "the eigenvalues of this wave do not converge",
+                "choose another --wave-vector",
+            )
+        })?;
+        let steps = steps(question, &wave, step)?;
+        let every = question.every.unwrap_or(steps.div_ceil(LINES)).max(1);
+        if steps / every > MOST_LINES {
+            return Err(refused(
+                format!("the history would have {} lines", steps / every),
+                format!(
+                    "at most {MOST_LINES} are kept: choose --every {}",
+                    steps.div_ceil(MOST_LINES)
+                ),
+            ));
+        }
+        let (sampling, samples) = sampled(&wave, step, steps);
+        let amplitude = question.amplitude * problem.analysis.spacing();
+        let start = match question.seeded {
+            Seeded::Noise => noise(patch, amplitude, question.seed),
+            _ => patch.seed(&wave, amplitude),
+        };
+        let seeding = match question.seeded {
+            Seeded::Noise => "noise",
+            Seeded::Critical => "critical",
+            Seeded::Wave(_) | Seeded::Turns(_) => "wave",
+        };
+        let last = question.fields.saturating_sub(1).max(1);
+        let mut fields: Vec<u64> = (0..question.fields)
+            .map(|n| (u128::from(steps) * u128::from(n) / u128::from(last)) as u64)
+            .collect();
+        fields.dedup();
+        let decisive = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "settings": problem.settings.effective(),
+            "state": question.f.components(),
+            "cells": cells,
+            "seeding": seeding,
+            "seed": question.seed,
+            "wave": wave.wave.wave_vector,
+            "branch": wave.wave.branch,
+            "amplitude": question.amplitude,
+            "integrator": stepper.name(),
+            "step": step,
+            "steps": steps,
+            "every": every,
+            "fields": fields,
+        });
+        let sum = Sha256::digest(decisive.to_string().as_bytes());
+        Ok(Self {
+            stepper,
+            cells,
+            seeding,
+            tolerance: question.tolerance,
+            mark: sum
+                .iter()
+                .take(6)
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
+            wave,
+            step,
+            critical,
+            steps,
+            every,
+            sampling,
+            samples,
+            fields,
+            start,
+        })
+    }
+
+    /// Whether a page shows the run moving.
+    pub(super) fn is_shown(&self) -> bool {
+        self.fields.len() > 1 && self.start.displacements.len() * self.fields.len() <= SHOWN
+    }
+
+    /// The two rates of the wave as its record tells them; of those that travel that with the positive frequency first.
+    pub(super) fn rates(&self) -> [Complex; 2] {
+        let rates = self.wave.rates(self.step, self.sampling);
+        match rates[0].im.abs() > 1e-9 * rates[0].norm() {
+            true => {
+                let first = Complex::new(rates[0].re, rates[0].im.abs());
+                [first, first.conj()]
+            }
+            false => rates,
+        }
+    }
+}
+
+/// The wave that is seeded or measured.
+fn chosen(
+    problem: &Problem,
+    question: &Question,
+    patch: &dyn PatchMotion,
+    cells: &[usize],
+) -> Result<PatchWave, SimulateError> {
+    let waves = patch.waves();
+    let turns = match &question.seeded {
+        Seeded::Wave(k) => turns_of(problem, k, cells)?,
+        Seeded::Turns(turns) => turns.clone(),
+        Seeded::Critical | Seeded::Noise => {
+            // Translations of the whole patch apart.
+            let moving = waves.iter().filter(|wave| {
+                !(wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0))
+            });
+            let least =
+                |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
+            return moving
+                .min_by(least)
+                .cloned()
+                .ok_or_else(|| refused("the patch holds no wave", "choose more --cells"));
+        }
+    };
+    if turns.len() != cells.len() {
+        return Err(refused(
+            format!(
+                "--turns has {} numbers; expected {}",
+                turns.len(),
+                cells.len()
+            ),
+            "one for each side of the patch, for example 1,0",
+        ));
+    }
+    let folded = |sign: i64| -> Vec<usize> {
+        let pairs = turns.iter().zip(cells);
+        pairs
+            .map(|(turns, n)| (sign * turns).rem_euclid(*n as i64) as usize)
+            .collect()
+    };
+    let (own, opposite) = (folded(1), folded(-1));
+    let of_it: Vec<&PatchWave> = waves
+        .iter()
+        .filter(|wave| wave.turns == own || wave.turns == opposite)
+        .collect();
+    let found = of_it.iter().find(|wave| wave.branch == question.branch);
+    found.map(|wave| (*wave).clone()).ok_or_else(|| {
+        refused(
+            format!("there is no branch {}", question.branch),
+            format!(
+                "branches are counted from 1 to {} by increasing omega^2",
+                of_it.len()
+            ),
+        )
+    })
+}
+
+/// How many times a wave turns along each side of the patch.
+fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, SimulateError> {
+    if k.len() != cells.len() {
+        return Err(refused(
+            format!(
+                "--wave-vector has {} numbers; expected {}",
+                k.len(),
+                cells.len()
+            ),
+            "one for each dimension, for example 3.141592654,0",
+        ));
+    }
+    let mut in_space = nalgebra::Vector3::zeros();
+    in_space.iter_mut().zip(k).for_each(|(own, k)| *own = *k);
+    let fractional = problem.analysis.fractional(&in_space);
+    let turns: Vec<f64> = fractional
+        .iter()
+        .zip(cells)
+        .map(|(own, n)| own * *n as f64)
+        .collect();
+    if turns
+        .iter()
+        .any(|turns| (turns - turns.round()).abs() > TYPED * turns.abs().max(1.0))
+    {
+        let reciprocal = problem.analysis.reciprocal();
+        let mut nearest = nalgebra::Vector3::zeros();
+        for ((turns, n), b) in turns.iter().zip(cells).zip(reciprocal) {
+            nearest += b * (turns.round() / *n as f64);
+        }
+        return Err(refused(
+            format!(
+                "--wave-vector: the wave turns {} times along the sides of the patch, not whole times",
+                vector(&turns)
+            ),
+            format!(
+                "the nearest wave of a patch with these --cells is {}; or choose other --cells",
+                nearest
+                    .iter()
+                    .take(cells.len())
+                    .map(|x| exact(*x))
+                    .collect::<Vec<_>>()
+                    .join(",")
+            ),
+        ));
+    }
+    Ok(turns.iter().map(|turns| turns.round() as i64).collect())
+}
+
+fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, SimulateError> {
+    // What grows or travels fast is resolved by at least so many steps.
+    let resolved = natural(wave).map_or(f64::INFINITY, |time| time / FEWEST);
+    let step = match (question.time_step, question.fraction) {
+        (Some(step), _) => step,
+        (None, Some(fraction)) => fraction * critical,
+        (None, None) => (HALF * critical).min(resolved),
+    };
+    if !step.is_finite() {
+        return Err(refused(
+            "no wave of the patch oscillates, so no step is the largest stable one",
+            "give --time-step",
+        ));
+    }
+    if step > critical * (1.0 + 1e-12) && !question.is_supercritical {
+        return Err(refused(
+            format!(
+                "the step {} is {} of the largest stable one, {}: the fastest waves of the patch would grow whatever the material does",
+                told(step),
+                told(step / critical),
+                told(critical)
+            ),
+            "choose --fraction at most 1; to see them grow, --supercritical",
+        ));
+    }
+    Ok(step)
+}
+
+/// How long a wave is followed where nobody says: a period, or some e-folding times. None of zero-energy modes, which have no time. Time.
+fn natural(wave: &PatchWave) -> Option<f64> {
+    let rate = wave.rate.norm();
+    match (wave.has_zero_energy, wave.rate.re > 1e-9 * rate) {
+        (true, _) => None,
+        (false, true) => Some(E_FOLDINGS / wave.rate.re),
+        (false, false) => Some(2.0 * PI / rate),
+    }
+}
+
+fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, SimulateError> {
+    let count = match question.duration {
+        Duration::Steps(count) => return checked(count as f64),
+        Duration::Time(time) => (time / step).round(),
+        Duration::Natural => match natural(&wave.wave) {
+            Some(time) => (time / step).ceil().max(FEWEST),
+            None => OF_ZERO_ENERGY,
+        },
+    };
+    checked(count)
+}
+
+fn checked(count: f64) -> Result<u64, SimulateError> {
+    match count >= 1.0 && count <= STEPS as f64 {
+        true => Ok(count as u64),
+        false => Err(refused(
+            format!("the run would take {count:e} steps"),
+            format!("choose --steps from 1 to {STEPS}, or another --time"),
+        )),
+    }
+}
+
+/// Steps between samples, and how many samples there are.
+fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
+    let whole = |every: f64| every.floor().clamp(1.0, 1e9) as u32;
+    if wave.wave.has_zero_energy {
+        let every = whole(steps as f64 / SAMPLES as f64);
+        return (every, (steps / u64::from(every)).min(SAMPLES));
+    }
+    let phase = wave.factors[0].arg().abs();
+    let growth = wave.factors[0].norm().ln().abs();
+    // What turns by more than a quarter in a step is looked at in every second.
+    let every = match (phase > 0.5 * PI, phase > growth) {
+        (true, _) => 2,
+        (false, true) => whole(2.0 * PI / (OF_PERIOD * phase)),
+        (false, false) => whole(1.0 / (OF_GROWTH * growth)),
+    };
+    let rate = wave.rates(step, every)[0];
+    let samples = (steps / u64::from(every)).min(SAMPLES);
+    if rate.re <= rate.im.abs() {
+        return (every, samples);
+    }
+    let grown = (E_FOLDINGS / (rate.re * step * f64::from(every))).ceil();
+    (every, samples.min(grown as u64))
+}
+
+/// Displacements at random, of which the mean is zero.
+fn noise(patch: &dyn PatchMotion, amplitude: f64, seed: u64) -> PatchState {
+    let dimension = patch.dimension();
+    let count = patch.positions().len();
+    let mut state = seed;
+    let mut random = || {
+        // SplitMix64 (Steele, Lea, Flood 2014): the same on every machine.
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut displacements: Vec<f64> = (0..count * dimension)
+        .map(|_| amplitude * (2.0 * random() - 1.0))
+        .collect();
+    for axis in 0..dimension {
+        let own = displacements.iter().skip(axis).step_by(dimension);
+        let mean = own.sum::<f64>() / count as f64;
+        let own = displacements.iter_mut().skip(axis).step_by(dimension);
+        own.for_each(|u| *u -= mean);
+    }
+    PatchState {
+        step: 0,
+        velocities: vec![0.0; displacements.len()],
+        displacements,
+    }
+}

@@ -1,0 +1,59 @@
+//! Why a motion ends.
+
+use crate::method::MethodError;
+use std::fmt;
+use thiserror::Error;
+
+/// A motion that cannot go on: when, which particle, and where that is.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub struct Fault {
+    /// Time.
+    pub time: f64,
+    /// Steps that were taken.
+    pub step: u64,
+    /// The number of the particle.
+    pub particle: usize,
+    /// Where it is in the reference state; length.
+    pub position: Vec<f64>,
+    /// How far it has moved from the homogeneous state; length.
+    pub displacement: Vec<f64>,
+    /// Its velocity; length/time.
+    pub velocity: Vec<f64>,
+    /// Of the points that see it the deformation gradient with the smallest determinant, rows one after the other.
+    pub deformation: Vec<f64>,
+    /// Why.
+    pub ground: Ground,
+}
+
+/// Why a motion cannot go on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ground {
+    /// The material is turned inside out: the determinant of a deformation gradient is not positive.
+    Inverted,
+    /// The law is not defined there.
+    OutsideDomain,
+    /// The method has no forces there.
+    Method(MethodError),
+    /// A number beyond all numbers, or none.
+    NotFinite,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match &self.ground {
+            Ground::Inverted => "the material about it is inverted".to_owned(),
+            Ground::OutsideDomain => "the law is not defined there".to_owned(),
+            Ground::Method(error) => error.to_string(),
+            Ground::NotFinite => "its motion is beyond all numbers".to_owned(),
+        };
+        write!(
+            formatter,
+            "the motion ends at time {:e}, after {} steps, at particle {}: {what}\n  reference position {:?}, displacement {:?}, velocity {:?}",
+            self.time, self.step, self.particle, self.position, self.displacement, self.velocity
+        )?;
+        if !self.deformation.is_empty() {
+            write!(formatter, "\n  deformation gradient {:?}", self.deformation)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,375 @@
+//! A patch that moves.
+
+use super::equations::{Equations, Field};
+use super::waves::{critical_time_step, stepped, waves_of};
+use super::{Fault, Ground, PatchWave, SteppedWave, Stepper};
+use crate::algebra::Complex;
+use crate::bloch::WaveSystem;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::determinant;
+use crate::material::Hyperelastic;
+use crate::method::MethodError;
+use crate::scheme::{Discretization, NoForce, PatchForces, PeriodicPatch};
+use crate::time_step::Integrator;
+use nalgebra::SVector;
+use std::f64::consts::TAU;
+
+/// Where the particles of a patch are and how fast they move; vectors one after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PatchState {
+    /// Steps that were taken.
+    pub step: u64,
+    /// Displacements from the homogeneous state; length.
+    pub displacements: Vec<f64>,
+    /// Velocities as the integrator keeps them: of central differences those half a step before. Length/time.
+    pub velocities: Vec<f64>,
+}
+
+/// What a patch has as a whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantities {
+    /// `v.M v / 2`; energy (in one and two dimensions per unit of the dimensions that are left out).
+    pub kinetic: f64,
+    /// The work against the forces on the straight way from the homogeneous state: the potential energy, where forces have one.
+    pub potential: f64,
+    /// `sum M v`; mass length/time.
+    pub momentum: [f64; 3],
+    /// The largest displacement of a particle from the homogeneous state; length.
+    pub largest: f64,
+}
+
+/// A patch of particles in motion, whatever its dimension and method.
+pub trait PatchMotion {
+    /// The number of space dimensions.
+    fn dimension(&self) -> usize;
+
+    /// Where the particles are in the reference state; length.
+    fn positions(&self) -> Vec<[f64; 3]>;
+
+    /// The state.
+    fn state(&self) -> PatchState;
+
+    /// Takes a state up.
+    fn put(&mut self, state: &PatchState);
+
+    /// One step of time.
+    ///
+    /// # Errors
+    /// [`Fault`] where there are no forces, or no finite ones.
+    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>>;
+
+    /// Energies and momentum. `step` is that of the run.
+    ///
+    /// # Errors
+    /// [`Fault`] where there are no forces.
+    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>>;
+
+    /// The plane waves that fit into the patch, one of each pair of opposite ones. The first, as many as a cell has degrees of freedom, have the
+    /// wave vector zero.
+    fn waves(&self) -> &[PatchWave];
+
+    /// The largest stable step for these waves; time.
+    fn critical_time_step(&self, stepper: Stepper) -> f64;
+
+    /// A wave in discrete time; none where its eigenvalues do not converge.
+    fn stepped(&self, wave: &PatchWave, stepper: Stepper, step: f64) -> Option<SteppedWave>;
+
+    /// A wave alone, with the largest component of displacement given; length.
+    fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState;
+
+    /// The amplitude of a wave in the displacements; length.
+    fn amplitude(&self, wave: &SteppedWave) -> f64;
+}
+
+/// A patch of `D` dimensions in motion.
+pub struct MovingPatch<'a, const D: usize> {
+    discretization: &'a dyn Discretization<D>,
+    f: DeformationGradient,
+    patch: PeriodicPatch<D>,
+    system: WaveSystem<D>,
+    waves: Vec<PatchWave>,
+    positions: Field<D>,
+    equations: Equations<'a, D>,
+    u: Field<D>,
+    v: Field<D>,
+    count: u64,
+}
+
+/// Does something with the motion of a patch of cells about a homogeneous state.
+pub(crate) fn with_motion<const D: usize>(
+    discretization: &dyn Discretization<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    cells: [usize; D],
+    work: &mut dyn FnMut(&mut dyn PatchMotion),
+) -> Result<(), MethodError> {
+    let system = discretization.waves(material, f)?;
+    system.check_mass()?;
+    let patch = PeriodicPatch::new(discretization.crystal(), cells);
+    let mut result = Ok(());
+    discretization.with_forces(material, f, &patch, &mut |forces| match MovingPatch::new(
+        discretization,
+        f,
+        patch,
+        system.clone(),
+        forces,
+    ) {
+        Ok(mut patch) => work(&mut patch),
+        Err(none) => result = Err(none.source.unwrap_or(MethodError::NotFinite)),
+    })?;
+    result
+}
+
+impl<'a, const D: usize> MovingPatch<'a, D> {
+    fn new(
+        discretization: &'a dyn Discretization<D>,
+        f: &DeformationGradient,
+        patch: PeriodicPatch<D>,
+        system: WaveSystem<D>,
+        forces: &'a dyn PatchForces<D>,
+    ) -> Result<Self, NoForce> {
+        let crystal = discretization.crystal();
+        let particles = patch.particles();
+        let at_rest = vec![SVector::zeros(); patch.len()];
+        Ok(Self {
+            positions: particles.iter().map(|own| crystal.position(own)).collect(),
+            waves: waves_of(&system, &patch),
+            equations: Equations::new(&patch, &system, forces)?,
+            u: at_rest.clone(),
+            v: at_rest,
+            count: 0,
+            discretization,
+            f: *f,
+            patch,
+            system,
+        })
+    }
+
+    fn kick(&mut self, at: Option<[&Field<D>; 2]>, dt: f64) -> Result<(), NoForce> {
+        let [u, v] = at.unwrap_or([&self.u, &self.v]);
+        let acceleration = self.equations.acceleration(u, v)?;
+        self.v
+            .iter_mut()
+            .zip(acceleration)
+            .for_each(|(v, a)| *v += a * dt);
+        Ok(())
+    }
+
+    fn move_by(&mut self, velocities: &Field<D>, dt: f64) {
+        let drift = self.equations.drift(velocities);
+        self.u.iter_mut().zip(drift).for_each(|(u, v)| *u += v * dt);
+    }
+
+    /// As [`Integrator`] has it.
+    fn part(&mut self, integrator: Integrator, dt: f64) -> Result<(), NoForce> {
+        match integrator {
+            Integrator::CentralDifferences => {
+                self.kick(None, dt)?;
+                self.move_by(&self.v.clone(), dt);
+            }
+            Integrator::KickDriftKick => {
+                self.kick(None, 0.5 * dt)?;
+                self.move_by(&self.v.clone(), dt);
+                self.kick(None, 0.5 * dt)?;
+            }
+            Integrator::PredictorCorrector => {
+                let (u, v) = (self.u.clone(), self.v.clone());
+                self.kick(None, 0.5 * dt)?;
+                let predicted_v = std::mem::replace(&mut self.v, v.clone());
+                self.move_by(&v, 0.5 * dt);
+                let predicted_u = std::mem::replace(&mut self.u, u);
+                self.kick(Some([&predicted_u, &predicted_v]), dt)?;
+                let middle = v.iter().zip(&self.v).map(|(a, b)| (a + b) * 0.5).collect();
+                self.move_by(&middle, dt);
+            }
+        }
+        Ok(())
+    }
+
+    /// The velocities at the time of the displacements.
+    fn velocities_now(&self, stepper: Stepper, step: f64) -> Result<Field<D>, NoForce> {
+        if stepper.integrator() != Integrator::CentralDifferences {
+            return Ok(self.v.clone());
+        }
+        let acceleration = self.equations.acceleration(&self.u, &self.v)?;
+        let both = self.v.iter().zip(acceleration);
+        Ok(both.map(|(v, a)| v + a * (0.5 * step)).collect())
+    }
+
+    /// Of the points that see a particle the deformation gradient with the smallest determinant.
+    fn most_compressed(&self, particle: usize) -> Option<(f64, Vec<f64>)> {
+        let strain = self.discretization.strain().ok()?;
+        let mut worst: Option<(f64, Vec<f64>)> = None;
+        for point in strain.points() {
+            let form = point.forms.first()?;
+            for origin in self.patch.origins() {
+                let numbers = point.particles.iter();
+                let numbers: Vec<usize> = numbers
+                    .map(|own| self.patch.number(&own.moved(&origin)))
+                    .collect();
+                if !numbers.contains(&particle) || form.vectors().len() != numbers.len() {
+                    continue;
+                }
+                let mut own = self.f.leading::<D>();
+                for (number, b) in numbers.iter().zip(form.vectors()) {
+                    own += self.u[*number] * b.transpose();
+                }
+                let volume = determinant(&own);
+                if worst.as_ref().is_none_or(|(least, _)| volume < *least) {
+                    worst = Some((volume, own.transpose().iter().copied().collect()));
+                }
+            }
+        }
+        worst
+    }
+
+    fn fault(&self, none: NoForce, step: f64) -> Box<Fault> {
+        let particle = none.particle;
+        let of = |field: &Field<D>| field[particle].iter().copied().collect::<Vec<f64>>();
+        let compressed = self.most_compressed(particle);
+        let is_finite =
+            |field: &Field<D>| field.iter().all(|own| own.iter().all(|x| x.is_finite()));
+        let ground = match (none.source, &compressed) {
+            _ if !is_finite(&self.u) || !is_finite(&self.v) => Ground::NotFinite,
+            (Some(source), _) => Ground::Method(source),
+            (None, Some((volume, _))) if *volume <= 0.0 => Ground::Inverted,
+            _ => Ground::OutsideDomain,
+        };
+        Box::new(Fault {
+            time: self.count as f64 * step,
+            step: self.count,
+            particle,
+            position: of(&self.positions),
+            displacement: of(&self.u),
+            velocity: of(&self.v),
+            deformation: compressed.map_or_else(Vec::new, |(_, f)| f),
+            ground,
+        })
+    }
+}
+
+impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn positions(&self) -> Vec<[f64; 3]> {
+        let in_space =
+            |x: &SVector<f64, D>| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0));
+        self.positions.iter().map(in_space).collect()
+    }
+
+    fn state(&self) -> PatchState {
+        let flat = |field: &Field<D>| field.iter().flat_map(|x| x.iter().copied()).collect();
+        PatchState {
+            step: self.count,
+            displacements: flat(&self.u),
+            velocities: flat(&self.v),
+        }
+    }
+
+    fn put(&mut self, state: &PatchState) {
+        let field = |flat: &[f64]| {
+            flat.chunks_exact(D)
+                .map(SVector::from_column_slice)
+                .collect()
+        };
+        self.u = field(&state.displacements);
+        self.v = field(&state.velocities);
+        self.u.resize(self.patch.len(), SVector::zeros());
+        self.v.resize(self.patch.len(), SVector::zeros());
+        self.count = state.step;
+    }
+
+    fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>> {
+        for part in stepper.parts() {
+            self.part(stepper.integrator(), part * step)
+                .map_err(|none| self.fault(none, step))?;
+        }
+        self.count += 1;
+        let lost = self.u.iter().zip(&self.v).position(|(u, v)| {
+            !(u.iter().all(|x| x.is_finite()) && v.iter().all(|x| x.is_finite()))
+        });
+        match lost {
+            Some(particle) => Err(self.fault(
+                NoForce {
+                    particle,
+                    source: None,
+                },
+                step,
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>> {
+        let failed = |none| self.fault(none, step);
+        let velocities = self.velocities_now(stepper, step).map_err(failed)?;
+        let momentum = self.equations.momentum(&velocities);
+        Ok(Quantities {
+            kinetic: self.equations.kinetic_energy(&velocities),
+            potential: self.equations.work(&self.u).map_err(failed)?,
+            momentum: std::array::from_fn(|i| momentum.get(i).copied().unwrap_or(0.0)),
+            largest: self.u.iter().map(|u| u.norm()).fold(0.0, f64::max),
+        })
+    }
+
+    fn waves(&self) -> &[PatchWave] {
+        &self.waves
+    }
+
+    fn critical_time_step(&self, stepper: Stepper) -> f64 {
+        critical_time_step(&self.system, &self.waves, stepper)
+    }
+
+    fn stepped(&self, wave: &PatchWave, stepper: Stepper, step: f64) -> Option<SteppedWave> {
+        stepped(&self.system, wave, stepper, step)
+    }
+
+    fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState {
+        let sites = self.discretization.crystal().sites().len();
+        let field = |vector: &nalgebra::DVector<Complex>| {
+            let of = |(number, x): (usize, &SVector<f64, D>)| {
+                let turn = Complex::new(0.0, phase(wave, x)).exp() * amplitude;
+                let site = number % sites;
+                (0..D)
+                    .map(move |i| (D * site + i, turn))
+                    .collect::<Vec<_>>()
+            };
+            let all = self.positions.iter().enumerate().flat_map(of);
+            all.map(|(row, turn)| (vector[row] * turn).re).collect()
+        };
+        PatchState {
+            step: 0,
+            displacements: field(&wave.seed[0]),
+            velocities: field(&wave.seed[1]),
+        }
+    }
+
+    fn amplitude(&self, wave: &SteppedWave) -> f64 {
+        let sites = self.discretization.crystal().sites().len();
+        let mut sum = Complex::new(0.0, 0.0);
+        for (number, (u, x)) in self.u.iter().zip(&self.positions).enumerate() {
+            let turn = Complex::new(0.0, -phase(wave, x)).exp();
+            let site = number % sites;
+            for i in 0..D {
+                sum += wave.projector[D * site + i].conj() * turn * u[i];
+            }
+        }
+        let cells = self.patch.cells();
+        // A real field holds half of a wave, and half of its opposite, unless they are the same.
+        let turns = wave.wave.turns.iter().zip(cells);
+        let is_own_opposite = turns
+            .into_iter()
+            .all(|(turns, cells)| (2 * turns).is_multiple_of(cells));
+        let share = if is_own_opposite { 1.0 } else { 2.0 };
+        let norm = wave.projector.dotc(&wave.seed[0]) * cells.iter().product::<usize>() as f64;
+        (sum * share / norm).re
+    }
+}
+
+/// `k.X`, of a wave vector that fits into the patch.
+fn phase<const D: usize>(wave: &SteppedWave, x: &SVector<f64, D>) -> f64 {
+    let along = wave.wave.wave_vector.iter().zip(x.iter());
+    along.map(|(k, x)| k * x).sum::<f64>() % TAU
+}
