@@ -293,8 +293,8 @@ fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
     );
 }
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`; eigenvalues there are good to eight
-/// digits.
+/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`; eigenvalues there are perturbed,
+/// and good to seven digits.
 #[test]
 fn models_of_python_packages_have_the_stress_that_these_compute() {
     let volume = "fem.Volumetric(bulk=50.0)";
@@ -372,7 +372,7 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
         let found = [stress[(0, 0)], stress[(1, 0)], stress[(2, 2)]];
         for (found, expected) in found.into_iter().zip(expected) {
             assert!(
-                (found - expected).abs() < 2e-8,
+                (found - expected).abs() < 5e-8,
                 "{found} is not {expected}: {text}"
             );
         }

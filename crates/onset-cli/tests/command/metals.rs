@@ -106,7 +106,7 @@ fn a_script_of_felupe_is_the_same_law_in_words_of_its_own() {
     let text = "umat = fem.Hyperelastic(fem.yeoh, C10=0.5, C20=-0.05, C30=0.02) & fem.Volumetric(bulk=50)\n";
     std::fs::write(&file, text).expect("a script");
     let answer = onset_line(&format!(
-        "criteria {} --from felupe --mode uniaxial",
+        "criteria {} --from felupe --mode uniaxial --range 0.9,1.1",
         file.display()
     ));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);

@@ -44,7 +44,7 @@ pub(in super::super) const MURNAGHAN: Law = Law {
             "n",
             "1",
             7.0,
-            Admitted::Between(1.0, f64::INFINITY),
+            Admitted::Between(1.0, 1000.0),
             "derivative of the bulk modulus by the pressure",
         ),
     ],
