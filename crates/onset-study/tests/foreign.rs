@@ -293,8 +293,8 @@ fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
     );
 }
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`; eigenvalues there are perturbed,
-/// and good to seven digits.
+/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`. Where these take eigenvalues, which they
+/// perturb, the numbers are those of the documented energies with 30 digits, which felupe meets to 6e-7.
 #[test]
 fn models_of_python_packages_have_the_stress_that_these_compute() {
     let volume = "fem.Volumetric(bulk=50.0)";
@@ -315,11 +315,11 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
     let cases = [
         (
             felupe("ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5]"),
-            [7.66872778775788, -0.924805859634899, 8.54858040701296],
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
         ),
         (
             felupe("ogden, mu=np.array([1.0, 0.2]), alpha=(1.7, -1.5), parallel=True"),
-            [7.66872778775788, -0.924805859634899, 8.54858040701296],
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
         ),
         (
             felupe("yeoh, C10=0.5, C20=-0.05, C30=0.02"),
@@ -335,11 +335,11 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
         ),
         (
             felupe("extended_tube, Gc=0.1867, Ge=0.2169, beta=0.2, delta=0.09693"),
-            [7.48638537936369, -0.856037651481366, 8.58849521907646],
+            [7.48638537088863, -0.856037678833718, 8.58849524359671],
         ),
         (
             felupe("storakers, mu=[4.1625, 20.7], alpha=[4.5, -4.5], beta=[0.92, 0.92]"),
-            [13.1360366671597, -3.03742986221332, 7.12055393999053],
+            [13.1360364696482, -3.03743045064814, 7.12055390869547],
         ),
         (
             (
@@ -360,7 +360,7 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
                 "stretches.Ogden(mu=[1.0, 0.2], alpha=[1.7, -1.5])",
                 "StretchesFramework",
             ),
-            [7.66872778775788, -0.924805859634899, 8.54858040701296],
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
         ),
     ];
     let f = DeformationGradient::new(STATES[0]).expect("a state");
@@ -372,7 +372,7 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
         let found = [stress[(0, 0)], stress[(1, 0)], stress[(2, 2)]];
         for (found, expected) in found.into_iter().zip(expected) {
             assert!(
-                (found - expected).abs() < 5e-8,
+                (found - expected).abs() < 1e-10,
                 "{found} is not {expected}: {text}"
             );
         }
