@@ -66,7 +66,7 @@ fn pressure_and_modulus(law: &dyn Hyperelastic, jacobian: f64) -> (f64, f64) {
 #[test]
 fn the_bulk_modulus_of_murnaghan_is_linear_in_the_pressure_and_tait_compression_logarithmic() {
     let fluid = law("murnaghan", &[("mu", 0.0), ("kappa", 2.2), ("n", 7.15)]);
-    let tait = law("tait", &[("mu", 0.0), ("kappa", 2.2), ("c", 0.137)]);
+    let tait = law("tait", &[("mu", 0.0), ("kappa", 2.2), ("tait-c", 0.137)]);
     for jacobian in [0.7, 0.9, 0.99, 1.02] {
         let (pressure, modulus) = pressure_and_modulus(&*fluid, jacobian);
         assert!((modulus - (2.2 + 7.15 * pressure)).abs() < 1e-11 * modulus);

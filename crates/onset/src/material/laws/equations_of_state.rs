@@ -66,21 +66,21 @@ pub(in super::super) const MURNAGHAN: Law = Law {
 
 pub(in super::super) const TAIT: Law = Law {
     name: "tait",
-    formula: "W = mu/2 (J^(-2/3) I1 - 3) + kappa c (c (exp((1 - J)/c) - 1) - (1 - J)), pressure kappa c (exp((1 - J)/c) - 1)",
+    formula: "W = mu/2 (J^(-2/3) I1 - 3) + kappa tait-c (tait-c (exp((1 - J)/tait-c) - 1) - (1 - J)), pressure kappa tait-c (exp((1 - J)/tait-c) - 1)",
     parameters: &[
         shear(1.0),
         bulk(100.0),
         Parameter::new(
-            "c",
+            "tait-c",
             "1",
             0.137,
             Admitted::Positive,
-            "compression 1 - J in which kappa c + p grows e-fold",
+            "compression 1 - J in which kappa tait-c + p grows e-fold",
         ),
     ],
     domain: "all J > 0; liquids and polymers, mostly at J < 1; polyconvex; with mu = 0 a fluid, not strongly elliptic",
     source: "Tait, Challenger Reports, Physics and Chemistry 2 (1888), in Tammann's form (Dymond and Malhotra, Int. J. Thermophys. 9 (1988) 941); for \
-             water c = 0.315 / ln 10 (Li, J. Geophys. Res. 72 (1967) 2665); what codes of smoothed particle hydrodynamics call Tait's is `murnaghan`; \
+             water tait-c = 0.315 / ln 10 (Li, J. Geophys. Res. 72 (1967) 2665); what codes of smoothed particle hydrodynamics call Tait's is `murnaghan`; \
              defaults: kappa = 100 mu, any unit of stress",
     make: |p| {
         let volume = Tait {
