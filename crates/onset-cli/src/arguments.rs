@@ -728,8 +728,8 @@ pub struct TrustArguments {
 pub struct LawArguments {
     /// A study file whose law is meant, - for standard input [default: the law of --set alone].
     pub file: Option<PathBuf>,
-    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...) or ansys (TB,HYPER ...), whose constants are read with the meaning
-    /// that they have there.
+    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...))
+    /// or hyperelastic (ThirdOrderDeformation(C10=...)), whose constants are read with the meaning that they have there.
     #[arg(long, value_name = "PROGRAM", requires = "file")]
     pub from: Option<Program>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).

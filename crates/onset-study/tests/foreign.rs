@@ -292,3 +292,147 @@ fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
         .is_err()
     );
 }
+
+/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`. Where these take eigenvalues, which they
+/// perturb, the numbers are those of the documented energies with 30 digits, which felupe meets to 6e-7.
+#[test]
+fn models_of_python_packages_have_the_stress_that_these_compute() {
+    let volume = "fem.Volumetric(bulk=50.0)";
+    let felupe = |model: &str| {
+        (
+            Program::Felupe,
+            format!(
+                "import felupe as fem\n# a fit\numat = fem.Hyperelastic(fem.{model}) & {volume}\n"
+            ),
+        )
+    };
+    let hyperelastic = |model: &str, framework: &str| {
+        let text = format!(
+            "model = hyperelastic.models.{model}\nframework = hyperelastic.{framework}(model)\numat = hyperelastic.DistortionalSpace(framework) & {volume}"
+        );
+        (Program::Hyperelastic, text)
+    };
+    let cases = [
+        (
+            felupe("ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5]"),
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
+        ),
+        (
+            felupe("ogden, mu=np.array([1.0, 0.2]), alpha=(1.7, -1.5), parallel=True"),
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
+        ),
+        (
+            felupe("yeoh, C10=0.5, C20=-0.05, C30=0.02"),
+            [7.61281368575363, -0.904508179189547, 8.55640867114423],
+        ),
+        (
+            felupe("third_order_deformation,\n  C10=0.5, C01=0.1, C11=0.05, C20=-0.05, C30=2e-2"),
+            [7.67185132669028, -0.926101861740193, 8.54723748295618],
+        ),
+        (
+            felupe("arruda_boyce, C1=1.0, limit=3.2"),
+            [7.63523150356284, -0.913024019523347, 8.55115928757531],
+        ),
+        (
+            felupe("extended_tube, Gc=0.1867, Ge=0.2169, beta=0.2, delta=0.09693"),
+            [7.48638537088863, -0.856037678833718, 8.58849524359671],
+        ),
+        (
+            felupe("storakers, mu=[4.1625, 20.7], alpha=[4.5, -4.5], beta=[0.92, 0.92]"),
+            [13.1360364696482, -3.03743045064814, 7.12055390869547],
+        ),
+        (
+            (
+                Program::Felupe,
+                "fem.NeoHooke(mu=1.0, bulk=50.0)".to_owned(),
+            ),
+            [7.61976360685433, -0.907148240721396, 8.55478126914009],
+        ),
+        (
+            hyperelastic(
+                "invariants.ThirdOrderDeformation(C10=0.5, C20=-0.05, C30=0.02)",
+                "InvariantsFramework",
+            ),
+            [7.61281368575363, -0.904508179189547, 8.55640867114423],
+        ),
+        (
+            hyperelastic(
+                "stretches.Ogden(mu=[1.0, 0.2], alpha=[1.7, -1.5])",
+                "StretchesFramework",
+            ),
+            [7.66872778795476, -0.924805865087621, 8.54858041019004],
+        ),
+    ];
+    let f = DeformationGradient::new(STATES[0]).expect("a state");
+    for ((program, text), expected) in cases {
+        let stress = read(program, &text, &[])
+            .response(&f)
+            .expect("finite")
+            .first_piola;
+        let found = [stress[(0, 0)], stress[(1, 0)], stress[(2, 2)]];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 1e-10,
+                "{found} is not {expected}: {text}"
+            );
+        }
+    }
+}
+
+/// "The sum of the moduli mu_i is equal to the initial shear modulus", says felupe of Ogden's law; Abaqus' convention is the same one.
+#[test]
+fn moduli_of_ogden_in_felupe_add_up_to_the_shear_modulus() {
+    let text = "fem.Hyperelastic(fem.ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5])";
+    let law = read(Program::Felupe, text, &["material.kappa=10"]);
+    let shear = law.undeformed().expect("a reference").tangent[(0, 1, 0, 1)];
+    assert!((shear - 1.2).abs() < 1e-12, "{shear}");
+    let block = "*HYPERELASTIC, OGDEN, N=2\n1.0, 1.7, 0.2, -1.5, 0.2, 0.0";
+    let of_abaqus = read(Program::Abaqus, block, &[]);
+    let f = DeformationGradient::new(STATES[2]).expect("a state");
+    let [one, other] = [law, of_abaqus].map(|law| law.response(&f).expect("finite").first_piola);
+    assert!((one - other).amax() < 1e-12);
+}
+
+#[test]
+fn what_python_packages_do_not_say_is_refused_with_the_place() {
+    for (program, text, fact) in [
+        (
+            Program::Felupe,
+            "fem.Hyperelastic(gent, mu=1.0, Jm=50)",
+            "no model of Gent's law",
+        ),
+        (Program::Felupe, "x = 1\n", "there is no model of felupe"),
+        (
+            Program::Felupe,
+            "fem.Hyperelastic(fem.ogden, mu=mu, alpha=[2])",
+            "mu is `mu`",
+        ),
+        (
+            Program::Felupe,
+            "fem.Hyperelastic(fem.ogden, mu=[1.0, 2.0], alpha=[2])",
+            "differ in length",
+        ),
+        (
+            Program::Felupe,
+            "fem.Hyperelastic(fem.ogden, mu=[1.0], alpha=[0.0])",
+            "alpha is 0",
+        ),
+        (
+            Program::Felupe,
+            "fem.Hyperelastic(fem.yeoh, C10=0.5, C01=1)",
+            "no argument `C01`",
+        ),
+        (Program::Felupe, "fem.NeoHooke(1.0, 2.0)", "has no name"),
+        (
+            Program::Hyperelastic,
+            "\nm = Ogden(mu=[1], alpha=[2])\numat = DeformationSpace(StretchesFramework(m))",
+            "stress at F = 1",
+        ),
+        (Program::Hyperelastic, "Ogden(mu=[1])", "has no `alpha`"),
+    ] {
+        let error = law_from(program, "a script", text, &[])
+            .expect_err(text)
+            .to_string();
+        assert!(error.contains(fact), "{error}");
+    }
+}

@@ -206,7 +206,8 @@ fn the_book_has_every_law_as_the_library_describes_it() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/materials.md");
     let page = std::fs::read_to_string(page).expect("the page on materials");
     let mut rows = 0;
-    for law in onset::material::library() {
+    let laws = onset::material::library().iter();
+    for law in laws.chain(onset::plasticity::library()) {
         let mut block = format!(
             "### {}\n\n```text\n{}\n```\n\n| parameter | unit | default | expects | meaning |\n|---|---|---|---|---|\n",
             law.name, law.formula

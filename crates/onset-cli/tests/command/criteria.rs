@@ -275,7 +275,9 @@ fn blocks_that_determine_no_law_are_refused_with_their_line() {
     assert_eq!(answer.code, Some(2));
     let answer = onset(&["criteria", "x.inp", "--from", "comsol"]);
     assert!(
-        answer.stderr.contains("abaqus or ansys"),
+        answer
+            .stderr
+            .contains("abaqus, ansys, felupe or hyperelastic"),
         "{}",
         answer.stderr
     );

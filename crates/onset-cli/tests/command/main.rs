@@ -25,6 +25,7 @@ mod map_python;
 mod map_refusals;
 #[cfg(unix)]
 mod map_survival;
+mod metals;
 mod methods;
 mod modes;
 mod numbers;

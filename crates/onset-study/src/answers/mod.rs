@@ -19,7 +19,7 @@ pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
 pub use course::{Course, LoadingOfPath, PathSample, PathSamples};
 pub use diagram::{Corner, CriticalWave, DensityOfStates, Diagram};
 pub use dispersion::{DispersionAnswer, Waves};
-pub use notes::{notes, notes_on_law, notes_on_method};
+pub use notes::{is_stressed, notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};

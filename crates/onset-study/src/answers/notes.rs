@@ -8,16 +8,51 @@ use onset::material::Hyperelastic;
 /// Stresses at `F = 1` below this share of the stiffness are rounding.
 const UNSTRESSED: f64 = 1e-9;
 
-/// What a reader of an answer must know of the law: that it has stress at `F = 1`, where it has.
+/// What a reader of an answer must know of the law: that it has stress at `F = 1`, or no stiffness against shear, where it is so.
 pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
+    let stress = stress_at_rest(material);
+    stress.into_iter().chain(fluid(material)).collect()
+}
+
+/// Whether a law has stress at `F = 1`.
+pub fn is_stressed(material: &dyn Hyperelastic) -> bool {
+    stress_at_rest(material).is_some()
+}
+
+/// That a law is a fluid, where it is.
+fn fluid(material: &dyn Hyperelastic) -> Option<String> {
+    let response = material.response(&DeformationGradient::identity()).ok()?;
+    let stiffness = response.tangent.largest();
+    let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
+    let is_fluid =
+        shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness);
+    (is_fluid && stiffness > 0.0).then(|| {
+        "the law has no stiffness against shear at F = 1: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
+         motions of the particles that keep all volumes cost nothing"
+            .to_owned()
+    })
+}
+
+/// That the tangent of a law depends on the path, where it does.
+fn note_on_flow(settings: &Settings) -> Option<String> {
+    let model = settings.material.model;
+    model.is_elastic_plastic().then(|| {
+        format!(
+            "{} is elastic-plastic: the state is reached along R U^t, 0 <= t <= 1, and beyond yield waves meet the tangent of continued flow (Hill's linear \
+             comparison solid); unloading is stiffer, so that a stable state is stable, and a loss needs waves on a load that goes on",
+            model.name()
+        )
+    })
+}
+
+/// The stress of a law at `F = 1`, in words, where it has one.
+fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
     // A law without a reference state is told by whoever evaluates it.
-    let Ok(response) = material.response(&DeformationGradient::identity()) else {
-        return Vec::new();
-    };
+    let response = material.response(&DeformationGradient::identity()).ok()?;
     let stiffness = response.tangent.largest();
     let cauchy = response.cauchy();
     if cauchy.amax() <= UNSTRESSED * stiffness {
-        return Vec::new();
+        return None;
     }
     let components = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
     let told: Vec<String> = components
@@ -32,16 +67,17 @@ pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
             )
         })
         .collect();
-    vec![format!(
+    Some(format!(
         "the law has stress at F = 1 ({}): its reference state is stressed, F = 1 is not an unstressed reference configuration, and stretches are \
          not measured from one",
         told.join(", ")
-    )]
+    ))
 }
 
 /// What a reader of an answer must know of law and method.
 pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(material);
+    notes.extend(note_on_flow(settings));
     notes.extend(notes_on_method(settings));
     notes
 }

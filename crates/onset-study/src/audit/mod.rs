@@ -41,6 +41,12 @@ pub enum AuditError {
         Convention::JaumannKirchhoff.name()
     )]
     Convention,
+    /// A law whose tangent is not the derivative of its stress along paths from the reference.
+    #[error(
+        "{0} is elastic-plastic: its tangent is that of continued flow, and not the derivative of the stress by the end of the path\n  hint: an audit is for laws with an energy \
+         and for UMATs, whose last increment is compared"
+    )]
+    Flow(&'static str),
     /// A state near one of those asked for is none.
     #[error("{source}\n  hint: choose smaller strains")]
     Kinematics {
@@ -112,6 +118,9 @@ impl Audit {
             (Some(umat), None) => {
                 let umat = Umat::new(umat).map_err(MaterialError::from)?;
                 Self::new(&name, &Subject::User(&umat), states)
+            }
+            (None, _) if settings.model.is_elastic_plastic() => {
+                Err(AuditError::Flow(settings.model.name()))
             }
             (None, convention) => {
                 let law = settings.build()?;

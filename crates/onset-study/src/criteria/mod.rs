@@ -8,7 +8,7 @@ mod sentence;
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
-use crate::answers::notes_on_law;
+use crate::answers::{is_stressed, notes_on_law};
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
     Change, Criterion, Event, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
@@ -449,10 +449,9 @@ impl EndAnswer {
 /// Shear and bulk modulus at small strains, by which constants in a wrong convention show.
 fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
     let response = material.undeformed().ok()?;
-    let is_stressed = !notes_on_law(material).is_empty();
     let shear = response.tangent[(0, 1, 0, 1)];
     let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (is_isotropic(material) && !is_stressed).then_some([shear, bulk])
+    (is_isotropic(material) && !is_stressed(material)).then_some([shear, bulk])
 }
 
 /// A setting as it is written in JSON.

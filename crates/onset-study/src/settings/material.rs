@@ -369,7 +369,7 @@ mod tests {
 
     #[test]
     fn every_parameter_of_every_law_can_be_set_and_is_what_was_set() {
-        for law in library() {
+        for law in library().iter().chain(onset::plasticity::library()) {
             for parameter in law.parameters {
                 let settings = Settings::from_assignments(&[
                     format!("material.{}={:?}", parameter.name, parameter.default * 1.25),
@@ -385,7 +385,7 @@ mod tests {
 
     #[test]
     fn parameters_of_one_name_have_one_unit_and_fit_under_a_key() {
-        for law in library() {
+        for law in library().iter().chain(onset::plasticity::library()) {
             for parameter in law.parameters {
                 let key = Key::named(&format!("material.{}", parameter.name)).expect("a key");
                 assert_eq!(

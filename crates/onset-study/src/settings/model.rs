@@ -8,6 +8,7 @@ pub(super) use umat::{LIBRARY, sum};
 use super::error::SettingError;
 use super::{Key, MaterialSettings};
 use onset::material::{Hyperelastic, Law, MaterialError, Parameter, library};
+use onset::plasticity;
 use serde::{Serialize, Serializer};
 
 /// A user-defined model: the keys that it needs, and how it is made from them.
@@ -37,7 +38,7 @@ const OWN: &[OwnModel] = &[formula::MODEL, umat::MODEL];
 /// A model.
 #[derive(Clone, Copy, Debug)]
 pub enum Model {
-    /// A law of the library.
+    /// A law of the library, elastic or elastic-plastic.
     Law(&'static Law),
     /// A user-defined one.
     Own(&'static OwnModel),
@@ -67,8 +68,8 @@ impl Serialize for Model {
 impl Model {
     /// All models, in the order of the documentation.
     pub fn all() -> impl Iterator<Item = Self> + Clone {
-        let laws = library().iter().map(Self::Law);
-        laws.chain(OWN.iter().map(Self::Own))
+        let laws = library().iter().chain(plasticity::library());
+        laws.map(Self::Law).chain(OWN.iter().map(Self::Own))
     }
 
     /// The model with a name.
@@ -82,6 +83,11 @@ impl Model {
             Self::Law(law) => law.name,
             Self::Own(model) => model.name,
         }
+    }
+
+    /// Whether it is one of the elastic-plastic laws, whose tangent is that of continued flow.
+    pub fn is_elastic_plastic(self) -> bool {
+        matches!(self, Self::Law(law) if plasticity::library().contains(law))
     }
 
     /// Its parameters; none of a model that names them itself.

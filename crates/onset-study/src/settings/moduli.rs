@@ -235,6 +235,7 @@ mod tests {
         let mut count = 0;
         for law in library()
             .iter()
+            .chain(onset::plasticity::library())
             .filter(|law| law.symmetry == Symmetry::Isotropic)
         {
             // Blatz and Ko's foam has Poisson's ratio 1/4, whatever is asked for.

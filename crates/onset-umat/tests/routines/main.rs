@@ -1,5 +1,6 @@
 //! Routines written in Fortran, in processes of their own.
 
+mod crystal;
 mod failures;
 mod fortran;
 mod interface;

@@ -3,6 +3,7 @@
 mod decomposition;
 mod directions;
 mod eigen;
+mod gauss;
 mod golden;
 mod pack;
 mod symmetric;
@@ -14,6 +15,7 @@ pub(crate) use decomposition::Decomposition;
 pub(crate) use directions::directions;
 pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
+pub(crate) use gauss::unit_interval;
 pub(crate) use golden::GoldenSection;
 pub(crate) use pack::{Mask, Pack, WIDEST};
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};

@@ -130,6 +130,14 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             "a convex, rising function of J^(-2/3) I1, and a convex one of J",
             CHARRIER,
         ),
+        "murnaghan" | "tait" => yes(
+            "J^(-2/3) I1 and a convex function of J, since the pressure falls with the volume",
+            CHARRIER,
+        ),
+        "mie-grueneisen" if value("mu") == 0.0 => no(
+            "without a deviator it is a function of J alone, whose pressure turns back in tension",
+            BALL,
+        ),
         "yeoh" if all_not_negative(&["c10", "c20", "c30"]) => yes(
             "a convex, rising function of J^(-2/3) I1 since no constant is negative, and a convex one of J",
             CHARRIER,

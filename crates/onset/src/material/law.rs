@@ -61,7 +61,7 @@ pub struct Parameter {
 
 impl Parameter {
     /// A parameter; for the tables of laws.
-    pub(super) const fn new(
+    pub(crate) const fn new(
         name: &'static str,
         unit: &'static str,
         default: f64,
@@ -107,7 +107,7 @@ impl Symmetry {
 pub type SmallStrainStiffness = [[f64; 6]; 6];
 
 /// Hooke's stiffness `C_IJKL = (K - 2/3 mu) d_IJ d_KL + mu (d_IK d_JL + d_IL d_JK)`.
-pub(super) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffness {
+pub(crate) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffness {
     let lambda = bulk_modulus - shear_modulus / 1.5;
     std::array::from_fn(|a| {
         std::array::from_fn(|b| match (a, b) {
@@ -119,7 +119,7 @@ pub(super) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffne
 }
 
 /// A material, or why it cannot be made.
-type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
+pub(crate) type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
 
 /// A law of the library: what it is called, what it says, what it needs, where it holds, and how it is made.
 ///
@@ -153,9 +153,9 @@ pub struct Law {
     /// Where it is from, and where its defaults are from.
     pub source: &'static str,
     /// The stiffness at small strains in closed form, from parameters in their order; units of stress.
-    pub(super) stiffness: fn(&[f64]) -> SmallStrainStiffness,
+    pub(crate) stiffness: fn(&[f64]) -> SmallStrainStiffness,
     /// The law with parameters in their order, each of them admitted.
-    pub(super) make: fn(&[f64]) -> Made,
+    pub(crate) make: fn(&[f64]) -> Made,
 }
 
 /// Laws are told apart by their names.

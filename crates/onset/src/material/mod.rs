@@ -11,6 +11,7 @@ mod principal;
 mod tensors;
 
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
+pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;

@@ -13,6 +13,7 @@
 //! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
 //! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
 //!   `mu != beta`: [`Criterion`].
+//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path.
 //! - [`follow`]: a loading path, and the first slip at which `h` falls to the critical modulus.
 //!
 //! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
@@ -23,8 +24,10 @@
 mod cubic;
 mod finite;
 mod hardening;
+mod integration;
 mod law;
 mod localization;
+mod metal;
 mod moduli;
 mod path;
 mod return_mapping;
@@ -35,6 +38,7 @@ pub use finite::{FiniteState, FiniteUpdate};
 pub use hardening::Hardening;
 pub use law::DruckerPrager;
 pub use localization::{Band, BandKind, Criterion, Critical};
+pub use metal::library;
 pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
 pub use return_mapping::{Branch, State, Update};

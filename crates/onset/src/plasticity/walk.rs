@@ -1,5 +1,6 @@
 //! The equations of a loading path along its fixed axes, and their integration.
 
+use super::integration::{Stop, integrate};
 use super::path::{Bands, End, Load, Loading, LoadingPath, PathPoint, Strains};
 use super::{Criterion, DruckerPrager, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -9,12 +10,6 @@ const ELASTIC_STRAIN: f64 = 1.0;
 
 /// Relative error admitted to a step of the integration.
 const ACCURACY: f64 = 1e-12;
-
-/// Steps shorter than this part of the slip are taken whatever their error.
-const SHORTEST: f64 = 1e-12;
-
-/// Steps admitted to the integration from one point to the next.
-const MOST_STEPS: usize = 20_000;
 
 /// Strains and stresses (Kirchhoff at finite strain) along the axes.
 type Point = SVector<f64, 6>;
@@ -217,12 +212,8 @@ impl<'a> Walk<'a> {
         ))
     }
 
-    /// Integrates from one slip to another (J. R. Dormand and P. J. Prince, *J. Comput. Appl. Math.* 6 (1980) 19).
+    /// Integrates from one slip to another.
     pub(super) fn advance(&self, start: &Point, from: f64, to: f64) -> Result<Point, End> {
-        let (mut y, mut slip) = (*start, from);
-        if slip >= to {
-            return Ok(y);
-        }
         // Errors count against the strain of first yield and the strength.
         let strength = self.law.hardening().strength(0.0);
         let size = Point::from_fn(|i, _| {
@@ -232,89 +223,11 @@ impl<'a> Walk<'a> {
                 strength
             }
         });
-        let mut step = to - from;
-        for _ in 0..MOST_STEPS {
-            let last = slip + step >= to;
-            let length = if last { to - slip } else { step };
-            let shortest = length <= SHORTEST * to;
-            let (next, difference) = match self.dormand_prince(&y, slip, length) {
-                Ok(reached) => reached,
-                Err(end) if shortest => return Err(end),
-                // Too long a step may have left the path; only short ones tell that it ends.
-                Err(_) => {
-                    step = 0.1 * length;
-                    continue;
-                }
-            };
-            let error = difference.component_div(&size).amax();
-            let factor = 0.9 * (ACCURACY / error.max(1e-30)).powf(0.2);
-            if error <= ACCURACY || shortest {
-                y = next;
-                slip = if last { to } else { slip + length };
-            }
-            if slip >= to {
-                return Ok(y);
-            }
-            step = length * factor.clamp(0.1, 4.0);
-        }
-        Err(End::TooStiff)
-    }
-
-    /// One step, and an estimate of its error.
-    fn dormand_prince(&self, y: &Point, slip: f64, step: f64) -> Result<(Point, Point), End> {
-        const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
-        const WEIGHTS: [&[f64]; 7] = [
-            &[],
-            &[0.2],
-            &[3.0 / 40.0, 9.0 / 40.0],
-            &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-            &[
-                19372.0 / 6561.0,
-                -25360.0 / 2187.0,
-                64448.0 / 6561.0,
-                -212.0 / 729.0,
-            ],
-            &[
-                9017.0 / 3168.0,
-                -355.0 / 33.0,
-                46732.0 / 5247.0,
-                49.0 / 176.0,
-                -5103.0 / 18656.0,
-            ],
-            &[
-                35.0 / 384.0,
-                0.0,
-                500.0 / 1113.0,
-                125.0 / 192.0,
-                -2187.0 / 6784.0,
-                11.0 / 84.0,
-            ],
-        ];
-        // Fifth less fourth order.
-        const ERROR: [f64; 7] = [
-            71.0 / 57600.0,
-            0.0,
-            -71.0 / 16695.0,
-            71.0 / 1920.0,
-            -17253.0 / 339200.0,
-            22.0 / 525.0,
-            -1.0 / 40.0,
-        ];
-        let mut stages = [Point::zeros(); 7];
-        let mut next = *y;
-        for stage in 0..7 {
-            next = *y;
-            for (weight, rate) in WEIGHTS[stage].iter().zip(&stages) {
-                next += rate * (weight * step);
-            }
-            stages[stage] = self.rates(&next, slip + NODES[stage] * step)?;
-        }
-        let error = ERROR
-            .iter()
-            .zip(&stages)
-            .map(|(weight, rate)| rate * (weight * step))
-            .sum();
-        Ok((next, error))
+        let rates = |y: &Point, slip: f64| self.rates(y, slip);
+        integrate(start, [from, to], &size, ACCURACY, rates).map_err(|stop| match stop {
+            Stop::Rates(end) => end,
+            Stop::TooManySteps => End::TooStiff,
+        })
     }
 
     /// The state with its critical moduli.

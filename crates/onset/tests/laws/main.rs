@@ -3,6 +3,7 @@
 mod directions;
 mod ellipticity;
 mod energy;
+mod equations_of_state;
 mod extremes;
 mod intervals;
 mod lanes;

@@ -3,7 +3,7 @@
 //! Energies as the Mechanical APDL Theory Reference has them: `d = 2/K`, with `(J - 1)^(2i)/d_i` but for Arruda-Boyce and Gent, whose part is
 //! `((J^2 - 1)/2 - ln J)/d`; Ogden's moduli with `mu/alpha`.
 
-use super::law::{Energy, ForeignLaw, powers_of_volume};
+use super::law::{Energy, ForeignLaw, extended_tube};
 use super::{Trouble, number};
 
 /// A table of constants.
@@ -70,7 +70,7 @@ pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
             Ok(law)
         }
         "FOAM" => foam(&table, title),
-        "ETUBE" => extended_tube(&table, title),
+        "ETUBE" => tube(&table, title),
         other => Err(Trouble::new(
             line,
             format!("TB,HYPER with `{other}` is not read"),
@@ -260,33 +260,7 @@ fn foam(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     Ok(law)
 }
 
-/// Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J - 1)^2/d`,
-/// `x = I1bar - 3`.
-fn extended_tube(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
+fn tube(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let c = table.constants(5)?;
-    let [gc, delta, ge, beta] = [c[0], c[1], c[2], c[3]];
-    if beta == 0.0 {
-        return Err(Trouble::new(
-            table.line,
-            "beta is 0",
-            "the constants are Gc, delta, Ge, beta, d",
-        ));
-    }
-    let energy = format!(
-        "let x = I1bar - 3; gc/2*((1 - delta^2)*x/(1 - delta^2*x) + ln(1 - delta^2*x)) \
-         + 2*ge/beta^2*((lambda1^(-beta) + lambda2^(-beta) + lambda3^(-beta))*J^(beta/3) - 3) + {}",
-        powers_of_volume(&c[4..])
-    );
-    let constants = [("gc", gc), ("delta", delta), ("ge", ge), ("beta", beta)];
-    let constants = constants
-        .map(|(name, value)| (name.to_owned(), value))
-        .to_vec();
-    let shear = gc * (1.0 - 2.0 * delta * delta) + ge;
-    Ok(ForeignLaw::new(
-        table.line,
-        title,
-        Energy::Formula(energy),
-        constants,
-        (shear, &c[4..]),
-    ))
+    extended_tube(table.line, title, [c[0], c[1], c[2], c[3]], &c[4..])
 }

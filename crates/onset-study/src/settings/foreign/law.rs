@@ -1,6 +1,6 @@
 //! Laws with the constants that other programs have, and the settings of the same energies.
 
-use super::Reading;
+use super::{Reading, Trouble};
 
 /// A law that was read from a block.
 #[derive(Debug)]
@@ -13,7 +13,7 @@ pub(super) struct ForeignLaw {
     pub energy: Energy,
     /// Constants by the keys of this program.
     pub constants: Vec<(String, f64)>,
-    /// `D` is zero: the program takes the material as incompressible.
+    /// No compressibility is given, or it is zero: the program takes the material as incompressible.
     pub incompressible: bool,
     /// Keys that the user must give.
     pub needed: Vec<&'static str>,
@@ -198,12 +198,46 @@ impl ForeignLaw {
         )];
         if self.incompressible && !set.contains(&"material.kappa") {
             notes.push(format!(
-                "D = 0 says incompressible; here the bulk modulus is {NEARLY} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {NEARLY} shear moduli, and --incompressible asks the incompressible response"
             ));
         }
         notes.extend(self.notes);
         Reading { assignments, notes }
     }
+}
+
+/// Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J - 1)^2/d`,
+/// `x = I1bar - 3`.
+pub(super) fn extended_tube(
+    line: usize,
+    title: impl Into<String>,
+    [gc, delta, ge, beta]: [f64; 4],
+    compressibilities: &[f64],
+) -> Result<ForeignLaw, Trouble> {
+    if beta == 0.0 {
+        return Err(Trouble::new(
+            line,
+            "beta is 0",
+            "the constants are Gc, delta, Ge, beta",
+        ));
+    }
+    let energy = format!(
+        "let x = I1bar - 3; gc/2*((1 - delta^2)*x/(1 - delta^2*x) + ln(1 - delta^2*x)) \
+         + 2*ge/beta^2*((lambda1^(-beta) + lambda2^(-beta) + lambda3^(-beta))*J^(beta/3) - 3) + {}",
+        powers_of_volume(compressibilities)
+    );
+    let constants = [("gc", gc), ("delta", delta), ("ge", ge), ("beta", beta)];
+    let constants = constants
+        .map(|(name, value)| (name.to_owned(), value))
+        .to_vec();
+    let shear = gc * (1.0 - 2.0 * delta * delta) + ge;
+    Ok(ForeignLaw::new(
+        line,
+        title,
+        Energy::Formula(energy),
+        constants,
+        (shear, compressibilities),
+    ))
 }
 
 /// `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1` and `vol<i> = 1/D_i`.

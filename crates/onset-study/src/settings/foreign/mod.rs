@@ -1,4 +1,4 @@
-//! Constants of laws as other programs write them: blocks of Abaqus and ANSYS, read into settings of the same energy.
+//! Constants of laws as other programs write them: blocks of Abaqus and ANSYS, models of felupe and hyperelastic, read into settings of the same energy.
 //!
 //! Programs write the same law with other constants: Ogden's moduli with `mu/alpha` or `2 mu/alpha^2`, compressibility as `D = 2/K`, foams by
 //! Poisson's ratio. A block is read with the meaning that its program gives it; a form that the library does not have becomes a typed energy.
@@ -6,6 +6,7 @@
 mod abaqus;
 mod ansys;
 mod law;
+mod python;
 
 use super::{Origin, SettingError};
 use std::str::FromStr;
@@ -17,6 +18,10 @@ pub enum Program {
     Abaqus,
     /// `TB,HYPER` with `TBDATA`.
     Ansys,
+    /// Models of the Python package felupe with their arguments, `fem.Hyperelastic(fem.ogden, mu=[...], alpha=[...])`.
+    Felupe,
+    /// Models of the Python package hyperelastic, `ThirdOrderDeformation(C10=...)`, `Ogden(mu=[...], alpha=[...])`.
+    Hyperelastic,
 }
 
 impl FromStr for Program {
@@ -26,7 +31,9 @@ impl FromStr for Program {
         match text.to_ascii_lowercase().as_str() {
             "abaqus" => Ok(Self::Abaqus),
             "ansys" => Ok(Self::Ansys),
-            _ => Err("expected abaqus or ansys".to_owned()),
+            "felupe" => Ok(Self::Felupe),
+            "hyperelastic" => Ok(Self::Hyperelastic),
+            _ => Err("expected abaqus, ansys, felupe or hyperelastic".to_owned()),
         }
     }
 }
@@ -64,6 +71,7 @@ pub fn law_from(
     let law = match program {
         Program::Abaqus => abaqus::read(text),
         Program::Ansys => ansys::read(text),
+        Program::Felupe | Program::Hyperelastic => python::read(program, text),
     };
     let law = law.map_err(|trouble| trouble.at(name))?;
     let origin = || place(name, law.line);

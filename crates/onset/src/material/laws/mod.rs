@@ -3,6 +3,7 @@
 mod arruda_boyce;
 mod blatz_ko;
 mod crystals;
+mod equations_of_state;
 mod exponentials;
 mod exponentiated_hencky;
 mod fung;
@@ -46,6 +47,9 @@ pub(super) static LIBRARY: &[Law] = &[
     saint_venant_kirchhoff::LAW,
     hencky::LAW,
     exponentiated_hencky::LAW,
+    equations_of_state::MURNAGHAN,
+    equations_of_state::TAIT,
+    equations_of_state::MIE_GRUENEISEN,
     fung::ISOTROPIC,
     fung::ORTHOTROPIC,
     holzapfel_gasser_ogden::LAW,

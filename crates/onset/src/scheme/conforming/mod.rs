@@ -6,7 +6,6 @@
 //! exactly: `sum_K X_K (x) b_K = 1` at each node, and `sum_I V_I b_K = 0` for each particle. Chen, Wu, Yoon, You, Int. J. Numer.
 //! Meth. Engng. 50 (2001) 435.
 
-mod gauss;
 mod region;
 
 use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};

@@ -1,7 +1,7 @@
 //! Regions around the nodes over whose boundaries gradients are averaged: Voronoi cells, boxes, and the pyramids that they are
 //! made of.
 
-use super::gauss::unit_interval;
+use crate::algebra::unit_interval;
 use crate::lattice::Crystal;
 use nalgebra::{SMatrix, SVector};
 

@@ -1,7 +1,7 @@
 //! Gauss's quadrature.
 
 /// The points and weights of Gauss and Legendre on the unit interval, by Newton's method for the roots of Legendre's polynomial.
-pub(super) fn unit_interval(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn unit_interval(count: usize) -> Vec<(f64, f64)> {
     let point = |number: usize| {
         let angle = std::f64::consts::PI * (number as f64 + 0.75) / (count as f64 + 0.5);
         let mut x = angle.cos();

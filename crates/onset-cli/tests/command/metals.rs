@@ -1,0 +1,121 @@
+//! Metals beyond yield, crystals and fluids, as a user asks of them.
+
+use crate::{assert_close, document, fresh_place, number, onset_line};
+
+/// Steel in GPa with a slope of the flow stress.
+fn steel(modulus: f64) -> String {
+    format!(
+        "--set material.model=j2 --set material.mu=80 --set material.kappa=170 --set material.yield-stress=0.4 --set material.saturation-stress=0 \
+         --set material.hardening-modulus={modulus}"
+    )
+}
+
+#[test]
+fn a_metal_beyond_yield_has_the_stress_of_its_path_and_the_tangent_of_flow() {
+    let method = "set method=total-lagrangian-sph";
+    let hardening = document(&format!(
+        "state --stretch 1.1,0.909090909090909 {}",
+        steel(1.0)
+    ));
+    // An isochoric stretch in plane strain: s1 - s2 = 2/sqrt(3) of the flow stress, e = 2/sqrt(3) ln 1.1 less the elastic part.
+    let cauchy = |i: usize| number(&hardening, &format!("/material/cauchy/{i}/{i}"));
+    let root = 2.0 / 3.0_f64.sqrt();
+    let slip = (3.0 * 80.0 * root * 1.1_f64.ln() - 0.4) / (3.0 * 80.0 + 1.0);
+    assert_close(cauchy(0) - cauchy(1), root * (0.4 + slip), 1e-9);
+    let notes = hardening["notes"].to_string();
+    assert!(
+        notes.contains("elastic-plastic") && notes.contains("continued flow"),
+        "{notes}"
+    );
+    assert_eq!(hardening["material"]["elliptic"], true);
+    let softening = document(&format!(
+        "state --stretch 1.1,0.909090909090909 {}",
+        steel(-1.0)
+    ));
+    assert_eq!(
+        softening["material"]["elliptic"], false,
+        "{}",
+        softening["material"]
+    );
+    let of_particles = onset_line(&format!(
+        "state --stretch 1.1,0.909090909090909 {} {method}",
+        steel(-1.0)
+    ));
+    assert_eq!(of_particles.code, Some(0), "{}", of_particles.stderr);
+}
+
+#[test]
+fn a_map_of_rolled_sheet_is_made_like_any_other() {
+    let folder = fresh_place("rolled");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let study = folder.join("sheet.toml");
+    let text = "title = \"rolled sheet\"\n[material]\nmodel = \"hill-1948\"\nangle = 20.0\n[discretization]\nmethod = \"total-lagrangian-sph\"\n\
+                [[axes]]\nquantity = \"stretch-1\"\nrange = [0.95, 1.05]\nstates = 3\n\
+                [[axes]]\nquantity = \"stretch-2\"\nrange = [0.95, 1.05]\nstates = 3\n";
+    std::fs::write(&study, text).expect("a study");
+    let store = folder.join("map.zarr");
+    let line = format!("map {} --out {}", study.display(), store.display());
+    let answer = onset_line(&line);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(store.join("zarr.json").is_file(), "{}", answer.stdout);
+}
+
+#[test]
+fn what_has_no_energy_is_not_audited_and_the_answer_says_why() {
+    let answer = onset_line("audit --set material.model=hill-1948");
+    assert_eq!(answer.code, Some(2), "{}", answer.stdout);
+    assert!(
+        answer.stderr.contains("continued flow"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[test]
+fn a_fluid_is_told_to_be_one() {
+    let fluid = "--set material.model=murnaghan --set material.mu=0 --set material.kappa=2.2";
+    let answer = document(&format!(
+        "state --stretch 0.97,0.97 {fluid} set method=updated-sph"
+    ));
+    assert!(
+        answer["notes"].to_string().contains("a fluid"),
+        "{}",
+        answer["notes"]
+    );
+    assert_eq!(
+        answer["material"]["elliptic"], false,
+        "{}",
+        answer["material"]
+    );
+    let pressure = -number(&answer, "/material/cauchy/0/0");
+    let jacobian = 0.97_f64 * 0.97;
+    assert_close(pressure, 2.2 / 7.0 * (jacobian.powi(-7) - 1.0), 1e-12);
+    // Water under tension as codes of smoothed particle hydrodynamics write it.
+    let named = document(&format!(
+        "state --stretch 0.97,0.97 {} set method=updated-sph",
+        fluid.replace("murnaghan", "mie-gruneisen")
+    ));
+    assert!(named["notes"].to_string().contains("a fluid"));
+}
+
+#[test]
+fn a_script_of_felupe_is_the_same_law_in_words_of_its_own() {
+    let folder = fresh_place("felupe");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("fit.py");
+    let text = "umat = fem.Hyperelastic(fem.yeoh, C10=0.5, C20=-0.05, C30=0.02) & fem.Volumetric(bulk=50)\n";
+    std::fs::write(&file, text).expect("a script");
+    let answer = onset_line(&format!(
+        "criteria {} --from felupe --mode uniaxial --range 0.9,1.1",
+        file.display()
+    ));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    for fact in [
+        "yeoh of felupe",
+        "--set material.c10=0.5",
+        "--set material.kappa=50",
+        "shear modulus 1",
+    ] {
+        assert!(answer.stdout.contains(fact), "{fact}: {}", answer.stdout);
+    }
+}

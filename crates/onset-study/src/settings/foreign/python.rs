@@ -1,0 +1,429 @@
+//! Models of the Python packages `felupe` and `hyperelastic` with their keyword arguments, as a script or a fit prints them.
+//!
+//! Energies as their documentation has them (felupe 11.3, hyperelastic 0.10): Ogden's moduli with `2 mu/alpha^2`, so that they add up to the
+//! shear modulus; polynomials of `I1bar - 3` and `I2bar - 3`; `bulk (J - 1)^2/2`. What is written here is read as text: no Python runs.
+
+use super::law::{Energy, ForeignLaw, extended_tube, powers_of_volume};
+use super::{Program, Trouble};
+
+/// The model of a package that has a name, and how its arguments make a law.
+type Model = (&'static str, fn(&Call) -> Result<ForeignLaw, Trouble>);
+
+const FELUPE: &[Model] = &[
+    ("neo_hooke", neo_hooke),
+    ("NeoHooke", neo_hooke),
+    ("mooney_rivlin", polynomial),
+    ("yeoh", polynomial),
+    ("third_order_deformation", polynomial),
+    ("ogden", ogden),
+    ("arruda_boyce", arruda_boyce),
+    ("extended_tube", tube),
+    ("storakers", storakers),
+];
+
+const HYPERELASTIC: &[Model] = &[("ThirdOrderDeformation", polynomial), ("Ogden", ogden)];
+
+/// A model with its arguments.
+struct Call {
+    line: usize,
+    title: String,
+    arguments: Vec<(String, Vec<f64>)>,
+    /// The bulk modulus, of whatever part of the script states one.
+    bulk: Option<f64>,
+}
+
+/// The first model of a text.
+pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> {
+    let text = without_comments(text);
+    let (package, models) = match program {
+        Program::Hyperelastic => ("hyperelastic", HYPERELASTIC),
+        _ => ("felupe", FELUPE),
+    };
+    let words = words(&text);
+    let found = words.iter().find_map(|(place, word)| {
+        let model = models.iter().find(|(name, _)| name == word)?;
+        Some((*place, model))
+    });
+    let Some((place, (name, make))) = found else {
+        return Err(no_model(package, models, &words));
+    };
+    let line = line_of(&text, place);
+    if let Some((place, _)) = words
+        .iter()
+        .find(|(_, word)| ["DeformationSpace", "Deformation"].contains(word))
+    {
+        return Err(Trouble::new(
+            line_of(&text, *place),
+            "the model is applied to the whole deformation, which leaves stress at F = 1",
+            "read are models of the distortional part, DistortionalSpace",
+        ));
+    }
+    let arguments = arguments(&text, place + name.len(), line)?;
+    let bulk = bulk(&text, line)?;
+    make(&Call {
+        line,
+        title: format!("{name} of {package}"),
+        arguments,
+        bulk,
+    })
+}
+
+/// What there is instead of a model.
+fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) -> Trouble {
+    let names: Vec<&str> = models.iter().map(|(name, _)| *name).collect();
+    let is_gent = words
+        .iter()
+        .any(|(_, word)| word.eq_ignore_ascii_case("gent"));
+    match is_gent {
+        true => Trouble::new(
+            1,
+            format!(
+                "{package} has no model of Gent's law; one of a script is a function of its own"
+            ),
+            "set it by name, with J_m = I1bar - 3 at locking: --set material.model=gent --set material.mu=0.3 --set material.jm=50 --set \
+             material.kappa=300",
+        ),
+        false => Trouble::new(
+            1,
+            format!(
+                "there is no model of {package} in this text; read are {}",
+                names.join(", ")
+            ),
+            "expected a model with its arguments by name, for example `fem.Hyperelastic(fem.ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5])` of felupe or \
+             `ThirdOrderDeformation(C10=0.5, C20=-0.05)` of hyperelastic",
+        ),
+    }
+}
+
+/// The text with comments blanked, so that places stay.
+fn without_comments(text: &str) -> String {
+    let mut is_comment = false;
+    text.chars()
+        .map(|letter| {
+            is_comment = (is_comment || letter == '#') && letter != '\n';
+            match is_comment {
+                true => ' ',
+                false => letter,
+            }
+        })
+        .collect()
+}
+
+/// The names in a text with their places.
+fn words(text: &str) -> Vec<(usize, &str)> {
+    let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let mut words = Vec::new();
+    let mut start = None;
+    for (place, letter) in text.char_indices().chain([(text.len(), ' ')]) {
+        match (start, is_part(letter)) {
+            (None, true) => start = Some(place),
+            (Some(begin), false) => {
+                words.push((begin, &text[begin..place]));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    words
+}
+
+fn line_of(text: &str, place: usize) -> usize {
+    text[..place].matches('\n').count() + 1
+}
+
+/// The arguments by name that follow a model: in its own parentheses, or in those in which it is named itself.
+fn arguments(text: &str, end: usize, line: usize) -> Result<Vec<(String, Vec<f64>)>, Trouble> {
+    let rest = text[end..].trim_start();
+    let inside = rest.strip_prefix('(').unwrap_or(rest);
+    let mut depth = 0_i32;
+    let mut parts = vec![String::new()];
+    for letter in inside.chars() {
+        match letter {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            _ => {}
+        }
+        if depth < 0 {
+            break;
+        }
+        match parts.last_mut() {
+            Some(part) if letter != ',' || depth > 0 => part.push(letter),
+            _ => parts.push(String::new()),
+        }
+    }
+    let parts = parts.iter().map(|part| part.trim());
+    parts
+        .filter(|part| !part.is_empty())
+        .map(|part| match part.split_once('=') {
+            Some((name, value)) => Ok((name.trim().to_owned(), numbers(value, name.trim(), line)?)),
+            None => Err(Trouble::new(
+                line,
+                format!("the argument `{part}` has no name"),
+                "give arguments by name, as in mu=[1.0], alpha=[2.0]",
+            )),
+        })
+        .filter(|argument| {
+            // What is no number of the law: other options of a material.
+            !matches!(argument, Ok((name, _)) if ["parallel", "nstatevars"].contains(&name.as_str()))
+        })
+        .collect()
+}
+
+/// A number, or a list of them.
+fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
+    if ["True", "False"].contains(&value.trim()) {
+        return Ok(Vec::new());
+    }
+    // np.array([...]) is a list with a name before it.
+    let list = value
+        .find(['[', '('])
+        .map_or(value, |open| &value[open..])
+        .trim_matches(|letter: char| "[](), \t\n".contains(letter));
+    let fields = list
+        .split(',')
+        .map(str::trim)
+        .filter(|field| !field.is_empty());
+    fields
+        .map(|field| {
+            let plain = field.replace('_', "");
+            let number = plain
+                .parse::<f64>()
+                .ok()
+                .filter(|number| number.is_finite());
+            number.ok_or_else(|| {
+                Trouble::new(
+                    line,
+                    format!("{name} is `{field}`"),
+                    "expected numbers, not names of a script or expressions",
+                )
+            })
+        })
+        .collect()
+}
+
+/// `bulk=` of any part of the text, as `Volumetric(bulk=...)` and solid bodies have it.
+fn bulk(text: &str, line: usize) -> Result<Option<f64>, Trouble> {
+    let stated = words(text).into_iter().find_map(|(place, word)| {
+        let value = text[place + word.len()..].trim_start().strip_prefix('=')?;
+        (word == "bulk").then(|| {
+            value
+                .split([',', ')', '\n', '}'])
+                .next()
+                .unwrap_or_default()
+        })
+    });
+    let numbers = stated
+        .map(|value| numbers(value, "bulk", line))
+        .transpose()?;
+    Ok(numbers.and_then(|numbers| numbers.first().copied()))
+}
+
+impl Call {
+    fn list(&self, name: &str) -> Option<&[f64]> {
+        let found = self.arguments.iter().find(|(own, _)| own == name);
+        found.map(|(_, numbers)| numbers.as_slice())
+    }
+
+    fn required(&self, name: &str) -> Result<&[f64], Trouble> {
+        self.list(name)
+            .filter(|list| !list.is_empty())
+            .ok_or_else(|| {
+                Trouble::new(
+                    self.line,
+                    format!("{} has no `{name}`", self.title),
+                    "give all arguments by name, as the documentation of the package names them",
+                )
+            })
+    }
+
+    fn one(&self, name: &str) -> Result<f64, Trouble> {
+        match self.required(name)? {
+            [one] => Ok(*one),
+            list => Err(Trouble::new(
+                self.line,
+                format!("`{name}` has {} numbers; expected one", list.len()),
+                "a list is for models with several terms",
+            )),
+        }
+    }
+
+    /// Lists of one length, exponents without zeros.
+    fn terms<const N: usize>(&self, names: [&str; N]) -> Result<Vec<[f64; N]>, Trouble> {
+        let mut lists = Vec::new();
+        for name in names {
+            lists.push(self.required(name)?);
+        }
+        let count = lists[0].len();
+        if lists.iter().any(|list| list.len() != count) || count > 6 {
+            return Err(Trouble::new(
+                self.line,
+                format!(
+                    "{} differ in length, or are more than six",
+                    names.join(" and ")
+                ),
+                "expected one number in each for each term, up to six terms",
+            ));
+        }
+        let terms: Vec<[f64; N]> = (0..count)
+            .map(|n| std::array::from_fn(|list| lists[list][n]))
+            .collect();
+        match terms.iter().any(|term| term[1] == 0.0) {
+            true => Err(Trouble::new(
+                self.line,
+                "an exponent alpha is 0",
+                "expected exponents other than 0",
+            )),
+            false => Ok(terms),
+        }
+    }
+
+    /// `D_1 = 2/K`, or 0 where the script states no bulk modulus.
+    fn compressibility(&self) -> Result<[f64; 1], Trouble> {
+        match self.bulk {
+            Some(bulk) if bulk > 0.0 => Ok([2.0 / bulk]),
+            Some(bulk) => Err(Trouble::new(
+                self.line,
+                format!("bulk is {bulk}; expected a positive number"),
+                "leave it out for an incompressible material",
+            )),
+            None => Ok([0.0]),
+        }
+    }
+
+    /// Refuses arguments that a model does not have.
+    fn only(&self, names: &[&str]) -> Result<(), Trouble> {
+        let known = |name: &str| names.contains(&name) || name == "bulk";
+        match self.arguments.iter().find(|(name, _)| !known(name)) {
+            None => Ok(()),
+            Some((name, _)) => Err(Trouble::new(
+                self.line,
+                format!(
+                    "{} has no argument `{name}`; its arguments are {}",
+                    self.title,
+                    names.join(", ")
+                ),
+                "check the name, upper and lower case count",
+            )),
+        }
+    }
+}
+
+fn neo_hooke(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu"])?;
+    let constants = [((1, 0), 0.5 * call.one("mu")?)];
+    let volume = call.compressibility()?;
+    Ok(ForeignLaw::polynomial(
+        call.line,
+        &call.title,
+        &constants,
+        &volume,
+    ))
+}
+
+/// `C10`, `C01`, ...: constants that are left out are zero in both packages, or not of the model.
+fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
+    const POWERS: [(&str, (usize, usize)); 5] = [
+        ("C10", (1, 0)),
+        ("C01", (0, 1)),
+        ("C11", (1, 1)),
+        ("C20", (2, 0)),
+        ("C30", (3, 0)),
+    ];
+    let taken: &[&str] = match call.title.split(' ').next() {
+        Some("mooney_rivlin") => &["C10", "C01"],
+        Some("yeoh") => &["C10", "C20", "C30"],
+        _ => &["C10", "C01", "C11", "C20", "C30"],
+    };
+    // `strain=False` counts invariants from 3, as everywhere.
+    call.only(&[taken, &["strain"]].concat())?;
+    let mut constants = Vec::new();
+    for (name, powers) in POWERS {
+        if call.list(name).is_some() {
+            constants.push((powers, call.one(name)?));
+        }
+    }
+    if constants.iter().all(|(_, value)| *value == 0.0) {
+        return Err(Trouble::new(
+            call.line,
+            format!("{} has no constant other than zero", call.title),
+            "expected C10=0.5, ...",
+        ));
+    }
+    let volume = call.compressibility()?;
+    Ok(ForeignLaw::polynomial(
+        call.line,
+        &call.title,
+        &constants,
+        &volume,
+    ))
+}
+
+/// `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` there is `mu_i/alpha_i` here.
+fn ogden(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "alpha"])?;
+    let terms = call.terms(["mu", "alpha"])?;
+    let terms: Vec<(f64, f64)> = terms
+        .iter()
+        .map(|[mu, alpha]| (2.0 * mu / alpha, *alpha))
+        .collect();
+    let volume = call.compressibility()?;
+    Ok(ForeignLaw::ogden(call.line, &call.title, &terms, &volume))
+}
+
+/// Five terms of the chain's series, with `C1` as the modulus and `limit` as the locking stretch.
+fn arruda_boyce(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["C1", "limit"])?;
+    let (modulus, locking) = (call.one("C1")?, call.one("limit")?);
+    let volume = call.compressibility()?;
+    let energy = format!(
+        "let b = 1/locking^2; mu*((I1bar - 3)/2 + b*(I1bar^2 - 9)/20 + 11*b^2*(I1bar^3 - 27)/1050 + 19*b^3*(I1bar^4 - 81)/7000 \
+         + 519*b^4*(I1bar^5 - 243)/673750) + {}",
+        powers_of_volume(&volume)
+    );
+    let constants = vec![("mu".to_owned(), modulus), ("locking".to_owned(), locking)];
+    Ok(ForeignLaw::new(
+        call.line,
+        &call.title,
+        Energy::Formula(energy),
+        constants,
+        (modulus, &volume),
+    ))
+}
+
+fn tube(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["Gc", "delta", "Ge", "beta"])?;
+    let mut constants = [0.0; 4];
+    for (constant, name) in constants.iter_mut().zip(["Gc", "delta", "Ge", "beta"]) {
+        *constant = call.one(name)?;
+    }
+    extended_tube(call.line, &call.title, constants, &call.compressibility()?)
+}
+
+/// `sum 2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
+fn storakers(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "alpha", "beta"])?;
+    let terms = call.terms(["mu", "alpha", "beta"])?;
+    if terms.len() > 3 {
+        return Err(Trouble::new(
+            call.line,
+            format!("{} terms of a foam", terms.len()),
+            "read are up to three",
+        ));
+    }
+    let mut constants = Vec::new();
+    for place in 1..=3 {
+        match terms.get(place - 1) {
+            Some([mu, alpha, beta]) => {
+                constants.push((format!("mu{place}"), *mu));
+                constants.push((format!("alpha{place}"), *alpha));
+                constants.push((format!("beta{place}"), *beta));
+            }
+            None => constants.push((format!("mu{place}"), 0.0)),
+        }
+    }
+    let mut law = ForeignLaw::ogden(call.line, &call.title, &[], &[]);
+    law.energy = Energy::Model("hyperfoam");
+    law.constants = constants;
+    law.incompressible = false;
+    Ok(law)
+}

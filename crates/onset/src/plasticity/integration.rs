@@ -1,0 +1,121 @@
+//! Ordinary differential equations of loading paths, with control of the error.
+
+use nalgebra::SVector;
+
+/// Steps shorter than this part of the end of the interval are taken whatever their error.
+const SHORTEST: f64 = 1e-12;
+
+/// Steps admitted to an integration.
+const MOST_STEPS: usize = 20_000;
+
+/// Why an integration did not reach its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stop<E> {
+    /// There are no rates, however short the step.
+    Rates(E),
+    /// The steps are too short to come to the end.
+    TooManySteps,
+}
+
+/// Integrates `dy/dx = rates(y, x)` from one `x` to a later one (J. R. Dormand and P. J. Prince, *J. Comput. Appl. Math.* 6 (1980) 19); errors
+/// of a step are at most `accuracy` in units of `size`.
+pub(super) fn integrate<const N: usize, E>(
+    start: &SVector<f64, N>,
+    [from, to]: [f64; 2],
+    size: &SVector<f64, N>,
+    accuracy: f64,
+    rates: impl Fn(&SVector<f64, N>, f64) -> Result<SVector<f64, N>, E>,
+) -> Result<SVector<f64, N>, Stop<E>> {
+    let (mut y, mut x) = (*start, from);
+    if x >= to {
+        return Ok(y);
+    }
+    let mut step = to - from;
+    for _ in 0..MOST_STEPS {
+        let last = x + step >= to;
+        let length = if last { to - x } else { step };
+        let shortest = length <= SHORTEST * to;
+        let (next, difference) = match dormand_prince(&y, x, length, &rates) {
+            Ok(reached) => reached,
+            Err(end) if shortest => return Err(Stop::Rates(end)),
+            // Too long a step may have left the path; only short ones tell that it ends.
+            Err(_) => {
+                step = 0.1 * length;
+                continue;
+            }
+        };
+        let error = difference.component_div(size).amax();
+        let factor = 0.9 * (accuracy / error.max(1e-30)).powf(0.2);
+        if error <= accuracy || shortest {
+            y = next;
+            x = if last { to } else { x + length };
+        }
+        if x >= to {
+            return Ok(y);
+        }
+        step = length * factor.clamp(0.1, 4.0);
+    }
+    Err(Stop::TooManySteps)
+}
+
+/// One step, and an estimate of its error.
+fn dormand_prince<const N: usize, E>(
+    y: &SVector<f64, N>,
+    x: f64,
+    step: f64,
+    rates: &impl Fn(&SVector<f64, N>, f64) -> Result<SVector<f64, N>, E>,
+) -> Result<(SVector<f64, N>, SVector<f64, N>), E> {
+    const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+    const WEIGHTS: [&[f64]; 7] = [
+        &[],
+        &[0.2],
+        &[3.0 / 40.0, 9.0 / 40.0],
+        &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+        &[
+            19372.0 / 6561.0,
+            -25360.0 / 2187.0,
+            64448.0 / 6561.0,
+            -212.0 / 729.0,
+        ],
+        &[
+            9017.0 / 3168.0,
+            -355.0 / 33.0,
+            46732.0 / 5247.0,
+            49.0 / 176.0,
+            -5103.0 / 18656.0,
+        ],
+        &[
+            35.0 / 384.0,
+            0.0,
+            500.0 / 1113.0,
+            125.0 / 192.0,
+            -2187.0 / 6784.0,
+            11.0 / 84.0,
+        ],
+    ];
+    // Fifth less fourth order.
+    const ERROR: [f64; 7] = [
+        71.0 / 57600.0,
+        0.0,
+        -71.0 / 16695.0,
+        71.0 / 1920.0,
+        -17253.0 / 339200.0,
+        22.0 / 525.0,
+        -1.0 / 40.0,
+    ];
+    let mut stages = [SVector::<f64, N>::zeros(); 7];
+    let mut next = *y;
+    for stage in 0..7 {
+        next = *y;
+        for (weight, rate) in WEIGHTS[stage].iter().zip(&stages) {
+            next += rate * (weight * step);
+        }
+        stages[stage] = rates(&next, x + NODES[stage] * step)?;
+    }
+    let error = ERROR
+        .iter()
+        .zip(&stages)
+        .map(|(weight, rate)| rate * (weight * step))
+        .sum();
+    Ok((next, error))
+}

@@ -1,0 +1,516 @@
+//! Metals as materials of a discretization: stress and tangent of continued flow at the end of a proportional path.
+//!
+//! `F = F_e F_p` with Hencky's law for `F_e`. With the Mandel stress `M` (symmetric, in the axes of the lattice of the metal, which flow does not
+//! turn), `E_e = 1/2 ln F_e^T F_e` and `M = 2 mu dev E_e + kappa tr E_e`, Hill's yield stress (R. Hill, *Proc. R. Soc. A* 193 (1948) 281)
+//!
+//! `phi^2 = f (M22 - M33)^2 + g (M33 - M11)^2 + h (M11 - M22)^2 + 3 (M23^2 + M13^2) + 2 n M12^2`
+//!
+//! reaches the flow stress `sigma_y(e)`, and `dF_p/dt F_p^-1 = N de/dt` with the normal `N = dphi/dM`, no plastic spin. With equal strain
+//! ratios `phi` is von Mises' stress, and the law is J2.
+//!
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`: the path that Abaqus' user materials take here too. Of J2 the strains keep
+//! their direction, and the flow is that of one closed step. Otherwise the rates are integrated.
+//!
+//! **Tangent.** Let `w(F, e) = W(F F_p^-1 exp(-e N))` be the elastic energy at a flow `e` that follows the state. `P = dw/dF`, and the work that
+//! flow sets free is `-dw/de = M : N = phi`. Continued flow keeps `phi = sigma_y`, so that `e` is eliminated from the rates as an internal
+//! variable is from an energy:
+//!
+//! `A = w_FF - w_Fe (x) w_Fe / (w_ee + dsigma_y/de)`,
+//!
+//! symmetric. It is the tangent of R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236): a perturbation that unloads meets a
+//! stiffer material, so that a state which this tangent calls stable is stable, while a loss is reached only by perturbations that go on loading
+//! everywhere, which growing waves on a growing load do.
+
+use super::integration::{Stop, integrate};
+use crate::kinematics::DeformationGradient;
+use crate::material::{
+    Admitted, FourthOrder, Hyperelastic, Law, Made, MaterialError, Parameter, Response, Symmetry,
+    hooke,
+};
+use nalgebra::{Matrix3, SVector, SymmetricEigen, Vector3};
+
+/// Relative error of the elastic strains along a path that is integrated.
+const ACCURACY: f64 = 1e-10;
+
+/// Iterations allowed to a spectral decomposition.
+const MAXIMUM_ITERATIONS: usize = 500;
+
+const MU: Parameter = Parameter::new("mu", "stress", 80.0, Admitted::Positive, "shear modulus");
+const KAPPA: Parameter =
+    Parameter::new("kappa", "stress", 170.0, Admitted::Positive, "bulk modulus");
+const YIELD: Parameter = Parameter::new(
+    "yield-stress",
+    "stress",
+    0.4,
+    Admitted::Positive,
+    "flow stress at first yield, in tension along the first material axis",
+);
+const MODULUS: Parameter = Parameter::new(
+    "hardening-modulus",
+    "stress",
+    0.2,
+    Admitted::Any,
+    "slope of the flow stress at large plastic strain, negative for softening",
+);
+const SATURATION: Parameter = Parameter::new(
+    "saturation-stress",
+    "stress",
+    0.2,
+    Admitted::Any,
+    "what the flow stress gains beside the slope",
+);
+const RATE: Parameter = Parameter::new(
+    "saturation-rate",
+    "1",
+    15.0,
+    Admitted::NotNegative,
+    "reciprocal of the plastic strain in which it gains all but 1/e of that",
+);
+
+const J2: Law = Law {
+    name: "j2",
+    formula: "Hencky's law with mu, kappa; sqrt(3/2) |dev M| = yield-stress + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e))",
+    parameters: &[MU, KAPPA, YIELD, MODULUS, SATURATION, RATE],
+    domain: "all J > 0; metals on monotonic, proportional paths; tangent of continued flow",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, bulk modulus kappa",
+    source: "von Mises, Nachr. Ges. Wiss. Goettingen (1913) 582; flow stress as Simo and Hughes, Computational Inelasticity (1998), have it; defaults: of the \
+             size of a mild steel's, GPa",
+    stiffness: |p| hooke(p[0], p[1]),
+    make: |p| metal(p, [1.0; 3], 0.0),
+};
+
+const HILL: Law = Law {
+    name: "hill-1948",
+    formula: "as j2 with phi^2 = f (M22 - M33)^2 + g (M33 - M11)^2 + h (M11 - M22)^2 + 3 (M23^2 + M13^2) + 2 n M12^2 = sigma_y^2, \
+              g = 1/(1 + r0), h = r0 g, f = r0 g/r90, n = (r0 + r90)(1 + 2 r45) g/(2 r90)",
+    parameters: &[
+        MU,
+        KAPPA,
+        YIELD,
+        MODULUS,
+        SATURATION,
+        RATE,
+        ratio("r0", 1.8),
+        ratio("r45", 1.3),
+        ratio("r90", 2.1),
+        Parameter::new(
+            "angle",
+            "deg",
+            0.0,
+            Admitted::Any,
+            "of the material axes, in the plane",
+        ),
+    ],
+    domain: "all J > 0; rolled sheet, axis 3 across it, on monotonic, proportional paths; tangent of continued flow",
+    symmetry: Symmetry::Orthotropic,
+    source: "Hill, Proc. R. Soc. A 193 (1948) 281; defaults: of the size of a deep-drawing steel's, GPa",
+    make: |p| metal(p, [p[6], p[7], p[8]], p[9]),
+    ..J2
+};
+
+const fn ratio(name: &'static str, default: f64) -> Parameter {
+    Parameter::new(
+        name,
+        "1",
+        default,
+        Admitted::Positive,
+        "Lankford's ratio of width to thickness strain in tension at so many degrees from the first material axis",
+    )
+}
+
+/// The elastic-plastic laws that have a name.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::plasticity::library;
+/// let steel = library()[0].build(&[("mu", 80.0), ("yield-stress", 0.4), ("hardening-modulus", 0.0), ("saturation-stress", 0.0)])?;
+/// // An isochoric stretch beyond yield: the difference of principal Kirchhoff stresses is 2/sqrt(3) of the flow stress.
+/// let state = DeformationGradient::from_stretches([1.1, 1.0 / 1.1, 1.0])?;
+/// let cauchy = steel.response(&state)?.cauchy();
+/// assert!((cauchy[(0, 0)] - cauchy[(1, 1)] - 0.4 * 2.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn library() -> &'static [Law] {
+    &[J2, HILL]
+}
+
+/// The flow stress `sigma_y(e)`.
+#[derive(Clone, Copy, Debug)]
+struct FlowStress {
+    first: f64,
+    modulus: f64,
+    saturation: f64,
+    rate: f64,
+}
+
+impl FlowStress {
+    fn at(&self, slip: f64) -> f64 {
+        let gained = -(-self.rate * slip).exp_m1();
+        self.first + self.modulus * slip + self.saturation * gained
+    }
+
+    fn slope(&self, slip: f64) -> f64 {
+        self.modulus + self.saturation * self.rate * (-self.rate * slip).exp()
+    }
+
+    /// The smallest slope at any slip.
+    fn lowest_slope(&self) -> f64 {
+        self.modulus + (self.saturation * self.rate).min(0.0)
+    }
+}
+
+/// Hill's quadratic form.
+#[derive(Clone, Copy, Debug)]
+struct Hill {
+    f: f64,
+    g: f64,
+    h: f64,
+    n: f64,
+}
+
+impl Hill {
+    fn of_ratios([r0, r45, r90]: [f64; 3]) -> Self {
+        let g = 1.0 / (1.0 + r0);
+        Self {
+            f: r0 * g / r90,
+            g,
+            h: r0 * g,
+            n: (r0 + r90) * (1.0 + 2.0 * r45) * g / (2.0 * r90),
+        }
+    }
+
+    /// `phi` and its normal `dphi/dM`; no normal without a deviator.
+    fn yield_stress(&self, m: &Matrix3<f64>) -> (f64, Matrix3<f64>) {
+        let [a, b, c] = [
+            self.f * (m[(1, 1)] - m[(2, 2)]),
+            self.g * (m[(2, 2)] - m[(0, 0)]),
+            self.h * (m[(0, 0)] - m[(1, 1)]),
+        ];
+        let shear = [1.5 * m[(1, 2)], 1.5 * m[(0, 2)], self.n * m[(0, 1)]];
+        let half = Matrix3::new(
+            c - b,
+            shear[2],
+            shear[1],
+            shear[2],
+            a - c,
+            shear[0],
+            shear[1],
+            shear[0],
+            b - a,
+        );
+        let phi = half.dot(m).max(0.0).sqrt();
+        (phi, if phi > 0.0 { half / phi } else { half })
+    }
+}
+
+/// A symmetric tensor in its principal axes.
+struct Spectral {
+    values: Vector3<f64>,
+    axes: Matrix3<f64>,
+}
+
+impl Spectral {
+    fn of(tensor: &Matrix3<f64>) -> Option<Self> {
+        let symmetric = (tensor + tensor.transpose()) * 0.5;
+        let found = SymmetricEigen::try_new(symmetric, f64::EPSILON, MAXIMUM_ITERATIONS)?;
+        Some(Self {
+            values: found.eigenvalues,
+            axes: found.eigenvectors,
+        })
+    }
+
+    /// The tensor with a function of the principal values.
+    fn map(&self, function: impl Fn(f64) -> f64) -> Matrix3<f64> {
+        self.turned(&Matrix3::from_diagonal(&self.values.map(function)))
+    }
+
+    /// A tensor with components along the principal axes, in the fixed ones.
+    fn turned(&self, tensor: &Matrix3<f64>) -> Matrix3<f64> {
+        self.axes * tensor * self.axes.transpose()
+    }
+
+    /// `dE : K = Y : dB` with `E = 1/2 ln B` of this tensor `B`.
+    fn dual_of_logarithm(&self, k: &Matrix3<f64>) -> Matrix3<f64> {
+        let own = self.axes.transpose() * k * self.axes;
+        let quotient = |a: usize, b: usize| {
+            // (ln a - ln b)/(2 (a - b)), which has no singularity where they coincide.
+            let half = 0.5 * (self.values[a] / self.values[b]).ln();
+            let ratio = if half == 0.0 { 1.0 } else { half / half.sinh() };
+            0.5 * ratio / (self.values[a] * self.values[b]).sqrt()
+        };
+        self.turned(&Matrix3::from_fn(|a, b| own[(a, b)] * quotient(a, b)))
+    }
+}
+
+/// How flow goes on from a state.
+struct Flow {
+    normal: Matrix3<f64>,
+    /// `Y`, `N : dM = Y : dC_e`.
+    dual: Matrix3<f64>,
+    /// `w_ee`.
+    stiffness: f64,
+}
+
+/// An elastic-plastic law.
+struct Metal {
+    elastic: Box<dyn Hyperelastic>,
+    mu: f64,
+    kappa: f64,
+    flow_stress: FlowStress,
+    hill: Hill,
+    is_isotropic: bool,
+    /// Material axes, as columns.
+    frame: Matrix3<f64>,
+}
+
+/// A law with the parameters of J2, Lankford's ratios and the turn of the material axes.
+fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
+    let elastic = Law::named("hencky").ok_or_else(|| MaterialError::UnknownParameter {
+        law: "j2",
+        name: "hencky".to_owned(),
+    })?;
+    let flow_stress = FlowStress {
+        first: p[2],
+        modulus: p[3],
+        saturation: p[4],
+        rate: p[5],
+    };
+    let hill = Hill::of_ratios(ratios);
+    // The elastic response to flow is at least 2 mu |N|^2, and |N|^2 >= 3/2 of J2 is left by no more than the ratios tell.
+    let least = -2.0 * p[0] * hill.smallest_normal();
+    if flow_stress.lowest_slope() <= least {
+        return Err(MaterialError::Parameter {
+            name: "hardening-modulus",
+            value: flow_stress.lowest_slope(),
+            expected: format!(
+                "a slope of the flow stress above {least:?}, below which a strain does not determine the stress"
+            ),
+        });
+    }
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    Ok(Box::new(Metal {
+        elastic: elastic.build(&[("mu", p[0]), ("kappa", p[1])])?,
+        mu: p[0],
+        kappa: p[1],
+        flow_stress,
+        hill,
+        is_isotropic: ratios == [1.0; 3],
+        frame: Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0),
+    }))
+}
+
+impl Hill {
+    /// A lower bound of `|N|^2` over all stresses: `N = A M/phi` with `phi^2 = M : A M`, so that `|N|^2` is at least the smallest eigenvalue of `A`
+    /// on deviators.
+    fn smallest_normal(&self) -> f64 {
+        let Self { f, g, h, n } = *self;
+        // Of the normal components: (f + g + h) -+ the root of the rest, by the trace and the sum of the minors of A.
+        let (sum, minors) = (f + g + h, 3.0 * (f * g + g * h + h * f));
+        let normal = sum - (sum * sum - minors).max(0.0).sqrt();
+        normal.min(1.5).min(n)
+    }
+}
+
+impl Metal {
+    /// `2 mu dev T + kappa tr T 1`: of the elastic strain the Mandel stress.
+    fn stiff(&self, tensor: &Matrix3<f64>) -> Matrix3<f64> {
+        let trace = tensor.trace();
+        tensor * (2.0 * self.mu) + Matrix3::identity() * ((self.kappa - self.mu / 1.5) * trace)
+    }
+
+    /// How flow goes on at an elastic deformation.
+    fn flow(&self, elastic: &Matrix3<f64>) -> Option<Flow> {
+        let metric = elastic.transpose() * elastic;
+        let spectrum = Spectral::of(&metric)?;
+        if spectrum.values.min() <= 0.0 {
+            return None;
+        }
+        let strain = spectrum.map(|square| 0.5 * square.ln());
+        let (_, normal) = self.hill.yield_stress(&self.stiff(&strain));
+        let dual = spectrum.dual_of_logarithm(&self.stiff(&normal));
+        let stiffness = 2.0 * dual.dot(&(metric * normal));
+        Some(Flow {
+            normal,
+            dual,
+            stiffness,
+        })
+    }
+
+    /// `F_p^-1` and the slip at the end of the path to a symmetric stretch with a logarithm; `None` where it is elastic.
+    fn flowed(&self, logarithm: &Spectral) -> Result<Option<(Matrix3<f64>, f64)>, MaterialError> {
+        let strain = logarithm.map(|value| value);
+        let (trial, normal) = self.hill.yield_stress(&self.stiff(&strain));
+        if trial <= self.flow_stress.first {
+            return Ok(None);
+        }
+        if self.is_isotropic {
+            let slip = self.slip_of_trial(trial)?;
+            let inverse = Spectral::of(&(normal * -slip)).map(|flow| flow.map(f64::exp));
+            return Ok(inverse.map(|inverse| (inverse, slip)));
+        }
+        self.integrated(logarithm, self.flow_stress.first / trial)
+            .map(Some)
+    }
+
+    /// `e` with `trial - 3 mu e = sigma_y(e)`, whose left side falls faster.
+    fn slip_of_trial(&self, trial: f64) -> Result<f64, MaterialError> {
+        let excess = |slip: f64| trial - 3.0 * self.mu * slip - self.flow_stress.at(slip);
+        let (mut low, mut high) = (0.0, trial / (3.0 * self.mu));
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if excess(middle) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        self.has_strength(high)?;
+        Ok(high)
+    }
+
+    fn has_strength(&self, slip: f64) -> Result<(), MaterialError> {
+        let value = self.flow_stress.at(slip);
+        if value > 0.0 {
+            return Ok(());
+        }
+        Err(MaterialError::OutsideDomain {
+            what: "the flow stress",
+            value,
+            expected: format!("softening has used it up at the plastic strain {slip:?}"),
+        })
+    }
+
+    /// Flow along `U^t` from first yield to the end.
+    fn integrated(
+        &self,
+        logarithm: &Spectral,
+        first: f64,
+    ) -> Result<(Matrix3<f64>, f64), MaterialError> {
+        let speed = logarithm.map(|value| value);
+        let rates = |y: &SVector<f64, 10>, t: f64| {
+            let inverse = Matrix3::from_column_slice(&y.as_slice()[..9]);
+            let stretch = logarithm.map(|value| (t * value).exp());
+            let elastic = stretch * inverse;
+            let flow = self.flow(&elastic).ok_or(())?;
+            let driving = 2.0
+                * flow
+                    .dual
+                    .dot(&(elastic.transpose() * speed * stretch * inverse));
+            let rate = driving / (flow.stiffness + self.flow_stress.slope(y[9]));
+            if !(rate >= 0.0 && rate.is_finite()) || self.flow_stress.at(y[9]) <= 0.0 {
+                return Err(());
+            }
+            let change = inverse * flow.normal * -rate;
+            let mut out = SVector::<f64, 10>::zeros();
+            out.as_mut_slice()[..9].copy_from_slice(change.as_slice());
+            out[9] = rate;
+            Ok(out)
+        };
+        let mut start = SVector::<f64, 10>::zeros();
+        start.as_mut_slice()[..9].copy_from_slice(Matrix3::<f64>::identity().as_slice());
+        let size = SVector::repeat(self.flow_stress.first / self.mu);
+        let end =
+            integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(|stop: Stop<()>| {
+                MaterialError::OutsideDomain {
+                what: "the path to the state",
+                value: 1.0,
+                expected: match stop {
+                    Stop::Rates(()) => {
+                        "on it the metal must flow on with a positive flow stress".to_owned()
+                    }
+                    Stop::TooManySteps => {
+                        "it has too short steps; a smaller strain or less softening may have none"
+                            .to_owned()
+                    }
+                },
+            }
+            })?;
+        self.has_strength(end[9])?;
+        Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))
+    }
+
+    /// Stress and tangent at an elastic deformation and a plastic one, of continued flow.
+    fn flowing(
+        &self,
+        f: &DeformationGradient,
+        inverse: &Matrix3<f64>,
+        slip: f64,
+    ) -> Result<Response, MaterialError> {
+        let elastic = f.matrix() * inverse;
+        let not_finite = || MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        };
+        let components = std::array::from_fn(|i| std::array::from_fn(|j| elastic[(i, j)]));
+        let state = DeformationGradient::new(components).map_err(|_| not_finite())?;
+        let own = self.elastic.response(&state)?;
+        let flow = self.flow(&elastic).ok_or_else(not_finite)?;
+        // w_Fe = -Q, and w_FF by the chain rule.
+        let q = elastic * flow.dual * inverse.transpose() * 2.0;
+        let stiffness = flow.stiffness + self.flow_stress.slope(slip);
+        let half = FourthOrder::from_fn(|i, j, k, b| {
+            (0..3)
+                .map(|a| own.tangent[(i, a, k, b)] * inverse[(j, a)])
+                .sum()
+        });
+        Response {
+            deformation: *f,
+            energy: own.energy,
+            first_piola: own.first_piola * inverse.transpose(),
+            tangent: FourthOrder::from_fn(|i, j, k, l| {
+                let elastic: f64 = (0..3).map(|b| half[(i, j, k, b)] * inverse[(l, b)]).sum();
+                elastic - q[(i, j)] * q[(k, l)] / stiffness
+            }),
+        }
+        .finite()
+    }
+
+    /// The response of a state whose material axes are the fixed ones.
+    fn along_axes(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let matrix = f.matrix();
+        let logarithm = Spectral::of(&(matrix.transpose() * matrix))
+            .filter(|squares| squares.values.min() > 0.0)
+            .map(|squares| Spectral {
+                values: squares.values.map(|square| 0.5 * square.ln()),
+                ..squares
+            })
+            .ok_or_else(|| MaterialError::NotFinite {
+                jacobian: f.jacobian(),
+            })?;
+        match self.flowed(&logarithm)? {
+            None => self.elastic.response(f),
+            Some((inverse, slip)) => self.flowing(f, &inverse, slip),
+        }
+    }
+}
+
+impl Hyperelastic for Metal {
+    /// The energy is what is stored elastically: stress and tangent of a flowing metal have no potential.
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        if self.frame == Matrix3::identity() {
+            return self.along_axes(f);
+        }
+        let turned = f.matrix() * self.frame;
+        let components = std::array::from_fn(|i| std::array::from_fn(|j| turned[(i, j)]));
+        let state = DeformationGradient::new(components).map_err(|_| MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })?;
+        let own = self.along_axes(&state)?;
+        let q = &self.frame;
+        let half = FourthOrder::from_fn(|i, j, k, b| {
+            (0..3).map(|a| own.tangent[(i, a, k, b)] * q[(j, a)]).sum()
+        });
+        Ok(Response {
+            deformation: *f,
+            energy: own.energy,
+            first_piola: own.first_piola * q.transpose(),
+            tangent: FourthOrder::from_fn(|i, j, k, l| {
+                (0..3).map(|b| half[(i, j, k, b)] * q[(l, b)]).sum()
+            }),
+        })
+    }
+}

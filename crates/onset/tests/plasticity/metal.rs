@@ -1,0 +1,340 @@
+//! Metals as materials: against Drucker and Prager's law without friction, and against steps that are made of elasticity and yield stress alone.
+
+use crate::Numbers;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, Law, Response};
+use onset::plasticity::{Criterion, DruckerPrager, FiniteState, Hardening, library};
+
+const MU: f64 = 80.0;
+const KAPPA: f64 = 170.0;
+
+fn law(name: &str, given: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
+    let law = library().iter().find(|law| law.name == name);
+    law.expect("a law").build(given).expect("admissible")
+}
+
+fn at(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Response {
+    let f = DeformationGradient::new(f.transpose().into()).expect("a deformation gradient");
+    material.response(&f).expect("a response")
+}
+
+/// A stretch without symmetry, beyond yield, and a rotation.
+fn state(numbers: &mut Numbers, size: f64) -> Matrix3<f64> {
+    let turn = numbers.rotation();
+    let strains = Vector3::new(1.0, -0.3, -0.72) * size
+        + Vector3::from_fn(|_, _| numbers.next()) * (0.2 * size);
+    numbers.rotation() * turn * Matrix3::from_diagonal(&strains.map(f64::exp)) * turn.transpose()
+}
+
+#[test]
+fn j2_is_the_law_of_drucker_and_prager_without_friction() {
+    let hardening = [("hardening-modulus", 0.9), ("saturation-stress", 0.0)];
+    let steel = law("j2", &hardening);
+    let root = 3.0_f64.sqrt();
+    let strength = Hardening::Linear {
+        initial: 0.4 / root,
+        modulus: 0.9 / 3.0,
+    };
+    let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
+    let other = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
+    let mut numbers = Numbers(31);
+    for size in [1e-3, 0.02, 0.2, 0.5] {
+        let f = state(&mut numbers, size);
+        let response = at(&*steel, &f);
+        let gradient = response.deformation;
+        let update = other
+            .finite_update(&gradient, &FiniteState::default())
+            .expect("a step");
+        assert!(
+            (response.first_piola - update.first_piola()).amax() < 1e-9,
+            "{size}"
+        );
+        let tangent = update.continuum_tangent().expect("flow");
+        for n in 0..81 {
+            let place = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
+            let (own, told) = (response.tangent[place], tangent[place]);
+            assert!(
+                (own - told).abs() < 1e-8 * MU,
+                "{size} {place:?}: {own} {told}"
+            );
+        }
+    }
+}
+
+/// Within the yield surface both laws are Hencky's.
+#[test]
+fn a_metal_that_does_not_yield_is_elastic() {
+    let hencky = Law::named("hencky").expect("a law");
+    let hencky = hencky
+        .build(&[("mu", MU), ("kappa", KAPPA)])
+        .expect("admissible");
+    let mut numbers = Numbers(32);
+    for name in ["j2", "hill-1948"] {
+        let strong = law(name, &[("yield-stress", 400.0)]);
+        let f = state(&mut numbers, 0.3);
+        let (own, elastic) = (at(&*strong, &f), at(&*hencky, &f));
+        assert!((own.first_piola - elastic.first_piola).amax() < 1e-12);
+        assert_eq!(own.tangent, elastic.tangent);
+    }
+}
+
+/// Hill's law in steps: elasticity, the yield stress and its normal typed again, flow as it is defined.
+struct Steps {
+    ratios: [f64; 3],
+}
+
+impl Steps {
+    fn mandel(elastic: &Matrix3<f64>) -> Matrix3<f64> {
+        let squares = (elastic.transpose() * elastic).symmetric_eigen();
+        let strains = squares.eigenvalues.map(|square| 0.5 * square.ln());
+        let stress = strains.map(|strain| 2.0 * MU * strain + (KAPPA - MU / 1.5) * strains.sum());
+        squares.eigenvectors * Matrix3::from_diagonal(&stress) * squares.eigenvectors.transpose()
+    }
+
+    fn phi(&self, m: &Matrix3<f64>) -> f64 {
+        let [r0, r45, r90] = self.ratios;
+        let (g, h) = (1.0 / (1.0 + r0), r0 / (1.0 + r0));
+        let f = h / r90;
+        let n = (f + g) * (0.5 + r45);
+        let differences = f * (m[(1, 1)] - m[(2, 2)]).powi(2)
+            + g * (m[(2, 2)] - m[(0, 0)]).powi(2)
+            + h * (m[(0, 0)] - m[(1, 1)]).powi(2);
+        let shear = 3.0 * (m[(1, 2)].powi(2) + m[(0, 2)].powi(2)) + 2.0 * n * m[(0, 1)].powi(2);
+        (differences + shear).sqrt()
+    }
+
+    /// The gradient of `phi` by differences.
+    fn normal(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
+        let size = 1e-5 * m.amax();
+        Matrix3::from_fn(|i, j| {
+            let along = |t: f64| {
+                let mut moved = *m;
+                moved[(i, j)] += 0.5 * t;
+                moved[(j, i)] += 0.5 * t;
+                self.phi(&moved)
+            };
+            (along(size) - along(-size)) / (2.0 * size)
+        })
+    }
+
+    fn flow_stress(slip: f64) -> f64 {
+        0.4 + 0.2 * slip + 0.2 * (1.0 - (-15.0 * slip).exp())
+    }
+
+    /// How far a state is beyond yield.
+    fn excess(&self, f: &Matrix3<f64>, inverse: &Matrix3<f64>, slip: f64) -> f64 {
+        self.phi(&Self::mandel(&(f * inverse))) - Self::flow_stress(slip)
+    }
+
+    /// `F_p^-1` and slip after a step to `f`; what is left of the yield stress beyond is `rest`.
+    fn step(
+        &self,
+        f: &Matrix3<f64>,
+        (inverse, slip): &(Matrix3<f64>, f64),
+        rest: f64,
+    ) -> (Matrix3<f64>, f64) {
+        let slip = *slip;
+        let excess = |inverse: &Matrix3<f64>, slip: f64| self.excess(f, inverse, slip) - rest;
+        if excess(inverse, slip) <= 0.0 {
+            return (*inverse, slip);
+        }
+        let normal = self.normal(&Self::mandel(&(f * inverse)));
+        let flowed = |rate: f64| inverse * (normal * -rate).exp();
+        let (mut before, mut rate) = (0.0, excess(inverse, slip) / (3.0 * MU));
+        let mut last = excess(inverse, slip);
+        for _ in 0..12 {
+            let now = excess(&flowed(rate), slip + rate);
+            if now.abs() < 1e-13 || now == last {
+                break;
+            }
+            let next = rate - now * (rate - before) / (now - last);
+            (before, last, rate) = (rate, now, next);
+        }
+        (flowed(rate), slip + rate)
+    }
+
+    /// `P = F_e^-T M F_p^-T`.
+    fn first_piola(f: &Matrix3<f64>, inverse: &Matrix3<f64>) -> Matrix3<f64> {
+        let elastic = f * inverse;
+        let back = elastic.try_inverse().expect("invertible").transpose();
+        back * Self::mandel(&elastic) * inverse.transpose()
+    }
+
+    /// The end of the proportional path in so many steps.
+    fn follow(&self, f: &Matrix3<f64>, steps: u32) -> (Matrix3<f64>, f64) {
+        let squares = (f.transpose() * f).symmetric_eigen();
+        let power = |t: f64| {
+            let stretches = squares.eigenvalues.map(|square| square.powf(0.5 * t));
+            squares.eigenvectors
+                * Matrix3::from_diagonal(&stretches)
+                * squares.eigenvectors.transpose()
+        };
+        let mut reached = (Matrix3::identity(), 0.0);
+        for n in 1..=steps {
+            reached = self.step(&power(f64::from(n) / f64::from(steps)), &reached, 0.0);
+        }
+        reached
+    }
+}
+
+#[test]
+fn hill_1948_is_what_small_steps_of_flow_add_up_to_and_its_tangent_is_that_of_one_more() {
+    let ratios = [1.8, 1.3, 2.1];
+    let steps = Steps { ratios };
+    let sheet = law("hill-1948", &[]);
+    let mut numbers = Numbers(33);
+    for size in [0.01, 0.1] {
+        let f = state(&mut numbers, size);
+        let response = at(&*sheet, &f);
+        // Errors fall as the size of the step: the extrapolation of two.
+        let [coarse, fine] = [1500, 3000].map(|count| steps.follow(&f, count));
+        let [rough, close] = [&coarse, &fine].map(|reached| Steps::first_piola(&f, &reached.0));
+        let error = (response.first_piola - (close * 2.0 - rough)).amax();
+        assert!(
+            error < 2e-5 && (close - rough).amax() < 1e-2,
+            "{size}: {error:e}"
+        );
+        // One more step along the path, with something in each direction: as long as it loads, the stress is linear in it at first.
+        let end = (fine.0 * 2.0 - coarse.0, fine.1 * 2.0 - coarse.1);
+        let rest = steps.excess(&f, &end.0, end.1);
+        let start = Steps::first_piola(&f, &end.0);
+        let rate = |along: &Matrix3<f64>| {
+            let after = |t: f64| {
+                let moved = f + along * t;
+                Steps::first_piola(&moved, &steps.step(&moved, &end, rest).0) - start
+            };
+            let size = 2e-6;
+            (after(size) * 4.0 - after(2.0 * size)) / (2.0 * size)
+        };
+        // dF/dt = F ln U.
+        let squares = (f.transpose() * f).symmetric_eigen();
+        let logarithms = squares.eigenvalues.map(|square| 0.5 * square.ln() / size);
+        let logarithm = squares.eigenvectors
+            * Matrix3::from_diagonal(&logarithms)
+            * squares.eigenvectors.transpose();
+        let loading = f * logarithm;
+        for (k, l) in (0..9).map(|n| (n / 3, n % 3)) {
+            let mut along = loading;
+            along[(k, l)] += 0.1;
+            let found = rate(&along);
+            let told = Matrix3::from_fn(|i, j| {
+                (0..9)
+                    .map(|n| response.tangent[(i, j, n / 3, n % 3)] * along[(n / 3, n % 3)])
+                    .sum()
+            });
+            let error = (found - told).amax();
+            assert!(
+                error < 3e-3 * told.amax().max(0.1 * MU),
+                "{size} {k}{l}: {error:e} of {told}"
+            );
+        }
+    }
+}
+
+#[test]
+fn hill_with_equal_ratios_is_j2_and_turns_with_its_axes_and_with_the_body() {
+    let mut numbers = Numbers(34);
+    let plain = law("j2", &[]);
+    // A ratio beside 1 takes the way of all others.
+    let near = law(
+        "hill-1948",
+        &[("r0", 1.0 + 1e-12), ("r45", 1.0), ("r90", 1.0)],
+    );
+    let [straight, turned] = [0.0, 25.0].map(|angle| law("hill-1948", &[("angle", angle)]));
+    for size in [0.005, 0.3] {
+        let f = state(&mut numbers, size);
+        let (one, other) = (at(&*plain, &f), at(&*near, &f));
+        assert!((one.first_piola - other.first_piola).amax() < 1e-8);
+        for n in 0..81 {
+            let place = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
+            let (own, told) = (one.tangent[place], other.tangent[place]);
+            assert!(
+                (own - told).abs() < 1e-6 * MU,
+                "{size} {place:?}: {own} {told}"
+            );
+            let reverse = one.tangent[(place.2, place.3, place.0, place.1)];
+            assert!((own - reverse).abs() < 1e-12 * MU);
+        }
+        let axes = *Rotation3::from_axis_angle(&Vector3::z_axis(), 25_f64.to_radians()).matrix();
+        let along = at(&*straight, &(f * axes)).first_piola * axes.transpose();
+        assert!((at(&*turned, &f).first_piola - along).amax() < 1e-9);
+        let body = numbers.rotation();
+        let moved = at(&*straight, &(body * f)).first_piola;
+        assert!((moved - body * at(&*straight, &f).first_piola).amax() < 1e-8);
+    }
+}
+
+/// Tension of a sheet by Lankford's definition: the strain ratios of stress along an axis, found by the free stretches.
+#[test]
+fn the_ratios_of_hill_are_those_of_plastic_strain_in_tension() {
+    let given = [("hardening-modulus", 0.0), ("saturation-stress", 0.0)];
+    for (angle, ratio) in [(0.0, 1.8), (45.0, 1.3), (90.0, 2.1)] {
+        let sheet = law("hill-1948", &[&given[..], &[("angle", angle)]].concat());
+        // Large strains, in which the elastic part is small; plastic flow keeps the volume.
+        let pull = 0.4_f64;
+        let (across, thick) = (-pull * ratio / (1.0 + ratio), -pull / (1.0 + ratio));
+        let f = Matrix3::from_diagonal(&Vector3::new(pull.exp(), across.exp(), thick.exp()));
+        let cauchy = at(&*sheet, &f).cauchy();
+        let lateral = cauchy[(1, 1)] - cauchy[(2, 2)];
+        assert!(
+            lateral.abs() < 2e-2 * (cauchy[(0, 0)] - cauchy[(2, 2)]),
+            "{angle}: {cauchy}"
+        );
+        // The other ratios have other lateral stresses.
+        let off = law(
+            "hill-1948",
+            &[
+                &given[..],
+                &[("angle", angle), ("r0", 1.0), ("r45", 1.0), ("r90", 1.0)],
+            ]
+            .concat(),
+        );
+        let cauchy = at(&*off, &f).cauchy();
+        assert!((cauchy[(1, 1)] - cauchy[(2, 2)]).abs() > 5e-2 * (cauchy[(0, 0)] - cauchy[(2, 2)]));
+    }
+}
+
+/// The hardening modulus at which the search of localization finds a band is the one at which a wave of the particles' continuum stops.
+#[test]
+fn a_wave_stops_at_the_critical_hardening_modulus() {
+    let root = 3.0_f64.sqrt();
+    let (first, slope) = (0.8, 1.0);
+    let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
+    let strength = Hardening::Linear {
+        initial: first / root,
+        modulus: slope / 3.0,
+    };
+    let other = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
+    let f = Matrix3::from_diagonal(&Vector3::new(1.12, 0.9, 1.0));
+    let gradient = DeformationGradient::from_stretches([1.12, 0.9, 1.0]).expect("a state");
+    let update = other
+        .finite_update(&gradient, &FiniteState::default())
+        .expect("a step");
+    let slip = update.state.slip / root;
+    let moduli = update.rate_moduli().expect("flow");
+    let critical = 3.0
+        * moduli
+            .critical(Criterion::StrongEllipticity)
+            .expect("a band")
+            .modulus;
+    let smallest = |modulus: f64| {
+        // The same flow stress at this slip with another slope.
+        let given = [
+            ("yield-stress", first + (slope - modulus) * slip),
+            ("hardening-modulus", modulus),
+            ("saturation-stress", 0.0),
+        ];
+        Stiffness::<3>::of(&at(&*law("j2", &given), &f))
+            .minimum()
+            .eigenvalue
+            .re
+    };
+    assert!(
+        smallest(critical).abs() < 1e-7 * MU,
+        "{critical}: {}",
+        smallest(critical)
+    );
+    assert!(smallest(critical + 0.02) > 1e-4 * MU * 0.02 && smallest(critical - 0.02) < 0.0);
+}
