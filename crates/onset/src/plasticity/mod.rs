@@ -13,7 +13,9 @@
 //! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
 //! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
 //!   `mu != beta`: [`Criterion`].
-//! - [`follow`]: a loading path, and the first slip at which `h` falls to the critical modulus.
+//! - [`FlowLaw`]: other laws along fixed axes, each by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
+//!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
+//! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
 //!
 //! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
 //! flows; waves, bands and every condition of localization are statements on rates and use it. The *consistent* tangent is
@@ -22,8 +24,10 @@
 
 mod cubic;
 mod finite;
+mod flow;
 mod hardening;
 mod law;
+mod laws;
 mod localization;
 mod moduli;
 mod path;
@@ -32,8 +36,13 @@ mod search;
 mod walk;
 
 pub use finite::{FiniteState, FiniteUpdate};
+pub use flow::{Elasticity, Flow, FlowLaw};
 pub use hardening::Hardening;
 pub use law::DruckerPrager;
+pub use laws::{
+    CamClay, DeformationTheory, EllipticCap, Gurson, HillOrthotropic, Kinematic, MohrCoulomb,
+    ScalarDamage,
+};
 pub use localization::{Band, BandKind, Criterion, Critical};
 pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
@@ -56,7 +65,7 @@ pub enum PlasticityError {
     },
     /// The law softens so fast that the stress does not follow from the strain.
     #[error(
-        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -(G + mu beta K), \
+        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -Q:C:P, \
          below which a strain does not determine the stress"
     )]
     SnapBack {
@@ -79,6 +88,9 @@ pub enum PlasticityError {
     /// The stress deviator vanishes, so that neither flow nor normal has a direction.
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
+    /// Another face of the yield surface is reached.
+    #[error("the intermediate principal stress meets another one: a corner of the yield surface")]
+    Corner,
     /// The elastic part alone is not strongly elliptic.
     #[error(
         "the elastic part of the law has itself lost strong ellipticity (elastic strains are too large)"
@@ -103,7 +115,7 @@ pub enum PlasticityError {
     },
     /// Bands in a sheet need a stress-free surface.
     #[error(
-        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress without confinement"
+        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress or sheet-stretch without confinement"
     )]
     NotASheet,
 }

@@ -17,6 +17,7 @@ fn loading(path: LoadingPath) -> Loading {
         strains: Strains::Small,
         bands: Bands::Bulk,
         confinement: 0.0,
+        strain_ratio: 0.0,
         slip: 0.1,
     }
 }
