@@ -6,6 +6,7 @@
 mod abaqus;
 mod ansys;
 mod law;
+mod marlow;
 
 use super::{Origin, SettingError};
 use std::str::FromStr;
