@@ -81,9 +81,11 @@ fn narrowed(
     } else {
         parameter
     };
-    Some(Kink {
+    // States near the end of a path lie closer than the width from the start.
+    let jump = whole / size(&ends[0].1).max(size(&ends[1].1));
+    (jump > SMALLEST).then(|| Kink {
         stretch: parameter.exp(),
-        jump: whole / size(&ends[0].1).max(size(&ends[1].1)),
+        jump,
     })
 }
 
