@@ -111,7 +111,6 @@ const CRITERIA_EXAMPLES: &str = "Examples:
 const CARD_EXAMPLES: &str = "Examples:
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
   onset card --set material.model=ogden --incompressible --mode uniaxial
-  onset card STUDY.toml --range 0.5,2
   onset card rubber.inp --from abaqus";
 const MODES_EXAMPLES: &str = "Examples:
   onset modes --set discretization.quadrature=nodal --out modes
@@ -142,8 +141,7 @@ const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --strain 0.3";
 const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model drucker-prager --path plane-strain
-  onset localize --model j2 --path uniaxial-stress --load tension --out neck
-  onset localize --model deformation-theory --path sheet-stretch --load tension --set plasticity.bands=sheet --set plasticity.strains=finite
+  onset localize --model mohr-coulomb --set plasticity.confinement=50 --out band
   onset localize --set plasticity.friction=0.7";
 
 const CHECK_EXAMPLES: &str = "Examples:
