@@ -64,7 +64,7 @@ impl Check {
     }
 
     /// A failure that differences known no better than to an uncertainty cannot tell.
-    fn as_known(mut self, uncertainty: f64) -> Self {
+    fn unless_unknown(mut self, uncertainty: f64) -> Self {
         if uncertainty > UNKNOWN && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Undetermined;
             self.finding = format!(
@@ -371,7 +371,7 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
         "the stress is not the derivative of the reported energy",
     )
     .excused(has_history(subject))
-    .as_known(uncertainty(measured))
+    .unless_unknown(uncertainty(measured))
 }
 
 /// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders. Where the stress has
@@ -466,7 +466,7 @@ fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Chec
         "differences of the stress have no symmetric dP/dF: there is no strain energy",
     )
     .excused(has_history(subject))
-    .as_known(uncertainty(measured))
+    .unless_unknown(uncertainty(measured))
 }
 
 fn delivered_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
