@@ -1,10 +1,13 @@
-//! `cargo xtask readme`: what the commands in the consoles of README.md print, filled in.
+//! `cargo xtask readme`: what the commands in the consoles of README.md and of the page of published fits print, filled in.
 //!
 //! A console is a block that begins with three backticks and `console`. Lines after `$ ` are run from the root of the repository, those that end
 //! with a backslash go on. What stood below a command is replaced; where its last line was `...`, as many lines are kept as stood there.
 
 use std::path::Path;
 use std::process::Command;
+
+/// The pages with consoles.
+const PAGES: [&str; 2] = ["README.md", "book/src/how-to/fits.md"];
 
 const BEGIN: &str = "```console\n";
 const END: &str = "\n```";
@@ -20,27 +23,34 @@ pub fn run() -> Result<(), String> {
         return Err("the command cannot be built".to_owned());
     }
     let folder = Path::new("target/readme");
-    let failed = |error: std::io::Error| format!("README.md: {error}");
     // Commands write files beside those that they read.
-    std::fs::create_dir_all(folder).map_err(failed)?;
+    std::fs::create_dir_all(folder).map_err(|error| format!("target/readme: {error}"))?;
     let copied = Command::new("cp")
         .args(["-rL", "studies", "comparisons", "target/readme"])
         .status();
     if !copied.is_ok_and(|status| status.success()) {
         return Err("studies and comparisons cannot be copied to target/readme".to_owned());
     }
-    let text = std::fs::read_to_string("README.md").map_err(failed)?;
+    PAGES.iter().try_for_each(|page| fill(page, folder))
+}
+
+/// Fills the consoles of a page.
+fn fill(page: &str, folder: &Path) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{page}: {error}");
+    let text = std::fs::read_to_string(page).map_err(failed)?;
     let mut filled = String::new();
     let mut rest = text.as_str();
     while let Some(begin) = rest.find(BEGIN) {
         let (before, after) = rest.split_at(begin + BEGIN.len());
-        let end = after.find(END).ok_or("README.md: a console does not end")?;
+        let end = after
+            .find(END)
+            .ok_or_else(|| format!("{page}: a console does not end"))?;
         filled.push_str(before);
         filled.push_str(&console(&after[..end], folder)?);
         rest = &after[end..];
     }
     filled.push_str(rest);
-    std::fs::write("README.md", filled).map_err(failed)
+    std::fs::write(page, filled).map_err(failed)
 }
 
 /// A console with what its commands print now.
@@ -52,7 +62,7 @@ fn console(block: &str, folder: &Path) -> Result<String, String> {
             let mut command = first.to_owned();
             while command.ends_with('\\') {
                 command.push('\n');
-                command.push_str(lines.next().ok_or("README.md: a command does not end")?);
+                command.push_str(lines.next().ok_or("a command does not end")?);
             }
             commands.push((command, Vec::new()));
         } else if let Some((_, shown)) = commands.last_mut() {

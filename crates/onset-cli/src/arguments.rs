@@ -111,7 +111,7 @@ const CRITERIA_EXAMPLES: &str = "Examples:
   onset criteria --mode uniaxial --range 0.2,5 --out figures";
 const CARD_EXAMPLES: &str = "Examples:
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
-  onset card STUDY.toml --range 0.5,2
+  onset card --set material.model=ogden --incompressible --mode uniaxial
   onset card rubber.inp --from abaqus";
 const MODES_EXAMPLES: &str = "Examples:
   onset modes --set discretization.quadrature=nodal --out modes
@@ -148,7 +148,7 @@ const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --strain 0.3";
 const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model drucker-prager --path plane-strain
-  onset localize --model j2 --path uniaxial-stress --load tension --out neck
+  onset localize --model mohr-coulomb --set plasticity.confinement=50 --out band
   onset localize --set plasticity.friction=0.7";
 
 const CHECK_EXAMPLES: &str = "Examples:
@@ -745,6 +745,12 @@ pub struct LawArguments {
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
+    /// Ask the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, the volumetric part does not count.
+    #[arg(long)]
+    pub incompressible: bool,
+    /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
+    #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
+    pub modes: Vec<Mode>,
 }
 
 /// Stability criteria.
@@ -753,12 +759,6 @@ pub struct CriteriaArguments {
     /// The law.
     #[command(flatten)]
     pub law: LawArguments,
-    /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
-    #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
-    pub modes: Vec<Mode>,
-    /// Ask the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, the volumetric part does not count.
-    #[arg(long)]
-    pub incompressible: bool,
     /// Folder for criteria.svg and criteria.png; no figure when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -939,10 +939,11 @@ pub struct MapArguments {
 /// A plastic material and its loading.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// Yield surface and flow rule: drucker-prager or j2; short for --set plasticity.model=MODEL.
+    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage or deformation-theory; short for
+    /// --set plasticity.model=MODEL.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
-    /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear or triaxial-compression; short for
+    /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for
     /// --set plasticity.path=PATH.
     #[arg(long, value_name = "PATH")]
     pub path: Option<String>,

@@ -436,3 +436,73 @@ fn what_python_packages_do_not_say_is_refused_with_the_place() {
         assert!(error.contains(fact), "{error}");
     }
 }
+
+/// The nominal stress of a test whose second direction is the free one, `P_11 - P_33 F_33/F_11`, at constant volume.
+fn nominal(law: &dyn Hyperelastic, stretches: [f64; 3]) -> f64 {
+    let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+    let p = law.response(&f).expect("finite").first_piola;
+    p[(0, 0)] - p[(2, 2)] * stretches[2] / stretches[0]
+}
+
+/// Marlow's energy meets its table, and between the points of a neo-Hookean table it is neo-Hooke's; its tangent has no jumps.
+#[test]
+fn a_table_of_abaqus_is_met_by_marlows_energy() {
+    let (c10, c20, c30) = (0.2, -2e-3, 5e-5);
+    let slope = |i1: f64| c10 + 2.0 * c20 * (i1 - 3.0) + 3.0 * c30 * (i1 - 3.0).powi(2);
+    type Course = fn(f64) -> [f64; 3];
+    let tests: [(&str, Course, f64); 3] = [
+        ("UNIAXIAL", |l| [l, l.powf(-0.5), l.powf(-0.5)], 2.0),
+        ("BIAXIAL", |l| [l, l, l.powi(-2)], 5.0),
+        ("PLANAR", |l| [l, 1.0, 1.0 / l], 3.0),
+    ];
+    for (name, course, power) in tests {
+        let stress = |l: f64| {
+            let i1: f64 = course(l).iter().map(|x| x * x).sum();
+            2.0 * slope(i1) * (l - l.powf(-power))
+        };
+        let stretches: Vec<f64> = (1..=40).map(|n| 1.0 + 0.1 * f64::from(n)).collect();
+        let rows: String = stretches
+            .iter()
+            .map(|l| format!("{:e}, {:e}\n", stress(*l), l - 1.0))
+            .collect();
+        let block =
+            format!("*HYPERELASTIC, MARLOW, POISSON=0.49\n*{name} TEST DATA\n0., 0.\n{rows}");
+        let law = read(Program::Abaqus, &block, &[]);
+        for (n, l) in stretches.iter().enumerate() {
+            let found = nominal(&*law, course(*l));
+            assert!(
+                (found / stress(*l) - 1.0).abs() < 1e-9,
+                "{name} {l}: {found}"
+            );
+            // Between the points the cubic is near the polynomial of second order.
+            if (3..36).contains(&n) {
+                let between = l + 0.05;
+                let found = nominal(&*law, course(between));
+                assert!(
+                    (found / stress(between) - 1.0).abs() < 2e-3,
+                    "{name} {between}: {found}"
+                );
+            }
+        }
+        // On both sides of a point the tangent is the same.
+        let tangent = |l: f64| {
+            let f = DeformationGradient::from_stretches(course(l)).expect("stretches");
+            law.response(&f).expect("finite").tangent[(0, 0, 0, 0)]
+        };
+        let (before, behind) = (tangent(2.0 - 1e-9), tangent(2.0 + 1e-9));
+        assert!(
+            (before / behind - 1.0).abs() < 1e-6,
+            "{name}: {before} {behind}"
+        );
+    }
+    let rows: String = (1..6)
+        .map(|n| 1.0 + 0.3 * f64::from(n))
+        .map(|l: f64| format!("{:e}, {:e}\n", 0.4 * (l - l.powi(-2)), l - 1.0))
+        .collect();
+    let block = format!("*HYPERELASTIC, MARLOW, POISSON=0.45\n*UNIAXIAL TEST DATA\n{rows}");
+    let bulk = 2.0 * 0.4 * 1.45 / (3.0 * 0.1);
+    agrees(&*read(Program::Abaqus, &block, &[]), |f| {
+        let (i1, _, j, _) = invariants(f);
+        0.2 * (i1 - 3.0) + 0.5 * bulk * (j - 1.0).powi(2)
+    });
+}

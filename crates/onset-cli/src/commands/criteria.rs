@@ -10,11 +10,7 @@ use std::process::ExitCode;
 
 /// Criteria side by side.
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
-    let question = question(&arguments.law, &arguments.modes)?;
-    let question = match arguments.incompressible {
-        true => question.incompressible().map_err(Failure::input)?,
-        false => question,
-    };
+    let question = question(&arguments.law)?;
     let output = arguments.out.as_deref();
     let names = ["criteria.svg", "criteria.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
@@ -34,7 +30,7 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
 
 /// The safe range card.
 pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
-    let question = question(&arguments.law, &[])?;
+    let question = question(&arguments.law)?;
     let names = ["card.svg", "card.png", "card.json", "card.html"];
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
@@ -46,13 +42,15 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     print(&card, &with_files(&card, &files), None)
 }
 
-fn question(
-    arguments: &LawArguments,
-    modes: &[onset_study::criteria::Mode],
-) -> Result<Question, Failure> {
+fn question(arguments: &LawArguments) -> Result<Question, Failure> {
     let (material, notes) = material(arguments)?;
-    let question = Question::new(&material, arguments.range, modes).map_err(Failure::input)?;
-    Ok(question.with_notes(notes))
+    let question =
+        Question::new(&material, arguments.range, &arguments.modes).map_err(Failure::input)?;
+    let question = question.with_notes(notes);
+    match arguments.incompressible {
+        true => question.incompressible().map_err(Failure::input),
+        false => Ok(question),
+    }
 }
 
 /// The law of a study, of a block of another program, or of the assignments alone, with what there is to know of it.

@@ -154,6 +154,36 @@ mod user {
         assert!(error("jaumann-cauchy") < 0.1 * error("logarithmic-strain"));
     }
 
+    /// `SSE` per current volume, as Abaqus takes it, and per reference volume: both are the energy of the stress.
+    #[test]
+    fn both_readings_of_sse_are_taken_and_told() {
+        const CONVENTIONS: &str = "tests/fortran/conventions.f90";
+        for (slips, reading) in [("0", "per current volume"), ("16", "per reference volume")] {
+            let audit = audited(CONVENTIONS, &format!("32,0,{slips}"), "");
+            assert_eq!(outcome(&audit, "energy"), "passed", "{audit:#}");
+            let checks = audit["checks"].as_array().expect("a list");
+            let energy = checks.iter().find(|check| check["name"] == "energy");
+            let finding = energy.expect("the check")["finding"].to_string();
+            assert!(finding.contains(&format!("SSE is {reading}")), "{finding}");
+            assert_eq!(audit["consistent"], true);
+        }
+    }
+
+    /// Yield is at a strain of 0.00125: differences reach across it.
+    #[test]
+    fn near_yield_a_tangent_is_undetermined_and_not_wrong() {
+        let near = "--set material.state-variables=1 --strain 0.001";
+        let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", near);
+        assert_eq!(outcome(&audit, "tangent"), "undetermined", "{audit:#}");
+        let checks = audit["checks"].as_array().expect("a list");
+        assert!(
+            checks.iter().all(|check| check["outcome"] != "failed"),
+            "{audit:#}"
+        );
+        let verdict = audit["verdict"].as_str().expect("a verdict");
+        assert!(verdict.starts_with("Undetermined: "), "{verdict}");
+    }
+
     #[test]
     fn what_is_kept_between_calls_is_found() {
         let audit = audited("tests/fortran/hostile.f90", "10,4,9", "");

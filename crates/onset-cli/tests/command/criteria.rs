@@ -220,7 +220,25 @@ fn blocks_that_determine_no_law_are_refused_with_their_line() {
             "marlow",
             "abaqus",
             "*HYPERELASTIC, MARLOW\n",
-            "table of test data",
+            "table of one test",
+        ),
+        (
+            "marlow-signs",
+            "abaqus",
+            "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1\n-0.2, 0.2\n",
+            ":4:",
+        ),
+        (
+            "marlow-both",
+            "abaqus",
+            "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1\n-0.2, -0.2\n",
+            "tension and compression",
+        ),
+        (
+            "marlow-volume",
+            "abaqus",
+            "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1\n0.2, 0.2\n*VOLUMETRIC TEST DATA\n1, 0.99\n",
+            "material.kappa",
         ),
         (
             "fit",
@@ -281,4 +299,96 @@ fn blocks_that_determine_no_law_are_refused_with_their_line() {
         "{}",
         answer.stderr
     );
+}
+
+/// At its defaults the command finds what was found elsewhere, or earlier ones.
+#[test]
+fn jumps_at_the_limit_of_no_volume_are_followed_whatever_the_range() {
+    for (law, limit) in [("cubic-crystal", 0.969_65), ("fung", 0.952_13)] {
+        let answer = document(&format!(
+            "criteria --set material.model={law} --mode hydrostatic"
+        ));
+        let found = criterion(&answer["loadings"][0], "rank-one-convexity");
+        assert!(
+            number(found, "/compression/limit") > limit - 6e-6,
+            "{law}: {found}"
+        );
+        let witness = &found["compression"]["changes"][0]["witness"];
+        assert_eq!(witness["verified"], true, "{law}");
+        assert_eq!(witness["at_edge"], false, "{law}");
+    }
+    let answer = document("criteria --set material.model=saint-venant-orthotropic --mode uniaxial");
+    let loadings = answer["loadings"].as_array().expect("a list");
+    let held = loadings.iter().find(|loading| loading["lateral"] == "held");
+    let found = criterion(held.expect("uniaxial strain"), "rank-one-convexity");
+    assert!(
+        number(found, "/compression/limit") > 0.981_20 - 6e-6,
+        "{found}"
+    );
+}
+
+#[test]
+fn a_card_tells_every_limit_with_nominal_strain_and_stress() {
+    let card = document(&format!("card {BLATZ_KO} --mode uniaxial"));
+    let bar = &card["loadings"][0];
+    let limit = |name: &str| criterion(bar, name);
+    let load = limit("load-maximum");
+    let stretch = 6.0_f64.powf(0.4);
+    assert_close(number(load, "/tension/stretch"), stretch, 1e-9);
+    assert_close(number(load, "/tension/nominal_strain"), stretch - 1.0, 1e-9);
+    let mu = number(&card, "/material/parameters/mu");
+    let stress = mu * (stretch.powf(-0.5) - stretch.powi(-3));
+    assert_close(number(load, "/tension/nominal_stress"), stress, 1e-9);
+    for name in [
+        "strong-ellipticity",
+        "drucker-abaqus",
+        "hill",
+        "hill-rotation-free",
+    ] {
+        assert_eq!(limit(name)["defined"], true, "{name}");
+    }
+    let text = onset(&[
+        "card",
+        "--set",
+        "material.model=blatz-ko",
+        "--mode",
+        "uniaxial",
+    ]);
+    assert!(text.stdout.contains("nominal stress"), "{}", text.stdout);
+    assert!(text.stdout.contains("load-maximum"), "{}", text.stdout);
+}
+
+#[test]
+fn an_incompressible_card_has_limits_and_no_boxes() {
+    let card = document("card --set material.model=ogden --incompressible --mode equibiaxial");
+    assert_eq!(card["material"]["incompressible"], true);
+    assert!(card["symmetric_box"].is_null() && card["widest_box"].is_null());
+    // Ogden's fit of Treloar's rubber passes Drucker's check throughout.
+    let drucker = criterion(&card["loadings"][0], "drucker-abaqus");
+    assert!(drucker["tension"].is_null() && drucker["compression"].is_null());
+}
+
+#[test]
+fn kinks_are_warned_of() {
+    let energy = "mu/2*(I1bar - 3) + if(I1bar > 3.5, 2*(I1bar - 3.5)^2, 0) + 50*(J - 1)^2";
+    let arguments = [
+        "card",
+        "--energy",
+        energy,
+        "--set",
+        "material.mu=1",
+        "--incompressible",
+        "--mode",
+        "uniaxial",
+    ];
+    let text = onset(&arguments);
+    assert!(text.stdout.contains("kink at stretch"), "{}", text.stdout);
+    let json = onset(&[&arguments[..], &["--json"]].concat());
+    let card: Value = serde_json::from_str(&json.stdout).expect("JSON");
+    let kinks = card["loadings"][0]["kinks"].as_array().expect("a list");
+    assert_eq!(kinks.len(), 2, "{kinks:?}");
+    for kink in kinks {
+        let l = number(kink, "/stretch");
+        assert!((l * l + 2.0 / l - 3.5).abs() < 1e-9, "{l}");
+    }
 }

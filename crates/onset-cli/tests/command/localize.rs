@@ -69,7 +69,7 @@ fn figure_and_tables_are_written_where_a_folder_is_given() {
 fn wrong_input_is_told_with_a_hint_and_exit_code_2() {
     for (line, facts) in [
         (
-            "localize --model mohr-coulomb",
+            "localize --model lade",
             ["cannot be", "drucker-prager | j2"],
         ),
         (
@@ -121,5 +121,70 @@ fn wrong_input_is_told_with_a_hint_and_exit_code_2() {
             "{line}: {}",
             answer.stderr
         );
+    }
+}
+
+#[test]
+fn every_law_follows_its_path_to_a_band_or_says_why_not() {
+    for line in [
+        "--model mohr-coulomb --set plasticity.confinement=50",
+        "--model hill-1948 --set plasticity.r0=2 --load tension",
+        "--model gurson --load tension",
+        "--model damage --load tension",
+    ] {
+        let answer = document(&format!("localize {line}"));
+        assert!(answer["localization"].is_object(), "{line}");
+    }
+    // In pure shear both are von Mises' law.
+    for line in [
+        "--model kinematic --set plasticity.kinematic-modulus=0 --path pure-shear",
+        "--model deformation-theory --path pure-shear",
+    ] {
+        let answer = document(&format!("localize {line}"));
+        assert_close(number(&answer, "/localization/slip"), 0.045, 1e-8);
+        assert_eq!(
+            answer["localization"]["band"]["kind"], "shear-band",
+            "{line}"
+        );
+    }
+    for line in [
+        "localize --model cam-clay --path triaxial-compression --set plasticity.confinement=60",
+        "localize --model cap --set plasticity.confinement=50",
+    ] {
+        let answer = document(line);
+        assert!(
+            answer["sentence"]
+                .as_str()
+                .is_some_and(|text| text.starts_with("The material"))
+        );
+        assert!(
+            answer["settings"].get("plasticity.hardening").is_none(),
+            "{line}"
+        );
+    }
+    let sheet = "localize --model deformation-theory --path sheet-stretch --load tension --set plasticity.strain-ratio=1 \
+                 --set plasticity.bands=sheet --set plasticity.strains=finite --set plasticity.hardening=power \
+                 --set plasticity.exponent=0.2 --set plasticity.slip=2";
+    let answer = document(sheet);
+    let sentence = answer["sentence"].as_str().expect("a sentence");
+    assert!(sentence.contains("localized neck forms"), "{sentence}");
+    for (line, fact) in [
+        ("localize --model cam-clay", "within the yield surface"),
+        (
+            "localize --model gurson --set plasticity.friction=1",
+            "only with plasticity.model = drucker-prager",
+        ),
+        (
+            "localize --model cap --set plasticity.exponent=1",
+            "no effect",
+        ),
+        (
+            "localize --model gurson --set plasticity.voids=0.9",
+            "below 1/q1",
+        ),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}");
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
     }
 }

@@ -1,4 +1,4 @@
-//! What the README shows is what its commands print.
+//! What the README and the page of published fits show is what their commands print.
 
 use super::fresh_place;
 use std::path::Path;
@@ -41,9 +41,18 @@ fn shown(text: &str) -> Vec<Shown> {
 
 #[test]
 fn consoles_of_the_readme_are_what_the_commands_print() {
+    consoles_of("README.md", "readme", 6);
+}
+
+#[test]
+fn cards_of_published_fits_are_what_the_commands_print() {
+    consoles_of("book/src/how-to/fits.md", "fits", 5);
+}
+
+fn consoles_of(page: &str, name: &str, least: usize) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let text = std::fs::read_to_string(root.join("README.md")).expect("README.md");
-    let place = fresh_place("readme");
+    let text = std::fs::read_to_string(root.join(page)).expect("a page");
+    let place = fresh_place(name);
     std::fs::create_dir_all(&place).expect("a folder");
     for folder in ["studies", "comparisons"] {
         let there = root.join(folder).canonicalize().expect("a folder");
@@ -58,7 +67,7 @@ fn consoles_of_the_readme_are_what_the_commands_print() {
         std::env::var("PATH").unwrap_or_default()
     );
     let all = shown(&text);
-    assert!(all.len() >= 6, "{} commands", all.len());
+    assert!(all.len() >= least, "{} commands", all.len());
     for Shown { command, lines } in all {
         let run = Command::new("bash")
             .args(["-c", &command])

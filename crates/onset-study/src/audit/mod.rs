@@ -71,7 +71,7 @@ pub const TOLERANCE: f64 = 1e-6;
 pub struct Audit {
     /// What was audited.
     pub material: String,
-    /// Whether all that must hold does.
+    /// Whether all that must hold does; `false` also where a check is undetermined.
     pub consistent: bool,
     /// In a sentence.
     pub verdict: String,
@@ -147,7 +147,9 @@ impl Audit {
         let tangent = tangent(subject, &reference, &measured);
         let mut checks = checks::all(subject, &reference, &measured)?;
         checks.push(tangent.check(subject));
-        let consistent = checks.iter().all(|check| check.outcome != Outcome::Failed);
+        let is_open =
+            |check: &Check| matches!(check.outcome, Outcome::Failed | Outcome::Undetermined);
+        let consistent = !checks.iter().any(is_open);
         Ok(Self {
             material: material.to_owned(),
             consistent,
@@ -196,10 +198,7 @@ fn tangent(subject: &Subject<'_>, reference: &Measured, measured: &[Measured]) -
         .iter()
         .find(|candidate| candidate.reading == expected)
         .map_or(f64::INFINITY, |candidate| candidate.error);
-    let uncertainty = measured
-        .iter()
-        .map(|state| state.uncertainty)
-        .fold(0.0, f64::max);
+    let uncertainty = checks::uncertainty(measured);
     let tolerance = tolerance(uncertainty);
     // What is expected goes before what fits as well, and fewer slips before more.
     let mut fitting: Vec<&Match> = all

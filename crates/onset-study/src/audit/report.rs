@@ -6,15 +6,27 @@ use std::fmt::{self, Display, Formatter};
 
 /// The audit in a sentence or two.
 pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> String {
-    let failed: Vec<&Check> = checks
-        .iter()
-        .filter(|check| check.outcome == Outcome::Failed)
-        .collect();
+    let of = |outcome: Outcome| -> Vec<&Check> {
+        checks
+            .iter()
+            .filter(|check| check.outcome == outcome)
+            .collect()
+    };
+    let (failed, open) = (of(Outcome::Failed), of(Outcome::Undetermined));
     if consistent {
         return format!(
             "Consistent: all checks passed, and the tangent is {} (largest error {:.1e}).",
             tangent.expected.meaning(),
             tangent.expected_error
+        );
+    }
+    if failed.is_empty() {
+        let names: Vec<&str> = open.iter().map(|check| check.name).collect();
+        return format!(
+            "Undetermined: {}. The stress has kinks near these states, and its differences are known to {:.0e} only; nothing else failed. \
+             Ask at states further from yield (--strain).",
+            names.join(", "),
+            tangent.uncertainty
         );
     }
     let findings: Vec<String> = failed
@@ -40,6 +52,7 @@ impl Display for Audit {
             let mark = match check.outcome {
                 Outcome::Passed => "passed",
                 Outcome::Failed => "FAILED",
+                Outcome::Undetermined => "unknown",
                 Outcome::Noted => "noted",
             };
             let error = check

@@ -2,7 +2,10 @@
 
 use super::figure::{held, stretches};
 use super::sentence::{heading, opening, witness};
-use super::{CriteriaError, EndAnswer, LawAnswer, LoadingAnswer, Question};
+use super::{
+    CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
+    SideAnswer, kink,
+};
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
 use crate::output::{Files, text};
@@ -21,7 +24,7 @@ pub struct CardAnswer {
     pub range: [f64; 2],
     /// How the numbers were found.
     pub method: &'static str,
-    /// The largest box `[1/b, b]^3` of principal stretches; `null` where the law is not elliptic in the reference.
+    /// The largest box `[1/b, b]^3` of principal stretches; `null` where the law is not elliptic in the reference, and of incompressible response.
     pub symmetric_box: Option<BoxAnswer>,
     /// The box `[a, b]^3` with the largest `b/a`.
     pub widest_box: Option<BoxAnswer>,
@@ -65,6 +68,36 @@ pub struct Limits {
     pub tension_end: EndAnswer,
     /// The stretches at which the law is elliptic.
     pub elliptic: Vec<(f64, f64)>,
+    /// The limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
+    pub criteria: Vec<CriterionLimits>,
+    /// Stretches at which the tangent jumps.
+    pub kinks: Vec<KinkAnswer>,
+}
+
+/// The limits of a criterion in a loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CriterionLimits {
+    /// Which one.
+    pub criterion: Criterion,
+    /// Whether it is defined for this law.
+    pub defined: bool,
+    /// Whether it holds in the reference.
+    pub holds_in_reference: bool,
+    /// Where it is lost in compression; `null` when it is not.
+    pub compression: Option<LimitPoint>,
+    /// Where it is lost in tension; `null` when it is not.
+    pub tension: Option<LimitPoint>,
+}
+
+/// The state in which a criterion is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LimitPoint {
+    /// The imposed stretch.
+    pub stretch: f64,
+    /// `lambda - 1`, in simple shear the amount of shear.
+    pub nominal_strain: f64,
+    /// `P_11`, in simple shear `P_12`. Units of stress.
+    pub nominal_stress: f64,
 }
 
 /// Why a card could not be written.
@@ -77,6 +110,15 @@ pub enum CardError {
     #[error("the card cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
 }
+
+/// What a card tells of every loading. Drucker's check is that of the programs that fit laws.
+const TOLD: [Criterion; 5] = [
+    Criterion::StrongEllipticity,
+    Criterion::DruckerAbaqus,
+    Criterion::Hill,
+    Criterion::HillRotationFree,
+    Criterion::LoadMaximum,
+];
 
 const METHOD: &str = "dense search from the reference with local improvement; no proof. Limits in loadings: every sign change between \
                       states along the path and dips between them, refined to rounding";
@@ -91,13 +133,18 @@ impl Question {
             .loadings
             .par_iter()
             .map(|loading| {
-                let answer = self.along(*loading, &[Criterion::StrongEllipticity])?;
+                let answer = self.along(*loading, &TOLD)?;
                 Ok(Limits::of(&answer))
             })
             .collect::<Result<_, CriteriaError>>()?;
+        // A box of three stretches asks of states that an incompressible material does not have.
+        let is_asked = !self.law.incompressible;
         let (symmetric, widest) = rayon::join(
-            || safe_box(&*self.material, 1.0, &self.range),
-            || match self.law.isotropic {
+            || match is_asked {
+                true => safe_box(&*self.material, 1.0, &self.range),
+                false => None,
+            },
+            || match is_asked && self.law.isotropic {
                 true => widest_safe_box(&*self.material, &self.range),
                 false => None,
             },
@@ -168,6 +215,8 @@ impl Limits {
             compression_end: answer.compression_end.clone(),
             tension_end: answer.tension_end.clone(),
             elliptic: own.map(|own| held(own, ends)).unwrap_or_default(),
+            criteria: answer.criteria.iter().map(CriterionLimits::of).collect(),
+            kinks: answer.kinks.clone(),
         }
     }
 
@@ -185,6 +234,44 @@ impl Limits {
     }
 }
 
+impl CriterionLimits {
+    fn of(answer: &CriterionAnswer) -> Self {
+        let point = |side: &SideAnswer| {
+            let stretch = side.limit?;
+            let first = side.changes.first();
+            let reached = first.filter(|change| change.stretch == stretch);
+            Some(LimitPoint {
+                stretch,
+                nominal_strain: reached.map_or(0.0, |change| change.nominal_strain),
+                nominal_stress: reached.map_or(0.0, |change| change.nominal_stress),
+            })
+        };
+        Self {
+            criterion: answer.criterion,
+            defined: answer.defined,
+            holds_in_reference: answer.holds_in_reference,
+            compression: point(&answer.compression),
+            tension: point(&answer.tension),
+        }
+    }
+
+    /// Stretch, nominal strain and stress of a limit as texts.
+    pub(super) fn cells(&self, limit: Option<LimitPoint>) -> [String; 3] {
+        let none = || String::from("-");
+        match limit {
+            _ if !self.defined => ["not defined".to_owned(), none(), none()],
+            None => ["never".to_owned(), none(), none()],
+            Some(_) if !self.holds_in_reference => ["in the reference".to_owned(), none(), none()],
+            Some(limit) if limit.stretch == 1.0 => ["at once".to_owned(), none(), none()],
+            Some(limit) => [
+                format!("{:.6}", limit.stretch),
+                format!("{:.6}", limit.nominal_strain),
+                format!("{:.5e}", limit.nominal_stress),
+            ],
+        }
+    }
+}
+
 /// In which sense stretches were followed to an end of a range.
 fn toward(end: f64) -> &'static str {
     match end < 1.0 {
@@ -194,6 +281,14 @@ fn toward(end: f64) -> &'static str {
 }
 
 impl CardAnswer {
+    /// The unit of stresses in a heading, where the parameters have units.
+    pub(super) fn unit_of_stress(&self) -> &'static str {
+        match self.material.units.values().any(|unit| *unit == "Pa") {
+            true => " in Pa",
+            false => "",
+        }
+    }
+
     /// The boxes with their names.
     pub(super) fn boxes(&self) -> Vec<(&'static str, &BoxAnswer)> {
         let named = [
@@ -266,7 +361,12 @@ impl Display for CardAnswer {
             formatter,
             "Strongly elliptic, for stretches from {low} to {high}:\n"
         )?;
-        if self.symmetric_box.is_none() {
+        if self.material.incompressible {
+            writeln!(
+                formatter,
+                "(Incompressible: no boxes of three stretches, which change the volume.)"
+            )?;
+        } else if self.symmetric_box.is_none() {
             writeln!(formatter, "The law is not elliptic in the reference.")?;
         }
         for (name, found) in self.boxes() {
@@ -297,6 +397,31 @@ impl Display for CardAnswer {
                 limits.title,
                 Limits::cell(limits.tension, &limits.tension_end)
             )?;
+        }
+        writeln!(
+            formatter,
+            "\nLimits: stretch, nominal strain (in simple shear the amount of shear), nominal stress{}",
+            self.unit_of_stress()
+        )?;
+        for limits in &self.loadings {
+            writeln!(formatter, "\n{}", limits.title)?;
+            writeln!(
+                formatter,
+                "  {:<20} {:>16} {:>10} {:>13}   {:>16} {:>10} {:>13}",
+                "", "compression", "strain", "stress", "tension", "strain", "stress"
+            )?;
+            for own in &limits.criteria {
+                let [stretch, strain, stress] = own.cells(own.compression);
+                let [other, its_strain, its_stress] = own.cells(own.tension);
+                writeln!(
+                    formatter,
+                    "  {:<20} {stretch:>16} {strain:>10} {stress:>13}   {other:>16} {its_strain:>10} {its_stress:>13}",
+                    own.criterion.name()
+                )?;
+            }
+            for found in &limits.kinks {
+                writeln!(formatter, "  {}", kink(found))?;
+            }
         }
         writeln!(formatter, "\nFound by: {}.", self.method)
     }

@@ -72,15 +72,19 @@ pub(super) fn stretches(low: f64, high: f64) -> Axis {
 /// Color and word of what a criterion perturbs with.
 fn kind(criterion: Criterion) -> (Color, &'static str) {
     match criterion {
-        Criterion::StrongEllipticity | Criterion::PlaneEllipticity | Criterion::BakerEricksen => {
-            (palette::BLUE, "plane waves")
-        }
+        Criterion::StrongEllipticity
+        | Criterion::PlaneEllipticity
+        | Criterion::BakerEricksen
+        | Criterion::OrderedForces => (palette::BLUE, "plane waves"),
         Criterion::RankOneConvexity => (palette::SKY, "finite jumps"),
         Criterion::Hill | Criterion::HillRotationFree => {
             (palette::ORANGE, "incremental work under dead loads")
         }
         Criterion::Surface => (palette::SKY, "waves at free faces"),
-        Criterion::Drucker | Criterion::DruckerAbaqus | Criterion::DruckerIncompressible => {
+        Criterion::Drucker
+        | Criterion::DruckerAbaqus
+        | Criterion::DruckerIncompressible
+        | Criterion::TrueStressMonotonicity => {
             (palette::GREEN, "stress work in logarithmic strain")
         }
         Criterion::LoadMaximum => (palette::VERMILION, "maximum of the load"),

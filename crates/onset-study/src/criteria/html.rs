@@ -1,6 +1,7 @@
 //! The card as one HTML file that needs nothing else, and that can be read on paper.
 
 use super::card::{CardAnswer, Limits};
+use super::kink;
 use super::sentence::{heading, witness};
 use crate::html::{embedded, escaped};
 use onset::criteria::Criterion;
@@ -8,7 +9,7 @@ use onset::criteria::Criterion;
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
 h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}table{border-collapse:collapse;width:100%}\
 th,td{text-align:left;padding:.25rem .6rem .25rem 0;border-bottom:1px solid #ccc;vertical-align:top}\
-td.n{font-variant-numeric:tabular-nums}svg{max-width:100%;height:auto}small{color:#444}\
+td.n{font-variant-numeric:tabular-nums}table.c{font-size:12px;line-height:1.25}table.c td,table.c th{padding:.1rem .4rem .1rem 0}svg{max-width:100%;height:auto}small{color:#444}\
 @media print{body{margin:0;max-width:none}h2{break-after:avoid}tr,figure{break-inside:avoid}}";
 
 impl CardAnswer {
@@ -25,7 +26,42 @@ impl CardAnswer {
              because of the law. Stretches from {low} to {high} were looked at.</p>\n",
             escaped(Criterion::StrongEllipticity.definition())
         );
-        page.push_str("<h2>All principal stretches within a box</h2>\n");
+        if self.material.incompressible {
+            page.push_str(
+                "<p>The response is incompressible: there are no boxes of three stretches, which change the volume.</p>\n",
+            );
+        } else {
+            page.push_str(&self.page_of_boxes());
+        }
+        page.push_str(
+            "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression</th><th>tension</th>\
+             <th>critical wave</th></tr>\n",
+        );
+        for limits in &self.loadings {
+            let wave = limits.tension_witness.or(limits.compression_witness);
+            page.push_str(&row(&[
+                escaped(limits.title),
+                Limits::cell(limits.compression, &limits.compression_end),
+                Limits::cell(limits.tension, &limits.tension_end),
+                escaped(&wave.map(|wave| witness(&wave)).unwrap_or_default()),
+            ]));
+        }
+        page.push_str("</table>\n");
+        page.push_str(&self.page_of_criteria());
+        page.push_str("<figure>\n");
+        page.push_str(&embedded(&self.figure().to_svg()));
+        page.push_str(&format!(
+            "\n</figure>\n<p><small>Imposed stretches; in simple shear &gamma; = &lambda; &minus; 1/&lambda;. N is the direction of the wave in the \
+             reference, g its polarization. Found by: {}. onset {}.</small></p>\n</body></html>\n",
+            escaped(self.method),
+            env!("CARGO_PKG_VERSION")
+        ));
+        page
+    }
+
+    /// The boxes.
+    fn page_of_boxes(&self) -> String {
+        let mut page = String::from("<h2>All principal stretches within a box</h2>\n");
         if self.symmetric_box.is_none() {
             page.push_str(
                 "<p>The law is not elliptic in the reference: there is no safe box.</p>\n",
@@ -48,27 +84,35 @@ impl CardAnswer {
                 "<p><small>The law is not isotropic: the boxes hold for principal axes along the coordinates only.</small></p>\n",
             );
         }
-        page.push_str(
-            "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression</th><th>tension</th>\
-             <th>critical wave</th></tr>\n",
+        page
+    }
+
+    /// The limits of every criterion, with nominal strain and stress.
+    fn page_of_criteria(&self) -> String {
+        let mut page = format!(
+            "<h2>Criteria, each with nominal strain and stress{}</h2>\n<table class=\"c\"><tr><th></th><th>compression</th><th>strain</th>\
+             <th>stress</th><th>tension</th><th>strain</th><th>stress</th></tr>\n",
+            self.unit_of_stress()
         );
         for limits in &self.loadings {
-            let wave = limits.tension_witness.or(limits.compression_witness);
-            page.push_str(&row(&[
-                escaped(limits.title),
-                Limits::cell(limits.compression, &limits.compression_end),
-                Limits::cell(limits.tension, &limits.tension_end),
-                escaped(&wave.map(|wave| witness(&wave)).unwrap_or_default()),
-            ]));
+            page.push_str(&format!(
+                "<tr><th colspan=\"7\">{}</th></tr>\n",
+                escaped(limits.title)
+            ));
+            for own in &limits.criteria {
+                let mut cells = vec![own.criterion.name().to_owned()];
+                cells.extend(own.cells(own.compression));
+                cells.extend(own.cells(own.tension));
+                page.push_str(&row(&cells));
+            }
+            for found in &limits.kinks {
+                page.push_str(&format!(
+                    "<tr><td colspan=\"7\">{}</td></tr>\n",
+                    escaped(&kink(found))
+                ));
+            }
         }
-        page.push_str("</table>\n<figure>\n");
-        page.push_str(&embedded(&self.figure().to_svg()));
-        page.push_str(&format!(
-            "\n</figure>\n<p><small>Imposed stretches; in simple shear &gamma; = &lambda; &minus; 1/&lambda;. N is the direction of the wave in the \
-             reference, g its polarization. Found by: {}. onset {}.</small></p>\n</body></html>\n",
-            escaped(self.method),
-            env!("CARGO_PKG_VERSION")
-        ));
+        page.push_str("</table>\n");
         page
     }
 }

@@ -12,7 +12,7 @@ use crate::answers::{is_stressed, notes_on_law};
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
     Change, Criterion, Event, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
-    Track, Witness, follow, follow_jumps, has_energy, is_isotropic, polyconvexity,
+    Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks, polyconvexity,
 };
 use onset::material::{Hyperelastic, MaterialError};
 use rayon::prelude::*;
@@ -146,8 +146,19 @@ pub struct LoadingAnswer {
     pub tension_end: EndAnswer,
     /// States with the same imposed stretch and other free stretches, where some were met.
     pub other_states: Vec<OtherState>,
+    /// Stretches at which the tangent jumps, nearest to the reference first.
+    pub kinks: Vec<KinkAnswer>,
     /// The criteria.
     pub criteria: Vec<CriterionAnswer>,
+}
+
+/// A jump of the tangent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct KinkAnswer {
+    /// The imposed stretch.
+    pub stretch: f64,
+    /// Its size by that of the tangent.
+    pub jump: f64,
 }
 
 /// The end of a path.
@@ -201,6 +212,10 @@ pub struct ChangeAnswer {
     pub stretch: f64,
     /// Half of the width of its bracket, relative.
     pub tolerance: f64,
+    /// The nominal strain there: `lambda - 1`, in simple shear the amount of shear.
+    pub nominal_strain: f64,
+    /// The nominal stress there, force by reference area: `P_11`, in simple shear `P_12`. Units of stress.
+    pub nominal_stress: f64,
     /// The perturbation that tells.
     pub witness: Witness,
     /// `F_iJ` there.
@@ -273,14 +288,14 @@ impl Question {
         Ok(self)
     }
 
-    /// The criteria that have an answer of their own: of incompressible response one check of Drucker's, and surfaces.
+    /// The criteria that have an answer of their own: of incompressible response one check of Drucker's, which is that of true stress too, and surfaces.
     fn criteria(&self) -> Vec<Criterion> {
-        let left_out = match self.law.incompressible {
-            true => Criterion::DruckerAbaqus,
-            false => Criterion::Surface,
+        let left_out: &[Criterion] = match self.law.incompressible {
+            true => &[Criterion::DruckerAbaqus, Criterion::TrueStressMonotonicity],
+            false => &[Criterion::Surface],
         };
         let mut criteria = Criterion::ALL.to_vec();
-        criteria.retain(|criterion| *criterion != left_out);
+        criteria.retain(|criterion| !left_out.contains(criterion));
         criteria
     }
 
@@ -362,7 +377,7 @@ impl Question {
             notes: self.law.notes.clone(),
         })?;
         let has_energy = has_energy(&*self.material);
-        let reach = (self.range.low(), self.range.high());
+        let reach = self.range.high();
         let tracks = |tension: bool| -> Vec<Option<Track>> {
             let of = |criterion: &Criterion| match criterion {
                 Criterion::RankOneConvexity if !has_energy => None,
@@ -380,8 +395,8 @@ impl Question {
                 criterion: *criterion,
                 defined: tension.is_some(),
                 holds_in_reference: tension.as_ref().is_some_and(|track| track.holds_at_start),
-                compression: side(&path, compression.as_ref()),
-                tension: side(&path, tension.as_ref()),
+                compression: side(&path, loading, compression.as_ref()),
+                tension: side(&path, loading, tension.as_ref()),
             })
             .collect();
         let limits = [self.range.low(), self.range.high()];
@@ -392,6 +407,13 @@ impl Question {
             compression_end: EndAnswer::of(&path.compression_end, limits[0]),
             tension_end: EndAnswer::of(&path.tension_end, limits[1]),
             other_states: other_states(&path),
+            kinks: kinks(&path)
+                .into_iter()
+                .map(|kink| KinkAnswer {
+                    stretch: kink.stretch,
+                    jump: kink.jump,
+                })
+                .collect(),
             criteria,
         })
     }
@@ -481,7 +503,33 @@ fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
         .collect()
 }
 
-fn side(path: &LoadingPath<'_>, track: Option<&Track>) -> SideAnswer {
+/// A kink in words.
+fn kink(kink: &KinkAnswer) -> String {
+    format!(
+        "kink at stretch {:.6}: the tangent jumps by {:.2} %; a limit there is that of one side",
+        kink.stretch,
+        100.0 * kink.jump
+    )
+}
+
+/// The nominal strain at a stretch.
+fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
+    match loading.mode {
+        Mode::SimpleShear => stretch - 1.0 / stretch,
+        _ => stretch - 1.0,
+    }
+}
+
+/// The nominal stress of a state.
+fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
+    let stress = &state.response.first_piola;
+    match loading.mode {
+        Mode::SimpleShear => stress[(0, 1)],
+        _ => stress[(0, 0)],
+    }
+}
+
+fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {
     let Some(track) = track else {
         return SideAnswer::default();
     };
@@ -492,6 +540,10 @@ fn side(path: &LoadingPath<'_>, track: Option<&Track>) -> SideAnswer {
             change: event.change,
             stretch: event.stretch,
             tolerance: event.tolerance,
+            nominal_strain: nominal_strain(loading, event.stretch),
+            nominal_stress: state
+                .as_ref()
+                .map_or(f64::NAN, |state| nominal_stress(loading, state)),
             witness: event.witness,
             deformation_gradient: state.map_or([[f64::NAN; 3]; 3], |state| {
                 *state.response.deformation.components()

@@ -31,6 +31,9 @@ impl Display for CriteriaAnswer {
                     witnesses(answer)
                 )?;
             }
+            for kink in &loading.kinks {
+                writeln!(formatter, "  {}", super::kink(kink))?;
+            }
             for (name, end) in [
                 ("compression", &loading.compression_end),
                 ("tension", &loading.tension_end),
@@ -172,12 +175,13 @@ pub(super) fn witness(witness: &Witness) -> String {
             amplitude,
             direction,
             at_edge,
+            collapses,
             verified,
         } => {
-            let edge = if *at_edge {
-                ", to the edge of the range"
-            } else {
-                ""
+            let edge = match (at_edge, collapses) {
+                (true, _) => ", to the largest stretch of the range",
+                (false, true) => ", to the limit of no volume",
+                (false, false) => "",
             };
             let sure = if *verified {
                 "gain verified in intervals"

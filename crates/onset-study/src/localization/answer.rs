@@ -117,7 +117,7 @@ impl LocalizationAnswer {
     /// [`LocalizationError`] when the law does not admit its parameters or cannot follow the path.
     pub fn new(settings: &PlasticSettings) -> Result<Self, LocalizationError> {
         let (law, loading) = (settings.law()?, settings.loading());
-        let found = follow(&law, &loading)?;
+        let found = follow(law.as_ref(), &loading)?;
         let margin = |point: &PathPoint| point.modulus - point.ellipticity.modulus;
         let closest = found.onset.as_ref().unwrap_or_else(|| {
             found
@@ -274,6 +274,9 @@ impl LocalizationAnswer {
             End::TurnsBack => sentence.push_str(
                 " The path ends where the prescribed strain would have to turn back: homogeneous deformation cannot go on \
                  under control of strain.",
+            ),
+            End::Corner => sentence.push_str(
+                " The path ends where the intermediate principal stress meets another one and a second face of the yield surface would flow.",
             ),
             End::Apex => sentence.push_str(" The path ends where the stress deviator vanishes."),
             End::ElasticNotElliptic => sentence.push_str(

@@ -38,7 +38,7 @@ fn hint(error: &PlasticityError) -> String {
             "pressure outgrows the strength on this path; lower plasticity.friction, or take another path".to_owned()
         }
         PlasticityError::Confinement { .. } => {
-            "lower plasticity.confinement or raise plasticity.strength".to_owned()
+            "choose a plasticity.confinement within the yield surface (cam-clay: above 0 and below plasticity.preconsolidation), or raise plasticity.strength".to_owned()
         }
         PlasticityError::ElasticNotElliptic => {
             "the strength is of the order of the stiffness; raise plasticity.shear-modulus".to_owned()
@@ -46,8 +46,9 @@ fn hint(error: &PlasticityError) -> String {
         PlasticityError::NoDeviator | PlasticityError::Apex => {
             "the path leads to the apex of the yield cone; add plasticity.confinement".to_owned()
         }
+        PlasticityError::Corner => return String::new(),
         PlasticityError::NotASheet => {
-            "take --path uniaxial-stress and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
+            "take --path uniaxial-stress or sheet-stretch and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
         }
         PlasticityError::Exhausted { .. } | PlasticityError::NotFinite => return String::new(),
     };

@@ -3,7 +3,9 @@
 use super::LocalizationError;
 use crate::settings::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
 use onset::plasticity::{
-    Bands, DruckerPrager, Hardening, Load, Loading, LoadingPath, PlasticityError, Strains,
+    Bands, CamClay, DeformationTheory, DruckerPrager, Elasticity, EllipticCap, FlowLaw, Gurson,
+    Hardening, HillOrthotropic, Kinematic, Load, Loading, LoadingPath, MohrCoulomb,
+    PlasticityError, ScalarDamage, Strains,
 };
 use serde::de::DeserializeOwned;
 
@@ -73,11 +75,48 @@ impl Parameter {
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
 
+/// The laws.
+const MODELS: &[&str] = &[
+    "drucker-prager",
+    "j2",
+    "mohr-coulomb",
+    "hill-1948",
+    "kinematic",
+    "gurson",
+    "cam-clay",
+    "cap",
+    "damage",
+    "deformation-theory",
+];
+/// Those whose strength follows plasticity.hardening.
+const HARDENING_WITH_SLIP: &[&str] = &[
+    "drucker-prager",
+    "j2",
+    "mohr-coulomb",
+    "hill-1948",
+    "kinematic",
+    "gurson",
+    "damage",
+    "deformation-theory",
+];
+/// Those that have plasticity.strength.
+const WITH_STRENGTH: &[&str] = &[
+    "drucker-prager",
+    "j2",
+    "mohr-coulomb",
+    "hill-1948",
+    "kinematic",
+    "gurson",
+    "cap",
+    "damage",
+    "deformation-theory",
+];
+
 /// Every parameter, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
     parameter(
         MODEL,
-        Kind::Words(&["drucker-prager", "j2"]),
+        Kind::Words(MODELS),
         "drucker-prager",
         "yield surface and flow rule",
     ),
@@ -108,17 +147,110 @@ pub const PARAMETERS: &[Parameter] = &[
     )
     .only_with(MODEL, &["drucker-prager"]),
     parameter(
+        "plasticity.friction-angle",
+        Kind::Number("1"),
+        "30",
+        "angle of friction phi in degrees",
+    )
+    .only_with(MODEL, &["mohr-coulomb"]),
+    parameter(
+        "plasticity.dilation-angle",
+        Kind::Number("1"),
+        "10",
+        "angle of dilation psi in degrees; equal to that of friction for associated flow",
+    )
+    .only_with(MODEL, &["mohr-coulomb"]),
+    parameter(
+        "plasticity.r0",
+        Kind::Positive("1"),
+        "1",
+        "ratio of widthwise to thickness strain in tension along axis 1 (3 is normal to the sheet)",
+    )
+    .only_with(MODEL, &["hill-1948"]),
+    parameter(
+        "plasticity.r90",
+        Kind::Positive("1"),
+        "1",
+        "the same in tension along axis 2",
+    )
+    .only_with(MODEL, &["hill-1948"]),
+    parameter(
+        "plasticity.kinematic-modulus",
+        Kind::Number("stress"),
+        "200",
+        "modulus c of the back stress: its slope in shear, beside that of the strength",
+    )
+    .only_with(MODEL, &["kinematic"]),
+    parameter(
+        "plasticity.recovery",
+        Kind::Number("1"),
+        "0",
+        "recovery b of the back stress, which tends to c/b in shear; 0: none",
+    )
+    .only_with(MODEL, &["kinematic"]),
+    parameter(
+        "plasticity.voids",
+        Kind::Number("1"),
+        "0.01",
+        "volume fraction of voids at first yield",
+    )
+    .only_with(MODEL, &["gurson"]),
+    parameter(
+        "plasticity.q1",
+        Kind::Positive("1"),
+        "1.5",
+        "Tvergaard's constant q1; 1 for Gurson's law as published",
+    )
+    .only_with(MODEL, &["gurson"]),
+    parameter(
+        "plasticity.q2",
+        Kind::Positive("1"),
+        "1",
+        "Tvergaard's constant q2",
+    )
+    .only_with(MODEL, &["gurson"]),
+    parameter(
+        "plasticity.critical-slope",
+        Kind::Positive("1"),
+        "1",
+        "slope M of the critical state line, q = M p",
+    )
+    .only_with(MODEL, &["cam-clay"]),
+    parameter(
+        "plasticity.cap-start",
+        Kind::Number("stress"),
+        "20",
+        "pressure L at which the cap begins",
+    )
+    .only_with(MODEL, &["cap"]),
+    parameter(
+        "plasticity.preconsolidation",
+        Kind::Positive("stress"),
+        "100",
+        "pressure at which the material yields without shear; it grows with compaction",
+    )
+    .only_with(MODEL, &["cam-clay", "cap"]),
+    parameter(
+        "plasticity.compressibility",
+        Kind::Positive("1"),
+        "0.05",
+        "plastic compaction in which that pressure grows by e, (lambda - kappa)/(1 + e) of soil mechanics",
+    )
+    .only_with(MODEL, &["cam-clay", "cap"]),
+    parameter(
         HARDENING,
         Kind::Words(&["linear", "voce", "power", "peak"]),
         "peak",
         "how the strength changes with plastic shear strain",
-    ),
+    )
+    .only_with(MODEL, HARDENING_WITH_SLIP),
     parameter(
         "plasticity.strength",
         Kind::Positive("stress"),
         "20",
-        "yield stress in pure shear at first yield (that in tension is sqrt(3) times it for j2)",
-    ),
+        "yield stress in pure shear at first yield (that in tension is sqrt(3) times it for j2); mohr-coulomb: c cos(phi); gurson: of the matrix",
+    )
+    .only_with(MODEL, WITH_STRENGTH),
     parameter(
         "plasticity.hardening-modulus",
         Kind::Number("stress"),
@@ -162,10 +294,18 @@ pub const PARAMETERS: &[Parameter] = &[
             "plane-strain",
             "pure-shear",
             "triaxial-compression",
+            "sheet-stretch",
         ]),
         "plane-strain",
         "loading path",
     ),
+    parameter(
+        "plasticity.strain-ratio",
+        Kind::Number("1"),
+        "0",
+        "strain along axis 2 by that along axis 1, above -1 and at most 1",
+    )
+    .only_with("plasticity.path", &["sheet-stretch"]),
     parameter(
         "plasticity.load",
         Kind::Words(&["tension", "compression"]),
@@ -318,7 +458,9 @@ impl PlasticSettings {
 
     fn has_effect(&self, parameter: &Parameter) -> bool {
         parameter.only_with.is_none_or(|(needed, words)| {
-            matches!(self.value(needed), Value::Word(word) if words.contains(&word.as_str()))
+            let mut owners = PARAMETERS.iter().filter(|known| known.name == needed);
+            owners.all(|owner| self.has_effect(owner))
+                && matches!(self.value(needed), Value::Word(word) if words.contains(&word.as_str()))
         })
     }
 
@@ -371,11 +513,76 @@ impl PlasticSettings {
     ///
     /// # Errors
     /// [`LocalizationError::Plasticity`] when it does not admit its parameters.
-    pub fn law(&self) -> Result<DruckerPrager, LocalizationError> {
+    pub fn law(&self) -> Result<Box<dyn FlowLaw>, LocalizationError> {
+        let number = |name: &str| self.number(&format!("plasticity.{name}"));
+        let (shear, poisson) = (number("shear-modulus"), number("poisson-ratio"));
+        let elasticity = Elasticity::new(shear, poisson)?;
+        let hardening = self.hardening();
+        let word = match self.value(MODEL) {
+            Value::Word(word) => word.as_str(),
+            _ => "",
+        };
+        fn boxed<L: FlowLaw + 'static>(
+            law: Result<L, PlasticityError>,
+        ) -> Result<Box<dyn FlowLaw>, LocalizationError> {
+            Ok(Box::new(law?))
+        }
+        match word {
+            "mohr-coulomb" => boxed(MohrCoulomb::new(
+                elasticity,
+                number("friction-angle"),
+                number("dilation-angle"),
+                hardening,
+            )),
+            "hill-1948" => boxed(HillOrthotropic::new(
+                elasticity,
+                number("r0"),
+                number("r90"),
+                hardening,
+            )),
+            "kinematic" => boxed(Kinematic::new(
+                elasticity,
+                number("kinematic-modulus"),
+                number("recovery"),
+                hardening,
+            )),
+            "gurson" => boxed(Gurson::new(
+                elasticity,
+                number("voids"),
+                [number("q1"), number("q2")],
+                hardening,
+            )),
+            "cam-clay" => boxed(CamClay::new(
+                elasticity,
+                number("critical-slope"),
+                number("preconsolidation"),
+                number("compressibility"),
+            )),
+            "cap" => boxed(EllipticCap::new(
+                elasticity,
+                number("strength"),
+                [number("cap-start"), number("preconsolidation")],
+                number("compressibility"),
+            )),
+            "damage" => boxed(ScalarDamage::new(elasticity, hardening)),
+            "deformation-theory" => boxed(DeformationTheory::new(elasticity, hardening)),
+            "j2" => boxed(DruckerPrager::von_mises(shear, poisson, hardening)),
+            _ => boxed(DruckerPrager::new(
+                shear,
+                poisson,
+                number("friction"),
+                number("dilatancy"),
+                hardening,
+            )),
+        }
+    }
+
+    /// How the strength changes with slip.
+    fn hardening(&self) -> Hardening {
         let initial = self.number("plasticity.strength");
         let modulus = self.number("plasticity.hardening-modulus");
         let reference = self.number("plasticity.reference-slip");
-        let hardening = if self.is(HARDENING, "linear") {
+        if self.is(HARDENING, "linear") {
             Hardening::Linear { initial, modulus }
         } else if self.is(HARDENING, "voce") {
             Hardening::Voce {
@@ -396,23 +603,7 @@ impl PlasticSettings {
                 modulus,
                 reference,
             }
-        };
-        let (friction, dilatancy) = if self.is(MODEL, "j2") {
-            (0.0, 0.0)
-        } else {
-            (
-                self.number("plasticity.friction"),
-                self.number("plasticity.dilatancy"),
-            )
-        };
-        let law: Result<_, PlasticityError> = DruckerPrager::new(
-            self.number("plasticity.shear-modulus"),
-            self.number("plasticity.poisson-ratio"),
-            friction,
-            dilatancy,
-            hardening,
-        );
-        Ok(law?)
+        }
     }
 
     /// The loading.
@@ -423,6 +614,7 @@ impl PlasticSettings {
             strains: self.word::<Strains>("plasticity.strains"),
             bands: self.word::<Bands>("plasticity.bands"),
             confinement: self.number("plasticity.confinement"),
+            strain_ratio: self.number("plasticity.strain-ratio"),
             slip: self.number("plasticity.slip"),
         }
     }

@@ -4,7 +4,7 @@
 !   3 Green-Naghdi rate of Cauchy stress          4 Green-Naghdi rate of Kirchhoff stress over J
 !   5 dS/dE     6 Cauchy stress per sym(F)        7 Cauchy stress per logarithmic strain, rotation held
 !   8 dP/dF     9 dN/dF, N = P^T                 10 elasticity of the undeformed state
-! PROPS(3), a sum of: 1 transposed, 2 tensor shear strains, 4 factor J missing (too large by J), 8 order 11 22 33 23 13 12.
+! PROPS(3), a sum of: 1 transposed, 2 tensor shear strains, 4 factor J missing (too large by J), 8 order 11 22 33 23 13 12, 16 SSE per reference volume.
 module onset_conventions
   implicit none
   integer, parameter :: dp = kind(1.0d0)
@@ -173,4 +173,5 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   end do
   g = inverse(f)
   sse = 0.5_dp*mu*real((sum(g**2) + 2.0_dp*determinant(f) - 5.0_dp)/determinant(f), dp)
+  if (iand(flaws, 16) /= 0) sse = sse*real(determinant(f), dp)
 end subroutine umat

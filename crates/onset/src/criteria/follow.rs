@@ -28,7 +28,7 @@ pub struct Event {
     pub change: Change,
     /// The stretch `lambda` at which it changes; 1 where it is lost with the first deformation.
     pub stretch: f64,
-    /// Half of the width of the bracket of `ln lambda`.
+    /// Half of the width of the bracket of `ln lambda`, or how far rounding of the free stretches can move it, if that is more.
     pub tolerance: f64,
     /// The perturbation on the side where the criterion does not hold.
     pub witness: Witness,
@@ -62,6 +62,8 @@ impl Track {
 const RESOLUTION: f64 = 1e-14;
 /// Changes nearer to the reference, in `ln lambda`, count as in the reference.
 const AT_REFERENCE: f64 = 1e-9;
+/// The step, in `ln lambda`, of the slope of a measure.
+const SLOPE_STEP: f64 = 1e-5;
 /// Evaluations spent on the bottom of a dip.
 const DIP_STEPS: usize = 48;
 
@@ -142,17 +144,44 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             (before, pair[0].0)
         };
         let state = path.state(place).or_else(|| path.state(knot))?;
-        events.push(event(
-            lost,
-            before,
-            behind,
-            criterion.measure(&state)?.witness,
-        ));
+        let mut found = event(lost, before, behind, criterion.measure(&state)?.witness);
+        found.tolerance = found
+            .tolerance
+            .max(undetermined(path, criterion, place, &mut value));
+        events.push(found);
     }
     Some(Track {
         holds_at_start,
         events,
     })
+}
+
+/// How far rounding can move a change of sign at `s`, in `ln lambda`: how much the measure changes with the free stretches that it leaves open, by
+/// the slope of the measure along the path.
+fn undetermined(
+    path: &LoadingPath<'_>,
+    criterion: Criterion,
+    s: f64,
+    value: &mut impl FnMut(f64) -> Option<f64>,
+) -> f64 {
+    let Some(state) = path.at(s) else { return 0.0 };
+    let own = match criterion.measure(&path.ask(&state)) {
+        Some(measure) => measure,
+        None => return 0.0,
+    };
+    let off = path.undetermined(&state);
+    let changes = off.iter().filter_map(|state| criterion.measure(state));
+    let noise = changes
+        .map(|measure| (measure.signed() - own.signed()).abs())
+        .fold(0.0, f64::max);
+    // The slope from within, where the criterion is sure to be asked.
+    let step = SLOPE_STEP.min(0.5 * s.abs());
+    let slope =
+        value(s - step.copysign(s)).map_or(0.0, |before| (own.signed() - before).abs() / step);
+    match noise > 0.0 && slope > 0.0 {
+        true => (noise / slope).min(s.abs()),
+        false => 0.0,
+    }
 }
 
 fn side<'p>(path: &'p LoadingPath<'_>, tension: bool) -> &'p [PathState] {
@@ -192,13 +221,8 @@ const OUTWARD: i32 = 22;
 ///
 /// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound of the distance from the reference up to
 /// which the law is rank-one convex. At the limit the gain is proved in intervals where the law knows them ([`JumpSearch::proves`]). Where the best
-/// jump leads to the edge of the reach, the limit depends on the reach, and is good to about 1e-3 only.
-pub fn follow_jumps(
-    path: &LoadingPath<'_>,
-    elliptic: &Track,
-    reach: (f64, f64),
-    tension: bool,
-) -> Track {
+/// jump leads to the edge of the reach, its largest stretch, the limit depends on the reach, and is good to about 1e-3 only.
+pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let jumps = Jumps {
         path,
         search: match path.is_incompressible() {

@@ -126,6 +126,21 @@ impl PrincipalTangent {
         (self.shear[(i, j)], witness)
     }
 
+    /// The smallest `(T_i - T_j) / (lambda_i - lambda_j) = A_ijij + A_ijji`, with the shear that it belongs to.
+    pub(super) fn softest_force(&self) -> (f64, Witness) {
+        let value = |(i, j): (usize, usize)| self.shear[(i, j)] + self.cross[(i, j)];
+        let pairs = [(0, 1), (0, 2), (1, 2)];
+        let (i, j) = pairs.into_iter().fold((0, 1), |best, pair| {
+            if value(pair) < value(best) {
+                pair
+            } else {
+                best
+            }
+        });
+        let witness = self.wave(&Vector3::ith(j, 1.0), &Vector3::ith(i, 1.0));
+        (value((i, j)), witness)
+    }
+
     /// The smallest value of the form that decides on strong ellipticity, with its wave.
     ///
     /// With `x_i = g_i N_i` the form is `sum W_ij x_i x_j + sum_{i != j} (A_ijij g_i^2 N_j^2 + A_ijji x_i x_j)`, and `g_i^2 N_j^2 + g_j^2 N_i^2

@@ -18,8 +18,10 @@ pub struct Jump {
     pub excess: f64,
     /// How much of the excess can be rounding.
     pub rounding: f64,
-    /// Whether it leads to the edge of the reach; it is then not the lowest of its valley, and not as accurate.
+    /// Whether it leads to the largest stretch of the reach; it is then not the lowest of its valley, and not as accurate.
     pub at_edge: bool,
+    /// Whether it leads to as good as no volume: the law has a finite energy there, and the lowest jump of its valley is a limit.
+    pub collapses: bool,
 }
 
 impl Jump {
@@ -34,6 +36,7 @@ impl Jump {
             amplitude: self.amplitude.into(),
             direction: self.direction.into(),
             at_edge: self.at_edge,
+            collapses: self.collapses,
             verified,
         }
     }
@@ -43,8 +46,9 @@ impl Jump {
 ///
 /// Starts: normals and polarizations along the thirteen axes of a cube in the principal frame, with amplitudes in ratio to the stretch along the
 /// polarization, both ways; the lowest of them, one for each pair of axes, are followed downhill (quasi-Newton, `BFGS`) in amplitude and normal
-/// together. Jumps lead to states with principal stretches within the reach only, since many laws lack
-/// growth at enormous strains. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
+/// together. Jumps lead to states with principal stretches up to the reach only, since many laws lack
+/// growth at enormous strains; in compression they go as far as they lower the energy, since `J` cannot fall below zero, where laws without growth
+/// toward `J = 0` have their lowest jumps. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
 /// exact arithmetic; none found is no proof of it.
 ///
 /// ```
@@ -52,7 +56,7 @@ impl Jump {
 /// use onset::material::{Hyperelastic, BlatzKo};
 /// use onset::criteria::JumpSearch;
 /// let law = BlatzKo::default();
-/// let search = JumpSearch::new(&law, (0.1, 10.0));
+/// let search = JumpSearch::new(&law, 10.0);
 /// // In uniaxial strain 3.5 waves travel still (they do up to 3.732), but a large jump gains energy.
 /// let f = DeformationGradient::from_stretches([3.5, 1.0, 1.0])?;
 /// let state = law.response(&f)?;
@@ -62,7 +66,7 @@ impl Jump {
 /// ```
 pub struct JumpSearch<'a> {
     material: &'a dyn Hyperelastic,
-    reach: (f64, f64),
+    reach: f64,
     incompressible: bool,
 }
 
@@ -72,6 +76,10 @@ const SMALLEST: f64 = 1e-3;
 const FOLLOWED: usize = 16;
 /// Steps of a descent.
 const STEPS: usize = 80;
+/// The volume that jumps leave at the least, by that before them.
+const LEAST_VOLUME: f64 = 1e-7;
+/// Jumps that leave less volume, by that before them, count as collapse.
+const COLLAPSED: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
 const AXES: [[f64; 3]; 13] = [
     [1.0, 0.0, 0.0],
@@ -94,8 +102,8 @@ const AMPLITUDES: [f64; 8] = [-3.0, -0.85, -0.5, -0.25, 0.3, 0.8, 2.0, 5.0];
 const ALONG_WAVE: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.2];
 
 impl<'a> JumpSearch<'a> {
-    /// A search in a law among jumps to states with principal stretches within `reach`.
-    pub fn new(material: &'a dyn Hyperelastic, reach: (f64, f64)) -> Self {
+    /// A search in a law among jumps to states with principal stretches up to `reach`.
+    pub fn new(material: &'a dyn Hyperelastic, reach: f64) -> Self {
         Self {
             material,
             reach,
@@ -149,11 +157,12 @@ impl<'a> JumpSearch<'a> {
                 let g = (left * Vector3::from(axis)).normalize();
                 let scale = stretch_along(f, &g);
                 let of_size = |size: f64| {
-                    let a = self.admitted(state, g * (size * scale), &n);
+                    let free = g * (size * scale);
+                    let a = self.admitted(state, free, &n);
                     if a.norm() < 0.1 * size.abs() * scale {
                         return None;
                     }
-                    let start = Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]);
+                    let start = Vector6::new(free[0], free[1], free[2], n[0], n[1], n[2]);
                     Some((self.energy_of(state, &a, &n)?.0, start))
                 };
                 let tried = AMPLITUDES.into_iter().filter_map(of_size);
@@ -165,7 +174,8 @@ impl<'a> JumpSearch<'a> {
 
     /// The jump at the bottom of the valley that a jump at a state nearby lies in; `None` where it becomes infinitesimal.
     pub fn descend(&self, state: &Response, start: &Jump) -> Option<Jump> {
-        let (a, n) = (start.amplitude, start.direction);
+        let n = start.direction;
+        let a = self.free(state, start.amplitude, &n);
         self.descent(state, Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]))
     }
 
@@ -218,13 +228,31 @@ impl<'a> JumpSearch<'a> {
             .then_some((excess, stress - state.first_piola))
     }
 
-    /// An amplitude, or its part that keeps the volume.
-    fn admitted(&self, state: &Response, a: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
-        if !self.incompressible {
+    /// The amplitude of a free vector, after which the volume is positive, or what it was if that is to be kept.
+    ///
+    /// The jump `b (x) N` changes `J` to `J x`, `x = 1 + b . cof F N / J`, and is changed along `cof F N` so that the volume is `J` times
+    /// [`volume_after`] of `x`, or 1.
+    fn admitted(&self, state: &Response, b: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
+        let normal = cofactor(&state.deformation.matrix()) * n;
+        let jacobian = state.deformation.jacobian();
+        let x = 1.0 + normal.dot(&b) / jacobian;
+        let wanted = if self.incompressible {
+            1.0
+        } else {
+            volume_after(x).0
+        };
+        b + normal * (jacobian * (wanted - x) / normal.norm_squared())
+    }
+
+    /// A free vector of an amplitude.
+    fn free(&self, state: &Response, a: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
+        if self.incompressible {
             return a;
         }
         let normal = cofactor(&state.deformation.matrix()) * n;
-        a - normal * (normal.dot(&a) / normal.norm_squared())
+        let jacobian = state.deformation.jacobian();
+        let volume = 1.0 + normal.dot(&a) / jacobian;
+        a + normal * (jacobian * (free_volume(volume) - volume) / normal.norm_squared())
     }
 
     /// The scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` where the jump leaves the reach or the law.
@@ -238,18 +266,22 @@ impl<'a> JumpSearch<'a> {
         let scale = 2.0 / a.norm_squared();
         let mut by_a = (change * n - a * excess) * scale;
         let mut by_n = change.transpose() * a * scale;
-        if self.incompressible {
-            // a = b - v (v . b) / |v|^2 with v = cof F N.
-            let cofactor = cofactor(&state.deformation.matrix());
-            let v = cofactor * n;
-            let square = v.norm_squared();
-            let (along, across) = (v.dot(&free) / square, v.dot(&by_a) / square);
-            let by_v = v * (2.0 * along * across * square)
-                - by_a * (along * square)
-                - free * (across * square);
-            by_n += cofactor.transpose() * by_v / square;
-            by_a -= v * across;
-        }
+        // a = b + w v, v = cof F N, w = J (y - x) / |v|^2, x = 1 + v . b / J, y the volume after the jump by that before.
+        let cofactor = cofactor(&state.deformation.matrix());
+        let jacobian = state.deformation.jacobian();
+        let v = cofactor * n;
+        let square = v.norm_squared();
+        let x = 1.0 + v.dot(&free) / jacobian;
+        let (volume, slope) = if self.incompressible {
+            (1.0, 0.0)
+        } else {
+            volume_after(x)
+        };
+        let weight = jacobian * (volume - x) / square;
+        let along = v.dot(&by_a) / square;
+        let by_v = by_a * weight + (free * (slope - 1.0) - v * (2.0 * weight)) * along;
+        by_n += cofactor.transpose() * by_v;
+        by_a += v * ((slope - 1.0) * along);
         let by_m = (by_n - n * n.dot(&by_n)) / length;
         Some((
             excess,
@@ -257,11 +289,9 @@ impl<'a> JumpSearch<'a> {
         ))
     }
 
-    /// Whether a deformation has a positive determinant and principal stretches within the reach.
+    /// Whether a deformation has a positive determinant and principal stretches up to the reach.
     fn reaches(&self, f: &Matrix3<f64>) -> bool {
-        let squares = eigenvalues_of_square(f);
-        let (low, high) = self.reach;
-        f.determinant() > 0.0 && squares[0] >= low * low && squares[2] <= high * high
+        f.determinant() > 0.0 && largest_square(f) <= self.reach * self.reach
     }
 
     fn descent(&self, state: &Response, start: Vector6<f64>) -> Option<Jump> {
@@ -310,12 +340,14 @@ impl<'a> JumpSearch<'a> {
         let m: Vector3<f64> = x.fixed_rows::<3>(3).into();
         let n = m / m.norm();
         let a = self.admitted(state, x.fixed_rows::<3>(0).into(), &n);
+        let after = state.deformation.matrix() + a * n.transpose();
         Some(Jump {
             amplitude: a,
             direction: n,
             excess: value,
             rounding: Self::rounding(state, &a, &n),
-            at_edge: self.is_at_edge(&(state.deformation.matrix() + a * n.transpose())),
+            at_edge: largest_square(&after).sqrt() > 0.99 * self.reach,
+            collapses: after.determinant() < COLLAPSED * state.deformation.jacobian(),
         })
     }
 
@@ -324,12 +356,6 @@ impl<'a> JumpSearch<'a> {
         let work = a.dot(&(state.first_piola * n));
         let energies = 2.0 * state.energy.abs() + 2.0 * work.abs();
         2e3 * f64::EPSILON * energies / a.norm_squared()
-    }
-
-    /// Whether a state has a principal stretch within a hundredth of an end of the reach.
-    fn is_at_edge(&self, f: &Matrix3<f64>) -> bool {
-        let [smallest, _, largest] = eigenvalues_of_square(f).map(|square| square.max(0.0).sqrt());
-        smallest < 1.01 * self.reach.0 || largest > 0.99 * self.reach.1
     }
 
     /// The part of a step that is admitted and leads down, with the excess there.
@@ -360,21 +386,36 @@ fn stretch_along(f: Matrix3<f64>, g: &Vector3<f64>) -> f64 {
     (f.transpose() * g).norm()
 }
 
-/// The eigenvalues of `F^T F`, smallest first: the roots of its characteristic polynomial by their angle.
-fn eigenvalues_of_square(f: &Matrix3<f64>) -> [f64; 3] {
+/// The volume after a jump by that before, from a free number, with its derivative: that number from 1/2 on, below it an exponential that
+/// falls to [`LEAST_VOLUME`] without an end.
+fn volume_after(x: f64) -> (f64, f64) {
+    if x >= 0.5 {
+        return (x, 1.0);
+    }
+    let span = 0.5 - LEAST_VOLUME;
+    let slope = ((x - 0.5) / span).exp();
+    (LEAST_VOLUME + span * slope, slope)
+}
+
+/// The free number of a volume.
+fn free_volume(volume: f64) -> f64 {
+    if volume >= 0.5 {
+        return volume;
+    }
+    let span = 0.5 - LEAST_VOLUME;
+    let part = ((volume - LEAST_VOLUME) / span).max(f64::MIN_POSITIVE);
+    0.5 + span * part.ln()
+}
+
+/// The largest eigenvalue of `F^T F`: a root of its characteristic polynomial by its angle.
+fn largest_square(f: &Matrix3<f64>) -> f64 {
     let c = f.transpose() * f;
     let mean = c.trace() / 3.0;
     let deviator = c - Matrix3::identity() * mean;
     let size = (deviator.norm_squared() / 6.0).sqrt();
     if size <= f64::EPSILON * mean {
-        return [mean; 3];
+        return mean;
     }
-    let angle = (0.5 * (deviator / size).determinant())
-        .clamp(-1.0, 1.0)
-        .acos()
-        / 3.0;
-    let at = |turn: f64| mean + 2.0 * size * (angle + turn).cos();
-    let third = std::f64::consts::TAU / 3.0;
-    let (largest, smallest) = (at(0.0), at(third));
-    [smallest, 3.0 * mean - largest - smallest, largest]
+    let cosine = (0.5 * (deviator / size).determinant()).clamp(-1.0, 1.0);
+    mean + 2.0 * size * (cosine.acos() / 3.0).cos()
 }

@@ -441,6 +441,50 @@ impl<'a> LoadingPath<'a> {
         continued(self.material, self.loading, self.volume, nearest, s).ok()
     }
 
+    /// States off the path by as much as rounding leaves the free stretches undetermined: where the free faces branch, the equations for them
+    /// are nearly singular. Each with the sense in which it is off.
+    pub(super) fn undetermined(&self, state: &PathState) -> Vec<State> {
+        let free = self.loading.free();
+        if free.is_empty() || self.is_incompressible() {
+            return Vec::new();
+        }
+        let (imposed, rate) = self.loading.imposed(state.parameter);
+        let linear = Linear::of(&state.response, free, &rate);
+        let noise = 4.0 * f64::EPSILON * linear.magnitude;
+        let senses = [
+            Vector2::new(1.0, 0.0),
+            Vector2::new(0.0, 1.0),
+            Vector2::new(1.0, 1.0),
+            Vector2::new(1.0, -1.0),
+        ];
+        let mut off = Vec::new();
+        for sense in senses {
+            if free.len() == 1 && sense != senses[0] {
+                continue;
+            }
+            // The part of the free stretches that a residual of rounding leaves open; beside a singular matrix the quadratic terms bound it.
+            let open = linear
+                .solve(&(sense * noise))
+                .map_or(f64::INFINITY, |open| open.amax());
+            let size = open.min(f64::EPSILON.sqrt());
+            for sign in [size, -size] {
+                let lateral = state.lateral + sense * sign;
+                let mut f = imposed;
+                for (n, axis) in free.iter().enumerate() {
+                    f[(*axis, *axis)] = lateral[n].exp();
+                }
+                let Ok(response) = respond(self.material, &f) else {
+                    continue;
+                };
+                off.push(self.ask(&PathState {
+                    response,
+                    ..state.clone()
+                }));
+            }
+        }
+        off
+    }
+
     /// The state at `s` as criteria ask it.
     pub fn state(&self, s: f64) -> Option<State> {
         self.at(s).map(|state| self.ask(&state))

@@ -20,6 +20,8 @@
 //! | [`Drucker`](Criterion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
 //! | [`DruckerAbaqus`](Criterion::DruckerAbaqus) | `dtau_i dln(lambda_i) > 0` with principal axes held |
 //! | [`DruckerIncompressible`](Criterion::DruckerIncompressible) | the same for `sum dln(lambda_i) = 0` |
+//! | [`TrueStressMonotonicity`](Criterion::TrueStressMonotonicity) | `sigma° : D > 0` for all `D`, `sigma°` the Jaumann rate of Cauchy stress |
+//! | [`OrderedForces`](Criterion::OrderedForces) | `(T_i - T_j)(lambda_i - lambda_j) > 0`, `T_i = dW/dlambda_i` |
 //! | [`LoadMaximum`](Criterion::LoadMaximum) | the load rises along the loading itself |
 //! | [`Surface`](Criterion::Surface) | no wave at a free face stands still (incompressible response) |
 //!
@@ -37,6 +39,7 @@ mod forms;
 mod incompressible;
 mod isotropy;
 mod jumps;
+mod kinks;
 mod loading;
 mod polyconvexity;
 mod root;
@@ -45,6 +48,7 @@ pub use box_of_stretches::{BoxEnd, Critical, SafeBox, safe_box, widest_safe_box}
 pub use follow::{Change, Event, Track, follow, follow_jumps};
 pub use isotropy::{has_energy, is_isotropic};
 pub use jumps::{Jump, JumpSearch};
+pub use kinks::{Kink, kinks};
 pub use loading::{
     Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, PathEnd, PathState, Range,
     RangeError,
@@ -130,6 +134,19 @@ pub enum Criterion {
     /// "Material stability": the matrix with two rows that is left when the third strain is eliminated is positive definite. The measure is the
     /// smallest eigenvalue on the two increments, in logarithmic strain of unit length. Units of stress.
     DruckerIncompressible,
+    /// True stress grows with true strain (TSTS-M++): `sigma° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Cauchy stress.
+    ///
+    /// It is `(tau° : D - (tau : D) tr D) / J > 0`: of isotropic laws the derivative of the Cauchy stress by the logarithmic strain is positive
+    /// definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that neither
+    /// it nor polyconvexity implies the other. Where the volume is kept it is Drucker's inequality. The measure is the smallest eigenvalue on
+    /// symmetric `D`. Units of stress.
+    TrueStressMonotonicity,
+    /// The larger principal force acts along the larger principal stretch: `(T_i - T_j)(lambda_i - lambda_j) > 0`, `T_i = dW/dlambda_i` (Biot stress).
+    ///
+    /// Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Truesdell and Noll, The non-linear field theories of mechanics (1965),
+    /// section 51 (O-F inequalities); for isotropic laws. The measure is the smallest `(T_i - T_j) / (lambda_i - lambda_j)`, which is `A_ijij +
+    /// A_ijji` of the tangent in principal axes and so has its limit at equibiaxial stretches. Units of stress.
+    OrderedForces,
     /// The load rises along the loading: `Pdot : Fdot > 0` along the path itself, with its traction-free faces.
     ///
     /// Under a prescribed load the specimen runs away where this ends (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars); under a
@@ -215,8 +232,10 @@ pub enum Witness {
         amplitude: [f64; 3],
         /// `N`, of unit length.
         direction: [f64; 3],
-        /// Whether the jump leads to the edge of what was looked at; the limit then depends on the edge, and is rough.
+        /// Whether the jump leads to the largest stretch that was looked at; the limit then depends on that, and is rough.
         at_edge: bool,
+        /// Whether the jump leads to as good as no volume, where the law has a finite energy.
+        collapses: bool,
         /// Whether interval arithmetic proves that the jump gains energy; to rounding only where it does not, or where the law knows no
         /// intervals.
         verified: bool,
@@ -225,7 +244,7 @@ pub enum Witness {
 
 impl Criterion {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::StrongEllipticity,
         Self::PlaneEllipticity,
         Self::RankOneConvexity,
@@ -235,6 +254,8 @@ impl Criterion {
         Self::Drucker,
         Self::DruckerAbaqus,
         Self::DruckerIncompressible,
+        Self::TrueStressMonotonicity,
+        Self::OrderedForces,
         Self::LoadMaximum,
         Self::Surface,
     ];
@@ -251,6 +272,8 @@ impl Criterion {
             Self::Drucker => "drucker",
             Self::DruckerAbaqus => "drucker-abaqus",
             Self::DruckerIncompressible => "drucker-incompressible",
+            Self::TrueStressMonotonicity => "true-stress-monotonicity",
+            Self::OrderedForces => "ordered-forces",
             Self::LoadMaximum => "load-maximum",
             Self::Surface => "surface",
         }
@@ -268,6 +291,8 @@ impl Criterion {
             Self::Drucker => "Drucker's criterion",
             Self::DruckerAbaqus => "Drucker stability as Abaqus checks it",
             Self::DruckerIncompressible => "Drucker stability of incompressible response",
+            Self::TrueStressMonotonicity => "monotonicity of true stress in true strain",
+            Self::OrderedForces => "the order of forces",
             Self::LoadMaximum => "a rising load",
             Self::Surface => "stability of a free surface",
         }
@@ -287,6 +312,10 @@ impl Criterion {
             Self::DruckerIncompressible => {
                 "dtau_i dln(lambda_i) > 0 with principal axes held, sum dln(lambda_i) = 0"
             }
+            Self::TrueStressMonotonicity => {
+                "sigma° : D > 0 for all D, sigma° the Jaumann rate of Cauchy stress"
+            }
+            Self::OrderedForces => "(T_i - T_j)(lambda_i - lambda_j) > 0, T_i = dW/dlambda_i",
             Self::LoadMaximum => "Pdot : Fdot > 0 along the loading",
             Self::Surface => {
                 "2 eta (beta + gamma) + alpha - gamma > 0 at free faces, eta = lambda_i/lambda_j (incompressible)"
@@ -315,6 +344,12 @@ impl Criterion {
             Self::Surface => {
                 "Biot, Appl. Sci. Res. A 12 (1963) 168; Dowaikh and Ogden, IMA J. Appl. Math. 44 (1990) 261"
             }
+            Self::TrueStressMonotonicity => {
+                "Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597"
+            }
+            Self::OrderedForces => {
+                "Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Truesdell and Noll 1965, section 51"
+            }
             Self::LoadMaximum => "Considère, Ann. Ponts Chaussées 9 (1885) 574",
         }
     }
@@ -326,7 +361,7 @@ impl Criterion {
             .find(|criterion| criterion.name() == name)
     }
 
-    /// The measure at a state. `None` where the criterion is not defined: Baker-Ericksen for laws that are not isotropic, the load maximum
+    /// The measure at a state. `None` where the criterion is not defined: Baker-Ericksen and ordered forces for laws that are not isotropic, the load maximum
     /// at a state without a loading, the surface at a state that is not incompressible, and rank-one convexity always, since its search needs the
     /// law: see [`JumpSearch`].
     ///
@@ -355,6 +390,11 @@ impl Criterion {
             Self::Drucker => Some(state.drucker()),
             Self::DruckerAbaqus => Some(state.drucker_abaqus()),
             Self::DruckerIncompressible => Some(state.drucker_incompressible()),
+            Self::TrueStressMonotonicity => Some(state.true_stress_monotonicity()),
+            Self::OrderedForces => state.isotropic.as_ref().map(|tangent| {
+                let (value, wave) = tangent.softest_force();
+                state.of(value, wave)
+            }),
             Self::Surface => state.surface(),
             Self::LoadMaximum => state.rate.map(|rate| state.load_maximum(&rate)),
         }
@@ -526,6 +566,25 @@ impl State {
         self.jaumann(&orthogonal_to(&self.axial_rates(), &Matrix3::identity()))
     }
 
+    /// The smallest `(tau° : D - (tau : D) tr D) / J` over symmetric `D`.
+    fn true_stress_monotonicity(&self) -> Measure {
+        let jacobian = self.response.deformation.jacobian();
+        let of_volume = |tau: &Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>| {
+            -0.5 * (tau.dot(a) * b.trace() + tau.dot(b) * a.trace())
+        };
+        let rates = forms::symmetric_rates();
+        let measure = match self.free_faces {
+            None => self.jaumann_with(&rates, of_volume),
+            Some(_) => self.jaumann(&orthogonal_to(&rates, &Matrix3::identity())),
+        };
+        Measure {
+            value: measure.value / jacobian,
+            zero: measure.zero / jacobian,
+            rounding: measure.rounding / jacobian,
+            ..measure
+        }
+    }
+
     /// Rates of deformation along the principal axes.
     fn axial_rates(&self) -> [Matrix3<f64>; 3] {
         [0, 1, 2].map(|i| self.left.column(i) * self.left.column(i).transpose())
@@ -539,9 +598,20 @@ impl State {
 
     /// The smallest `(D F) : A : (D F) + tau : D^2` over combinations of some orthonormal rates of deformation.
     fn jaumann(&self, rates: &[Matrix3<f64>]) -> Measure {
+        self.jaumann_with(rates, |_, _, _| 0.0)
+    }
+
+    /// The same with another bilinear form of the Kirchhoff stress and two rates.
+    fn jaumann_with(
+        &self,
+        rates: &[Matrix3<f64>],
+        other: impl Fn(&Matrix3<f64>, &Matrix3<f64>, &Matrix3<f64>) -> f64,
+    ) -> Measure {
         let f = self.response.deformation.matrix();
         let tau = self.response.first_piola * f.transpose();
-        let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| (tau * (a * b + b * a)).trace() * 0.5;
+        let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| {
+            (tau * (a * b + b * a)).trace() * 0.5 + other(&tau, a, b)
+        };
         let turned: Vec<Matrix3<f64>> = rates.iter().map(|d| d * f).collect();
         let (value, rate) = self.form.smallest_with(&turned, rates, work);
         self.of(value, Witness::StrainRate { rate: rows(&rate) })

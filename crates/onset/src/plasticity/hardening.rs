@@ -55,7 +55,7 @@ pub enum Hardening {
 
 impl Hardening {
     /// Checks the parameters.
-    pub(super) fn check(&self) -> Result<(), PlasticityError> {
+    pub(in crate::plasticity) fn check(&self) -> Result<(), PlasticityError> {
         let positive = |name, value: f64| {
             PlasticityError::require(value > 0.0, name, value, "a positive finite number")
         };

@@ -163,13 +163,30 @@ impl RateModuli {
         vec![axis(0), axis(1), axis(2)]
     }
 
-    /// The principal axes of the largest and of the smallest stress; flow is ordered as stress is.
+    /// The axes of the largest and of the smallest flow, between which the maximum lies where it lies in a plane.
     fn extreme_axes(&self) -> (usize, usize) {
-        match self.sheet {
-            true if self.flow[0] >= self.flow[1] => (0, 1),
-            true => (1, 0),
-            false => (self.flow.imax(), self.flow.imin()),
-        }
+        (self.flow.imax(), self.flow.imin())
+    }
+
+    /// The principal axes of the largest and of the smallest stress, of equal ones those of the largest and smallest flow; in a sheet within it.
+    fn stress_axes(&self) -> (usize, usize) {
+        let count = if self.sheet { 2 } else { 3 };
+        let key = |i: &usize| {
+            // Stresses that differ by rounding only are told apart by the flow.
+            let size = 1e-12 * self.stress.amax();
+            (
+                (self.stress[*i] / size.max(f64::MIN_POSITIVE)).round(),
+                self.flow[*i],
+            )
+        };
+        let order = |a: &usize, b: &usize| {
+            let (a, b) = (key(a), key(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        };
+        (
+            (0..count).rev().max_by(order).unwrap_or(0),
+            (0..count).min_by(order).unwrap_or(1),
+        )
     }
 
     /// The band with a normal in principal axes, at its critical modulus.
@@ -193,7 +210,7 @@ impl RateModuli {
             let across = n - Vector3::ith(axis, n[axis]);
             across.norm().atan2(n[axis].abs()).to_degrees()
         };
-        let (major, minor) = self.extreme_axes();
+        let (major, minor) = self.stress_axes();
         let clean = |v: Vector3<f64>| v.map(|c| if c.abs() < 1e-15 { 0.0 } else { c });
         Ok(Band {
             normal: clean(self.frame * n),

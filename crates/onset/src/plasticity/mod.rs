@@ -14,7 +14,9 @@
 //! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
 //!   `mu != beta`: [`Criterion`].
 //! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path.
-//! - [`follow`]: a loading path, and the first slip at which `h` falls to the critical modulus.
+//! - [`FlowLaw`]: other laws along fixed axes, each by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
+//!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
+//! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
 //!
 //! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
 //! flows; waves, bands and every condition of localization are statements on rates and use it. The *consistent* tangent is
@@ -23,9 +25,11 @@
 
 mod cubic;
 mod finite;
+mod flow;
 mod hardening;
 mod integration;
 mod law;
+mod laws;
 mod localization;
 mod metal;
 mod moduli;
@@ -35,8 +39,13 @@ mod search;
 mod walk;
 
 pub use finite::{FiniteState, FiniteUpdate};
+pub use flow::{Elasticity, Flow, FlowLaw};
 pub use hardening::Hardening;
 pub use law::DruckerPrager;
+pub use laws::{
+    CamClay, DeformationTheory, EllipticCap, Gurson, HillOrthotropic, Kinematic, MohrCoulomb,
+    ScalarDamage,
+};
 pub use localization::{Band, BandKind, Criterion, Critical};
 pub use metal::library;
 pub use moduli::RateModuli;
@@ -60,7 +69,7 @@ pub enum PlasticityError {
     },
     /// The law softens so fast that the stress does not follow from the strain.
     #[error(
-        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -(G + mu beta K), \
+        "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -Q:C:P, \
          below which a strain does not determine the stress"
     )]
     SnapBack {
@@ -83,6 +92,9 @@ pub enum PlasticityError {
     /// The stress deviator vanishes, so that neither flow nor normal has a direction.
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
+    /// Another face of the yield surface is reached.
+    #[error("the intermediate principal stress meets another one: a corner of the yield surface")]
+    Corner,
     /// The elastic part alone is not strongly elliptic.
     #[error(
         "the elastic part of the law has itself lost strong ellipticity (elastic strains are too large)"
@@ -107,7 +119,7 @@ pub enum PlasticityError {
     },
     /// Bands in a sheet need a stress-free surface.
     #[error(
-        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress without confinement"
+        "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress or sheet-stretch without confinement"
     )]
     NotASheet,
 }

@@ -1,7 +1,7 @@
 //! What decides on bands: the moduli of rates in principal axes of stress.
 
 use super::finite::SpatialModuli;
-use super::{DruckerPrager, PlasticityError};
+use super::{DruckerPrager, Flow, FlowLaw, PlasticityError};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// The rate moduli of a flowing state in its principal axes,
@@ -30,7 +30,10 @@ pub struct RateModuli {
     pub(super) relaxation: f64,
     /// Principal directions, as columns.
     pub(super) frame: Matrix3<f64>,
-    /// The elastic part is isotropic (small strain).
+    /// The principal stresses.
+    pub(super) stress: Vector3<f64>,
+    /// The maximum over directions lies in the plane of the extreme flows: the elastic part is isotropic (small strain), and the deviators of `P` and `Q`
+    /// are parallel.
     pub(super) isotropic: bool,
     /// Only directions within the plane of the first two axes are admitted.
     pub(super) sheet: bool,
@@ -60,13 +63,12 @@ impl RateModuli {
         slip: f64,
         frame: Matrix3<f64>,
     ) -> Result<Self, PlasticityError> {
-        let shear = law.shear_modulus();
-        let moduli = SpatialModuli {
-            normal: hooke(law),
-            shear: Matrix3::repeat(shear),
-            swap: Matrix3::repeat(shear),
-        };
-        Self::new(law, stress, slip, frame, moduli, true)
+        Ok(Self::of(
+            &law.flow_unlimited(stress, slip)?,
+            stress,
+            frame,
+            false,
+        ))
     }
 
     /// At finite strain, with elastic logarithmic strains.
@@ -76,34 +78,45 @@ impl RateModuli {
         slip: f64,
         frame: Matrix3<f64>,
     ) -> Result<Self, PlasticityError> {
-        let stress = law
-            .elastic_stress(&Matrix3::from_diagonal(strain))
-            .diagonal();
-        let moduli = SpatialModuli::new(hooke(law), &stress, strain, law.shear_modulus());
-        Self::new(law, &stress, slip, frame, moduli, false)
+        let stress = FlowLaw::elasticity(law).stress(strain);
+        Ok(Self::of(
+            &law.flow_unlimited(&stress, slip)?,
+            &stress,
+            frame,
+            true,
+        ))
     }
 
-    fn new(
-        law: &DruckerPrager,
-        stress: &Vector3<f64>,
-        slip: f64,
-        frame: Matrix3<f64>,
-        moduli: SpatialModuli,
-        isotropic: bool,
-    ) -> Result<Self, PlasticityError> {
-        let (flow, normal) = law.directions(&Matrix3::from_diagonal(stress))?;
-        Ok(Self {
+    /// Of a flow in principal axes, the columns of `frame`, at small or at finite strain, with stresses as the flow has them.
+    pub fn of(flow: &Flow, stress: &Vector3<f64>, frame: Matrix3<f64>, is_finite: bool) -> Self {
+        let elasticity = &flow.elasticity;
+        let moduli = match is_finite {
+            // Only differences of strains count, which those of the deviators are.
+            true => SpatialModuli::new(
+                elasticity.normal(),
+                stress,
+                &elasticity.strain(stress),
+                elasticity.shear,
+            ),
+            false => SpatialModuli {
+                normal: elasticity.normal(),
+                shear: Matrix3::repeat(elasticity.shear),
+                swap: Matrix3::repeat(elasticity.shear),
+            },
+        };
+        Self {
             normal: moduli.normal,
             shear: moduli.shear,
             swap: moduli.swap,
-            flow: law.elastic_stress(&flow).diagonal(),
-            loading: law.elastic_stress(&normal).diagonal(),
-            modulus: law.hardening().modulus(slip),
-            relaxation: law.flow_stiffness(),
+            flow: elasticity.stress(&flow.direction),
+            loading: elasticity.stress(&flow.normal),
+            modulus: flow.modulus(),
+            relaxation: flow.relaxation(),
             frame,
-            isotropic,
+            stress: *stress,
+            isotropic: !is_finite && are_parallel(&flow.direction, &flow.normal),
             sheet: false,
-        })
+        }
     }
 
     /// The moduli of a sheet normal to the third principal axis, whose surfaces stay free of stress: the thickness adapts.
@@ -184,8 +197,8 @@ impl RateModuli {
     }
 }
 
-/// Hooke's law in principal axes, `K + 4G/3` and `K - 2G/3`.
-fn hooke(law: &DruckerPrager) -> Matrix3<f64> {
-    let (shear, bulk) = (law.shear_modulus(), law.bulk_modulus());
-    Matrix3::repeat(bulk - 2.0 / 3.0 * shear) + Matrix3::identity() * (2.0 * shear)
+/// Whether the deviators of two diagonal tensors are parallel, to rounding.
+fn are_parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
+    let [a, b] = [a, b].map(|v| v.add_scalar(-v.sum() / 3.0));
+    a.cross(&b).norm() <= 1e-12 * a.norm() * b.norm() && a.dot(&b) > 0.0
 }

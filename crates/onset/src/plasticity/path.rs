@@ -2,7 +2,7 @@
 
 use super::law::{deviator, equivalent_shear, mean};
 use super::walk::Walk;
-use super::{Criterion, Critical, DruckerPrager, PlasticityError, RateModuli};
+use super::{Criterion, Critical, FlowLaw, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, Vector3};
 
 /// How strain is measured.
@@ -39,6 +39,8 @@ pub enum LoadingPath {
     PureShear,
     /// Compression along 1, constant confinement along 2 and 3.
     TriaxialCompression,
+    /// Strains along 1 and 2 in a constant ratio, no stress along 3: the stretching of a sheet.
+    SheetStretch,
 }
 
 /// The sense of the strain along 1.
@@ -84,6 +86,8 @@ pub struct Loading {
     pub bands: Bands,
     /// Initial hydrostatic pressure, and the (Cauchy) pressure that constant lateral stresses keep. Units of stress.
     pub confinement: f64,
+    /// The strain along 2 by that along 1 of [`LoadingPath::SheetStretch`].
+    pub strain_ratio: f64,
     /// Plastic shear strain up to which the path is followed.
     pub slip: f64,
 }
@@ -123,6 +127,8 @@ pub enum End {
     TurnsBack,
     /// The stress deviator vanishes.
     Apex,
+    /// The intermediate principal stress meets another one, and another face of the yield surface would flow.
+    Corner,
     /// The elastic strains have become too large for the elastic part of the law.
     ElasticNotElliptic,
     /// The stress turns so fast per slip that the integration would take too many steps.
@@ -158,7 +164,7 @@ const POINTS: usize = 200;
 /// let metal = DruckerPrager::von_mises(400.0, 0.3, strength)?;
 /// let loading = Loading {
 ///     path: LoadingPath::PureShear, load: Load::Tension, strains: Strains::Small, bands: Bands::Bulk,
-///     confinement: 0.0, slip: 0.1,
+///     confinement: 0.0, strain_ratio: 0.0, slip: 0.1,
 /// };
 /// let onset = follow(&metal, &loading)?.onset.expect("softening localizes");
 /// assert!((onset.slip - 0.015).abs() < 1e-12);
@@ -168,7 +174,7 @@ const POINTS: usize = 200;
 /// # Errors
 /// [`PlasticityError::Confinement`], [`PlasticityError::NeverYields`], [`PlasticityError::NotASheet`],
 /// [`PlasticityError::Parameter`].
-pub fn follow(law: &DruckerPrager, loading: &Loading) -> Result<Localization, PlasticityError> {
+pub fn follow(law: &dyn FlowLaw, loading: &Loading) -> Result<Localization, PlasticityError> {
     let walk = Walk::new(law, loading)?;
     let mut y = walk.first_yield()?;
     let mut found = Localization {
@@ -191,6 +197,15 @@ pub fn follow(law: &DruckerPrager, loading: &Loading) -> Result<Localization, Pl
                 break;
             }
             Err(End::ElasticNotElliptic) => return Err(PlasticityError::ElasticNotElliptic),
+            Err(End::TurnsBack) => {
+                let flow = walk
+                    .flow(&y, 0.0)
+                    .map_err(|_| PlasticityError::NoDeviator)?;
+                return Err(PlasticityError::SnapBack {
+                    modulus: flow.modulus(),
+                    least: -flow.relaxation(),
+                });
+            }
             Err(_) => return Err(PlasticityError::NoDeviator),
         };
         for criterion in [Criterion::Ellipticity, Criterion::StrongEllipticity] {

@@ -185,7 +185,7 @@ impl Hardening {
         d
     }
 
-    fn not_exhausted(&self, slip: f64) -> Result<(), PlasticityError> {
+    pub(super) fn not_exhausted(&self, slip: f64) -> Result<(), PlasticityError> {
         if self.strength(slip) > 0.0 {
             return Ok(());
         }

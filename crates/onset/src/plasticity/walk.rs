@@ -2,7 +2,7 @@
 
 use super::integration::{Stop, integrate};
 use super::path::{Bands, End, Load, Loading, LoadingPath, PathPoint, Strains};
-use super::{Criterion, DruckerPrager, PlasticityError, RateModuli};
+use super::{Criterion, Flow, FlowLaw, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Largest elastic strain that is tried to reach yield.
@@ -11,12 +11,12 @@ const ELASTIC_STRAIN: f64 = 1.0;
 /// Relative error admitted to a step of the integration.
 const ACCURACY: f64 = 1e-12;
 
-/// Strains and stresses (Kirchhoff at finite strain) along the axes.
-type Point = SVector<f64, 6>;
+/// Strains, stresses (Kirchhoff at finite strain) along the axes, and internal variables.
+pub(super) type Point = SVector<f64, 9>;
 
 /// A loading of a law, as equations along the axes.
 pub(super) struct Walk<'a> {
-    law: &'a DruckerPrager,
+    law: &'a dyn FlowLaw,
     loading: &'a Loading,
     /// Rate of strain by that of the driving strain where strain is prescribed, nothing where stress is.
     prescribed: [Option<f64>; 3],
@@ -25,10 +25,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(
-        law: &'a DruckerPrager,
-        loading: &'a Loading,
-    ) -> Result<Self, PlasticityError> {
+    pub(super) fn new(law: &'a dyn FlowLaw, loading: &'a Loading) -> Result<Self, PlasticityError> {
         let require = PlasticityError::require;
         let (confinement, slip) = (loading.confinement, loading.slip);
         require(
@@ -38,10 +35,10 @@ impl<'a> Walk<'a> {
             "zero or a positive pressure",
         )?;
         require(slip > 0.0, "slip", slip, "a positive plastic shear strain")?;
-        let strength = law.hardening().strength(0.0);
+        let strength = law.strength();
         // Below this, elastic strains are lost to rounding beside those of the path.
         require(
-            strength >= 1e-10 * law.shear_modulus(),
+            strength >= 1e-10 * law.elasticity().shear,
             "strength",
             strength,
             "at least 1e-10 of the shear modulus",
@@ -57,6 +54,16 @@ impl<'a> Walk<'a> {
             LoadingPath::UniaxialStrain => [Some(sense), Some(0.0), Some(0.0)],
             LoadingPath::PlaneStrain => [Some(sense), None, Some(0.0)],
             LoadingPath::PureShear => [Some(sense), Some(-sense), Some(0.0)],
+            LoadingPath::SheetStretch => {
+                let ratio = loading.strain_ratio;
+                require(
+                    ratio > -1.0 && ratio <= 1.0,
+                    "strain-ratio",
+                    ratio,
+                    "a number above -1 and at most 1",
+                )?;
+                [Some(sense), Some(sense * ratio), None]
+            }
         };
         if loading.bands == Bands::Sheet && (prescribed[2].is_some() || confinement > 0.0) {
             return Err(PlasticityError::NotASheet);
@@ -77,7 +84,7 @@ impl<'a> Walk<'a> {
 
     /// The strain with `3 K e = -p`, at finite strain `3 K e = -p exp(3 e)`.
     fn confined_strain(&self) -> Result<f64, PlasticityError> {
-        let (pressure, bulk) = (self.loading.confinement, self.law.bulk_modulus());
+        let (pressure, bulk) = (self.loading.confinement, self.law.elasticity().bulk);
         let mut strain = -pressure / (3.0 * bulk);
         if self.is_finite_strain() {
             // The left-hand side rises faster than the right-hand side falls short; Newton's method from -p/3K is monotone.
@@ -88,7 +95,7 @@ impl<'a> Walk<'a> {
             }
         }
         let stress = Vector3::repeat(3.0 * bulk * strain);
-        if strain.is_finite() && self.excess(&stress, 0.0) < 0.0 {
+        if strain.is_finite() && self.excess_at_start(&stress) < 0.0 {
             Ok(strain)
         } else {
             Err(PlasticityError::Confinement {
@@ -97,23 +104,16 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn excess(&self, stress: &Vector3<f64>, slip: f64) -> f64 {
-        self.law
-            .yield_function(&Matrix3::from_diagonal(stress), slip)
-    }
-
-    fn elastic_stress(&self, strain: &Vector3<f64>) -> Vector3<f64> {
-        self.law
-            .elastic_stress(&Matrix3::from_diagonal(strain))
-            .diagonal()
+    fn excess_at_start(&self, stress: &Vector3<f64>) -> f64 {
+        self.law.excess(stress, 0.0, &self.law.start(stress).0)
     }
 
     /// The elastic state at a driving strain.
     fn elastic(&self, driving: f64) -> Point {
-        let (shear, bulk) = (self.law.shear_modulus(), self.law.bulk_modulus());
+        let elasticity = self.law.elasticity();
         let mut strain =
             Vector3::from_fn(|i, _| self.initial + driving * self.prescribed[i].unwrap_or(0.0));
-        let mut stress = self.elastic_stress(&strain);
+        let mut stress = elasticity.stress(&strain);
         for _ in 0..if self.is_finite_strain() { 30 } else { 2 } {
             let mut matrix = Matrix3::identity();
             let mut rest = Vector3::zeros();
@@ -121,19 +121,18 @@ impl<'a> Walk<'a> {
             for i in (0..3).filter(|i| self.prescribed[*i].is_none()) {
                 rest[i] = stress[i] + pressure;
                 for j in 0..3 {
-                    let own = if i == j { 2.0 * shear } else { 0.0 };
                     let volume = if self.is_finite_strain() {
                         pressure
                     } else {
                         0.0
                     };
-                    matrix[(i, j)] = bulk - 2.0 / 3.0 * shear + own + volume;
+                    matrix[(i, j)] = elasticity.normal()[(i, j)] + volume;
                 }
             }
             strain -= matrix.lu().solve(&rest).unwrap_or_else(Vector3::zeros);
-            stress = self.elastic_stress(&strain);
+            stress = elasticity.stress(&strain);
         }
-        join(&strain, &stress)
+        join(&strain, &stress, &self.law.start(&stress).0)
     }
 
     /// The pressure that constant lateral stresses keep: `p`, in Kirchhoff stress `p J`.
@@ -148,8 +147,8 @@ impl<'a> Walk<'a> {
 
     /// The state of first yield.
     pub(super) fn first_yield(&self) -> Result<Point, PlasticityError> {
-        let excess = |driving: f64| self.excess(&split(&self.elastic(driving)).1, 0.0);
-        let mut high = 1e-3 * self.law.hardening().strength(0.0) / self.law.shear_modulus();
+        let excess = |driving: f64| self.excess_at_start(&split(&self.elastic(driving)).1);
+        let mut high = 1e-3 * self.law.strength() / self.law.elasticity().shear;
         let mut low = 0.0;
         while excess(high) < 0.0 {
             (low, high) = (high, 1.5 * high);
@@ -162,26 +161,24 @@ impl<'a> Walk<'a> {
         Ok(self.elastic(bisect(low, high, |driving| excess(driving) < 0.0)))
     }
 
-    /// Rates per slip of strain and stress while the material flows.
+    /// Rates per slip of strain, stress and internal variables while the material flows.
     fn rates(&self, y: &Point, slip: f64) -> Result<Point, End> {
-        let (strain, stress) = split(y);
-        if self.law.hardening().strength(slip) <= 0.0 {
-            return Err(End::Exhausted);
+        let (strain, _) = split(y);
+        let flow = self.flow(y, slip)?;
+        let elasticity = &flow.elasticity;
+        let stiffness = flow.hardening + flow.per_slip * flow.relaxation();
+        if stiffness.is_nan() || stiffness <= 0.0 {
+            return Err(End::TurnsBack);
         }
-        let (flow, normal) = self
-            .law
-            .directions(&Matrix3::from_diagonal(&stress))
-            .map_err(|_| End::Apex)?;
-        let stiffness = self.law.hardening().modulus(slip) + self.law.flow_stiffness();
-        let (shear, bulk) = (self.law.shear_modulus(), self.law.bulk_modulus());
-        let loading = self.law.elastic_stress(&normal).diagonal();
-        let relaxation = self.law.elastic_stress(&flow).diagonal();
+        let shear = elasticity.shear;
+        let loading = elasticity.stress(&flow.normal);
+        let relaxation = elasticity.stress(&flow.direction) * flow.per_slip;
         let pressure = if self.is_finite_strain() {
             self.pressure(&strain)
         } else {
             0.0
         };
-        // Unknown are three strain rates and that of the driving strain; Q:C:e' = h + Q:C:P says that the material flows.
+        // Unknown are three strain rates and that of the driving strain; Q:C:e' = h m + m Q:C:P says that the material flows.
         let mut matrix = SMatrix::<f64, 4, 4>::zeros();
         let mut right = SVector::<f64, 4>::zeros();
         for i in 0..3 {
@@ -192,8 +189,7 @@ impl<'a> Walk<'a> {
                 }
                 None => {
                     for j in 0..3 {
-                        let own = if i == j { 2.0 * shear } else { 0.0 };
-                        matrix[(i, j)] = bulk - 2.0 / 3.0 * shear + own + pressure;
+                        matrix[(i, j)] = elasticity.normal()[(i, j)] + pressure;
                     }
                     right[i] = relaxation[i];
                 }
@@ -208,21 +204,31 @@ impl<'a> Walk<'a> {
         let strain_rate = solution.fixed_rows::<3>(0).into_owned();
         Ok(join(
             &strain_rate,
-            &(self.elastic_stress(&strain_rate) - relaxation),
+            &(elasticity.stress(&strain_rate) - relaxation),
+            &flow.internal,
         ))
+    }
+
+    /// The flow of a state, or why there is none.
+    pub(super) fn flow(&self, y: &Point, slip: f64) -> Result<Flow, End> {
+        let internal = y.fixed_rows::<3>(6).into_owned();
+        let flow = self.law.flow(&split(y).1, slip, &internal);
+        flow.map_err(|error| match error {
+            PlasticityError::Exhausted { .. } => End::Exhausted,
+            PlasticityError::Corner => End::Corner,
+            _ => End::Apex,
+        })
     }
 
     /// Integrates from one slip to another.
     pub(super) fn advance(&self, start: &Point, from: f64, to: f64) -> Result<Point, End> {
-        // Errors count against the strain of first yield and the strength.
-        let strength = self.law.hardening().strength(0.0);
-        let size = Point::from_fn(|i, _| {
-            if i < 3 {
-                strength / self.law.shear_modulus()
-            } else {
-                strength
-            }
-        });
+        // Errors count against the strain of first yield, the strength, and what the law says of its internal variables.
+        let strength = self.law.strength();
+        let size = join(
+            &Vector3::repeat(strength / self.law.elasticity().shear),
+            &Vector3::repeat(strength),
+            &self.law.start(&split(start).1).1,
+        );
         let rates = |y: &Point, slip: f64| self.rates(y, slip);
         integrate(start, [from, to], &size, ACCURACY, rates).map_err(|stop| match stop {
             Stop::Rates(end) => end,
@@ -233,22 +239,15 @@ impl<'a> Walk<'a> {
     /// The state with its critical moduli.
     pub(super) fn point(&self, y: &Point, slip: f64) -> Result<PathPoint, End> {
         let (strain, stress) = split(y);
-        if self.law.hardening().strength(slip) <= 0.0 {
-            return Err(End::Exhausted);
+        let flow = self.flow(y, slip)?;
+        if flow.modulus() + flow.relaxation() <= 0.0 {
+            return Err(End::TurnsBack);
         }
-        let frame = Matrix3::identity();
         let told = |error| match error {
             PlasticityError::NoDeviator => End::Apex,
             _ => End::ElasticNotElliptic,
         };
-        let bulk = if self.is_finite_strain() {
-            let tensor = Matrix3::from_diagonal(&stress);
-            let elastic = self.law.elastic_strain(&tensor).diagonal();
-            RateModuli::finite(self.law, &elastic, slip, frame)
-        } else {
-            RateModuli::small(self.law, &stress, slip, frame)
-        }
-        .map_err(told)?;
+        let bulk = RateModuli::of(&flow, &stress, Matrix3::identity(), self.is_finite_strain());
         let moduli = match self.loading.bands {
             Bands::Bulk => bulk,
             Bands::Sheet => bulk.in_sheet(),
@@ -262,7 +261,7 @@ impl<'a> Walk<'a> {
             slip,
             strain: strain.map(|strain| strain - self.initial).into(),
             stress: (stress / volume).into(),
-            modulus: self.law.hardening().modulus(slip),
+            modulus: flow.modulus(),
             ellipticity: moduli.critical(Criterion::Ellipticity).map_err(told)?,
             strong_ellipticity: moduli
                 .critical(Criterion::StrongEllipticity)
@@ -288,10 +287,11 @@ impl<'a> Walk<'a> {
     }
 }
 
-fn join(strain: &Vector3<f64>, stress: &Vector3<f64>) -> Point {
-    Point::from_fn(|i, _| if i < 3 { strain[i] } else { stress[i - 3] })
+fn join(strain: &Vector3<f64>, stress: &Vector3<f64>, internal: &Vector3<f64>) -> Point {
+    Point::from_fn(|i, _| [strain, stress, internal][i / 3][i % 3])
 }
 
+/// Strains and stresses.
 fn split(y: &Point) -> (Vector3<f64>, Vector3<f64>) {
     (
         y.fixed_rows::<3>(0).into_owned(),

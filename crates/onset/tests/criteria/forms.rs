@@ -269,3 +269,73 @@ fn isotropy_is_found_out() {
             .holds()
     );
 }
+
+/// The principal Cauchy stresses of a state along the axes.
+fn cauchy(law: &dyn Hyperelastic, stretches: [f64; 3]) -> [f64; 3] {
+    let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+    let p = law.response(&f).expect("finite").first_piola;
+    [0, 1, 2].map(|i| p[(i, i)] * stretches[i] / f.jacobian())
+}
+
+/// By differences of the principal stresses, and `(sigma_i - sigma_j)(a_i^2 + a_j^2)/(a_i^2 - a_j^2)` for shears of the axes.
+#[test]
+fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_by_logarithmic_strain() {
+    for law in &laws() {
+        let mut lost = 0;
+        for stretches in states(40) {
+            let step = 1e-5_f64;
+            let column = |j: usize| {
+                let moved = |sign: f64| {
+                    let mut there = stretches;
+                    there[j] *= (sign * step).exp();
+                    Vector3::from(cauchy(&**law, there))
+                };
+                (moved(1.0) - moved(-1.0)) / (2.0 * step)
+            };
+            let derivative = Matrix3::from_columns(&[column(0), column(1), column(2)]);
+            let symmetric = (derivative + derivative.transpose()) * 0.5;
+            let sigma = cauchy(&**law, stretches);
+            let shears = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+                let [a, b] = [stretches[i].powi(2), stretches[j].powi(2)];
+                (sigma[i] - sigma[j]) * (a + b) / (a - b)
+            });
+            let expected = shears
+                .into_iter()
+                .fold(symmetric.symmetric_eigenvalues().min(), f64::min);
+            let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+            let state = State::new(&**law, &f).expect("finite");
+            let measure = Criterion::TrueStressMonotonicity
+                .measure(&state)
+                .expect("defined");
+            let size = symmetric.amax() + expected.abs();
+            assert!(
+                (measure.value - expected).abs() < 1e-7 * size,
+                "{stretches:?}: {} {expected}",
+                measure.value
+            );
+            lost += usize::from(expected < 0.0);
+        }
+        assert!(lost > 0, "no state loses it");
+    }
+}
+
+#[test]
+fn ordered_forces_compare_differences_of_forces_and_stretches() {
+    for law in &laws() {
+        for stretches in states(40) {
+            let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+            let state = State::new(&**law, &f).expect("finite");
+            let p = law.response(&f).expect("finite").first_piola;
+            let expected = [(0, 1), (1, 2), (2, 0)]
+                .map(|(i, j)| (p[(i, i)] - p[(j, j)]) / (stretches[i] - stretches[j]))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min);
+            let measure = Criterion::OrderedForces.measure(&state).expect("defined");
+            assert!(
+                (measure.value - expected).abs() < 1e-9 * (p.amax() + expected.abs()),
+                "{stretches:?}: {} {expected}",
+                measure.value
+            );
+        }
+    }
+}

@@ -68,7 +68,7 @@ fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
     assert!(all <= found * (1.0 + 1e-9), "{all} {found}");
     // Layers of two shears gain energy before, and keep the volume.
     let track = follow(&shear, Criterion::StrongEllipticity, true).expect("defined");
-    let jumps = follow_jumps(&shear, &track, (0.1, 10.0), true);
+    let jumps = follow_jumps(&shear, &track, 10.0, true);
     let own = jumps.limit().expect("lost");
     assert!(own < all * (1.0 - 1e-3), "{own} {all}");
     let Some(Witness::Jump {

@@ -4,6 +4,7 @@ mod boxes;
 mod forms;
 mod incompressible;
 mod jumps;
+mod kinks;
 mod known;
 mod loadings;
 

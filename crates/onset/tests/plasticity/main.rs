@@ -2,6 +2,7 @@
 
 mod critical;
 mod finite;
+mod laws;
 mod metal;
 mod paths;
 mod return_mapping;

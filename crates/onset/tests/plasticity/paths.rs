@@ -17,6 +17,7 @@ fn loading(path: LoadingPath) -> Loading {
         strains: Strains::Small,
         bands: Bands::Bulk,
         confinement: 0.0,
+        strain_ratio: 0.0,
         slip: 0.1,
     }
 }
@@ -78,6 +79,7 @@ fn every_state_of_a_path_obeys_what_the_path_prescribes_and_lies_on_the_yield_su
         LoadingPath::PlaneStrain,
         LoadingPath::PureShear,
         LoadingPath::TriaxialCompression,
+        LoadingPath::SheetStretch,
     ] {
         for strains in [Strains::Small, Strains::Finite] {
             for confinement in [0.0, 0.8] {
@@ -85,6 +87,7 @@ fn every_state_of_a_path_obeys_what_the_path_prescribes_and_lies_on_the_yield_su
                 let loading = Loading {
                     strains,
                     confinement,
+                    strain_ratio: 0.4,
                     ..loading(path)
                 };
                 for point in followed(&law, &loading).points {
@@ -99,6 +102,7 @@ fn every_state_of_a_path_obeys_what_the_path_prescribes_and_lies_on_the_yield_su
                         LoadingPath::UniaxialStrain => none(e2) && none(e3),
                         LoadingPath::PlaneStrain => constant(s2) && none(e3),
                         LoadingPath::PureShear => none(e1 + e2) && none(e3),
+                        LoadingPath::SheetStretch => none(e2 - 0.4 * e1) && constant(s3),
                     });
                     let initial = if confinement > 0.0 {
                         3.0 * initial(&law, &loading)

@@ -4,6 +4,7 @@
 //! `2 mu_i/alpha_i^2`; Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
 
 use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
+use super::marlow::{self, Test};
 use super::{Trouble, number};
 
 /// Constants on a data line.
@@ -33,6 +34,9 @@ pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
                  and `0.4, 1.3, 0.02`",
             )
         })?;
+    if block.keyword == "HYPERELASTIC" && block.has("MARLOW") {
+        return marlow(block, &blocks);
+    }
     if block.has("TESTDATAINPUT") {
         return Err(Trouble::new(
             block.line,
@@ -167,7 +171,7 @@ fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
 }
 
 fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
-    const FORMS: [&str; 9] = [
+    const FORMS: [&str; 8] = [
         "NEOHOOKE",
         "MOONEY-RIVLIN",
         "YEOH",
@@ -176,7 +180,6 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         "OGDEN",
         "ARRUDA-BOYCE",
         "VANDERWAALS",
-        "MARLOW",
     ];
     let form = FORMS.into_iter().find(|form| block.has(form));
     let known = ["N", "MODULI", "TYPE", "TEMPERATURE", "DEPENDENCIES"];
@@ -188,7 +191,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         return Err(Trouble::new(
             block.line,
             format!("*HYPERELASTIC has `{other}`, which is not read"),
-            "read are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N",
+            "read are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }
     let form = form.unwrap_or("POLYNOMIAL");
@@ -260,13 +263,46 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
                 (c[0], &c[2..]),
             ))
         }
-        "VANDERWAALS" => van_der_waals(block, &one()),
-        _ => Err(Trouble::new(
-            line,
-            "MARLOW is a table of test data, which no constants stand for",
-            "let Abaqus fit one of the other forms to the same data, and paste its constants",
-        )),
+        _ => van_der_waals(block, &one()),
     }
+}
+
+/// Marlow's form with the table of one test that follows it.
+fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
+    let tests: Vec<(Test, &Block<'_>)> = blocks
+        .iter()
+        .skip_while(|other| other.line <= block.line)
+        .map_while(|other| {
+            let is_data = other.keyword.ends_with("TESTDATA");
+            is_data.then(|| (Test::of_keyword(&other.keyword), other))
+        })
+        .filter_map(|(test, other)| Some((test?, other)))
+        .collect();
+    let [(test, table)] = tests[..] else {
+        return Err(Trouble::new(
+            block.line,
+            format!(
+                "MARLOW needs the table of one test, {} are there",
+                tests.len()
+            ),
+            "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below it, with nominal stress, nominal strain on each line",
+        ));
+    };
+    if let Some(volume) = blocks
+        .iter()
+        .find(|other| other.keyword == "VOLUMETRICTESTDATA")
+    {
+        return Err(Trouble::new(
+            volume.line,
+            "a table of volumetric tests is not read",
+            "give Poisson's ratio instead, *HYPERELASTIC, MARLOW, POISSON=0.49, or --set material.kappa",
+        ));
+    }
+    let poisson = block.parameters.iter().find(|(name, _)| name == "POISSON");
+    let poisson = poisson
+        .map(|(_, value)| number(value.as_deref().unwrap_or_default(), block.line))
+        .transpose()?;
+    marlow::law(table.line, test, &table.data, poisson)
 }
 
 fn exponent(block: &Block<'_>) -> Trouble {

@@ -6,6 +6,7 @@
 mod abaqus;
 mod ansys;
 mod law;
+mod marlow;
 mod python;
 
 use super::{Origin, SettingError};

@@ -1,0 +1,223 @@
+//! Marlow's form: an energy of the first invariant alone that follows a table of one test.
+//!
+//! R. S. Marlow, in *Constitutive Models for Rubber III* (2003) 157. With `x = I1bar - 3` the nominal stress of a test at the stretch `lambda` is
+//! `T = 2 w(x) (lambda - lambda^-k)`, `w = dW/dx`, where `k` is 2 in uniaxial, 5 in equibiaxial and 3 in planar tension. The table gives `w` at its points,
+//! and between them a cubic that is monotone where the points are (F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300): the energy
+//! has two continuous derivatives, and the test is met exactly at its points. Below the first point and behind the last one `w` goes on along
+//! its tangent.
+
+use super::law::{Energy, ForeignLaw, powers_of_volume};
+use super::{Trouble, number};
+
+/// The test of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Test {
+    Uniaxial,
+    Biaxial,
+    Planar,
+}
+
+impl Test {
+    /// The test of a keyword of Abaqus.
+    pub fn of_keyword(keyword: &str) -> Option<Self> {
+        match keyword {
+            "UNIAXIALTESTDATA" => Some(Self::Uniaxial),
+            "BIAXIALTESTDATA" => Some(Self::Biaxial),
+            "PLANARTESTDATA" => Some(Self::Planar),
+            _ => None,
+        }
+    }
+
+    /// `I1 - 3` of the test at a stretch, and `2 (lambda - lambda^-k)`.
+    fn at(self, stretch: f64) -> (f64, f64) {
+        let (l, square) = (stretch, stretch * stretch);
+        match self {
+            Self::Uniaxial => (square + 2.0 / l - 3.0, 2.0 * (l - l.powi(-2))),
+            Self::Biaxial => (2.0 * square + l.powi(-4) - 3.0, 2.0 * (l - l.powi(-5))),
+            Self::Planar => (square + l.powi(-2) - 2.0, 2.0 * (l - l.powi(-3))),
+        }
+    }
+}
+
+/// A point of the table: `x`, `w` and `dw/dx`.
+#[derive(Clone, Copy, Debug)]
+struct Knot {
+    x: f64,
+    w: f64,
+    slope: f64,
+}
+
+/// The law of a table with nominal stress and nominal strain on each line; `line` is that of the block, `poisson` Poisson's ratio at small
+/// strains.
+pub(super) fn law(
+    line: usize,
+    test: Test,
+    data: &[(usize, &str)],
+    poisson: Option<f64>,
+) -> Result<ForeignLaw, Trouble> {
+    let knots = knots(line, test, data)?;
+    let shear = 2.0 * knots[0].w;
+    let compressibility = match poisson {
+        None => 0.0,
+        Some(nu) if nu > -1.0 && nu < 0.5 => 3.0 * (1.0 - 2.0 * nu) / (shear * (1.0 + nu)),
+        Some(nu) => {
+            return Err(Trouble::new(
+                line,
+                format!("POISSON is {nu}; expected a number above -1 and below 0.5"),
+                "leave it out for an incompressible material",
+            ));
+        }
+    };
+    let energy = format!(
+        "let x = I1bar - 3; {} + {}",
+        pieces(&pieces_of(&knots)),
+        powers_of_volume(&[compressibility])
+    );
+    let mut law = ForeignLaw::new(
+        line,
+        "*HYPERELASTIC, MARLOW of Abaqus",
+        Energy::Formula(energy),
+        Vec::new(),
+        (shear, &[compressibility]),
+    );
+    law.notes.push(format!(
+        "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {:.4} it goes on along its tangent, as no test says",
+        data.len(),
+        knots[knots.len() - 1].x
+    ));
+    Ok(law)
+}
+
+/// The points of the table by `x`, with a first one at `x = 0`.
+fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, Trouble> {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    let mut sense = 0.0;
+    for (own, text) in data {
+        let fields: Vec<&str> = text.trim_end_matches(',').split(',').collect();
+        let stress = number(fields[0], *own)?;
+        let strain = number(fields.get(1).copied().unwrap_or(""), *own)?;
+        if stress == 0.0 && strain == 0.0 {
+            continue;
+        }
+        if stress * strain <= 0.0 || strain <= -1.0 {
+            return Err(Trouble::new(
+                *own,
+                format!("the stress {stress} belongs to the strain {strain}"),
+                "expected nominal stress and nominal strain of one sign, the strain above -1",
+            ));
+        }
+        if sense * strain < 0.0 {
+            return Err(Trouble::new(
+                *own,
+                "the table has tension and compression, which determine the same energy twice",
+                "leave one of them, as Marlow's form needs",
+            ));
+        }
+        sense = strain.signum();
+        let (x, factor) = test.at(1.0 + strain);
+        points.push((x, stress / factor));
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if points.len() < 2 || points.windows(2).any(|pair| pair[1].0 <= pair[0].0) {
+        return Err(Trouble::new(
+            line,
+            "Marlow's form needs a table of at least two different strains",
+            "write nominal stress, nominal strain on the lines below *UNIAXIAL TEST DATA",
+        ));
+    }
+    // Toward no strain along the first chord, as far as that leaves the material stiff.
+    let chord = (points[1].1 - points[0].1) / (points[1].0 - points[0].0);
+    let first = points[0].1 - chord * points[0].0;
+    let first = first.clamp(0.5 * points[0].1, 2.0 * points[0].1);
+    points.insert(0, (0.0, first));
+    Ok(with_slopes(&points))
+}
+
+/// Slopes of a monotone cubic: inside the weighted harmonic mean of the chords, nothing where they turn, at the ends the chord itself.
+fn with_slopes(points: &[(f64, f64)]) -> Vec<Knot> {
+    let chord = |n: usize| (points[n + 1].1 - points[n].1) / (points[n + 1].0 - points[n].0);
+    let width = |n: usize| points[n + 1].0 - points[n].0;
+    let last = points.len() - 1;
+    let slope = |n: usize| {
+        if n == 0 {
+            return chord(0);
+        }
+        if n == last {
+            // Behind the last point a falling slope would take all stiffness away.
+            return chord(last - 1).max(0.0);
+        }
+        let (before, behind) = (chord(n - 1), chord(n));
+        if before * behind <= 0.0 {
+            return 0.0;
+        }
+        let part = (width(n - 1) + 2.0 * width(n)) / (3.0 * (width(n - 1) + width(n)));
+        before * behind / (part * behind + (1.0 - part) * before)
+    };
+    let knots = points.iter().enumerate();
+    knots
+        .map(|(n, (x, w))| Knot {
+            x: *x,
+            w: *w,
+            slope: slope(n),
+        })
+        .collect()
+}
+
+/// A piece of the energy from `start` on: its value there and the coefficients of the powers of `x - start` from the first to the fourth.
+struct Piece {
+    start: f64,
+    energy: f64,
+    powers: [f64; 4],
+}
+
+/// The energy between the points, the integral of the cubics.
+fn pieces_of(knots: &[Knot]) -> Vec<Piece> {
+    let mut energy = 0.0;
+    let mut pieces = Vec::with_capacity(knots.len());
+    for pair in knots.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let h = b.x - a.x;
+        let chord = (b.w - a.w) / h;
+        let second = (3.0 * chord - 2.0 * a.slope - b.slope) / h;
+        let third = (a.slope + b.slope - 2.0 * chord) / (h * h);
+        let powers = [a.w, a.slope / 2.0, second / 3.0, third / 4.0];
+        pieces.push(Piece {
+            start: a.x,
+            energy,
+            powers,
+        });
+        energy += powers.iter().rev().fold(0.0, |sum, c| (sum + c) * h);
+    }
+    let last = knots[knots.len() - 1];
+    pieces.push(Piece {
+        start: last.x,
+        energy,
+        powers: [last.w, last.slope / 2.0, 0.0, 0.0],
+    });
+    pieces
+}
+
+/// The pieces as a formula: halves within halves, so that it is not deep.
+fn pieces(all: &[Piece]) -> String {
+    if let [piece] = all {
+        let x = format!("(x - {})", exact(piece.start));
+        let [a, b, c, d] = piece.powers.map(exact);
+        let energy = exact(piece.energy);
+        return format!("({energy} + {x}*({a} + {x}*({b} + {x}*({c} + {x}*{d}))))");
+    }
+    let middle = all.len() / 2;
+    format!(
+        "if(x < {}, {}, {})",
+        exact(all[middle].start),
+        pieces(&all[..middle]),
+        pieces(&all[middle..])
+    )
+}
+
+/// A number as a formula reads it back.
+fn exact(value: f64) -> String {
+    match value < 0.0 {
+        true => format!("({value:e})"),
+        false => format!("{value:e}"),
+    }
+}

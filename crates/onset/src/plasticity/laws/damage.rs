@@ -1,0 +1,145 @@
+//! Laws that lose stiffness along a loading: deformation theory and scalar damage.
+
+use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::{Hardening, PlasticityError};
+use nalgebra::Vector3;
+
+/// How much inelastic strain of the secant stiffness `G_s` is added per slip `gamma`, where the strain at the strength `k(gamma)` is `k/G + gamma`:
+/// `m = 1 + k' (1/G - 1/G_s) = 1 - k' gamma / k`.
+fn per_slip(hardening: &Hardening, slip: f64) -> f64 {
+    1.0 - hardening.modulus(slip) * slip / hardening.strength(slip)
+}
+
+/// `G_s / G = k / (k + G gamma)`.
+fn remaining(hardening: &Hardening, slip: f64, shear: f64) -> f64 {
+    let strength = hardening.strength(slip);
+    strength / (strength + shear * slip)
+}
+
+/// The deformation theory of J2: stress by total strain, `s = 2 G_s dev(e)`, with the secant shear modulus `1/G_s = 1/G + gamma/k(gamma)`.
+///
+/// Its rates are those of a law with the stiffness `G_s`, `K` that flows along `s/(2 tau)` with `1/h = 1/G_t - 1/G_s`, `1/G_t = 1/G + 1/k'`: stiff along
+/// the stress, soft beside it, as a yield surface with a vertex is. At finite strain in logarithmic strains. Source: S. Stören and
+/// J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 421; J. W. Hutchinson and K. W. Neale, in *Mechanics of Sheet Metal Forming* (1978) 127.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeformationTheory {
+    elasticity: Elasticity,
+    hardening: Hardening,
+}
+
+impl DeformationTheory {
+    /// The law with the strength of the tension test in shear, as of von Mises' law.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] for what the hardening does not admit.
+    pub fn new(elasticity: Elasticity, hardening: Hardening) -> Result<Self, PlasticityError> {
+        hardening.check()?;
+        Ok(Self {
+            elasticity,
+            hardening,
+        })
+    }
+}
+
+impl FlowLaw for DeformationTheory {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        self.hardening.strength(0.0)
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, slip: f64, _internal: &Vector3<f64>) -> f64 {
+        parts(stress).2 - self.hardening.strength(slip)
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        slip: f64,
+        _internal: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        self.hardening.not_exhausted(slip)?;
+        let (normal, _) = direction(stress)?;
+        let part = remaining(&self.hardening, slip, self.elasticity.shear);
+        Ok(Flow {
+            elasticity: Elasticity {
+                shear: part * self.elasticity.shear,
+                ..self.elasticity
+            },
+            direction: normal,
+            normal,
+            hardening: self.hardening.modulus(slip),
+            per_slip: per_slip(&self.hardening, slip),
+            internal: Vector3::zeros(),
+        })
+    }
+}
+
+/// Scalar damage: `sigma = (1 - D) C : e`, `D` a function of the largest `sqrt(e : C : e / G)`, the equivalent shear strain.
+///
+/// The strain at which the stress in shear is `k(gamma)` is `k/G + gamma`, so that `1 - D = k / (k + G gamma)`; the criterion is
+/// `sqrt(G sigma : C^-1 : sigma) = k`, and inelastic strain goes along the strain. Source: J. C. Simo and J. W. Ju, *Int. J. Solids Struct.* 23 (1987)
+/// 821 (damage by the energy norm); its localization as of any law of this form: J. R. Rice, in *Theoretical and Applied Mechanics* (1976) 207.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScalarDamage {
+    elasticity: Elasticity,
+    hardening: Hardening,
+}
+
+impl ScalarDamage {
+    /// The law with its strength in shear.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] for what the hardening does not admit.
+    pub fn new(elasticity: Elasticity, hardening: Hardening) -> Result<Self, PlasticityError> {
+        hardening.check()?;
+        Ok(Self {
+            elasticity,
+            hardening,
+        })
+    }
+
+    /// `sqrt(G sigma : C^-1 : sigma)`.
+    fn equivalent(&self, stress: &Vector3<f64>) -> f64 {
+        (self.elasticity.shear * stress.dot(&self.elasticity.strain(stress))).sqrt()
+    }
+}
+
+impl FlowLaw for ScalarDamage {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        self.hardening.strength(0.0)
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, slip: f64, _internal: &Vector3<f64>) -> f64 {
+        self.equivalent(stress) - self.hardening.strength(slip)
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        slip: f64,
+        _internal: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        self.hardening.not_exhausted(slip)?;
+        let shear = self.elasticity.shear;
+        let normal = self.elasticity.strain(stress) * (shear / self.equivalent(stress));
+        let part = remaining(&self.hardening, slip, shear);
+        Ok(Flow {
+            elasticity: Elasticity {
+                shear: part * shear,
+                bulk: part * self.elasticity.bulk,
+            },
+            direction: normal,
+            normal,
+            hardening: self.hardening.modulus(slip),
+            per_slip: per_slip(&self.hardening, slip),
+            internal: Vector3::zeros(),
+        })
+    }
+}

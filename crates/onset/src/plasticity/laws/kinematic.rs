@@ -1,0 +1,84 @@
+//! Von Mises' law with a yield surface that moves.
+
+use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::{Hardening, PlasticityError};
+use nalgebra::Vector3;
+
+/// `f = tau(sigma - alpha) - k(gamma)`, associated, with the back stress `alpha' = (2 c P - b alpha) gamma'`.
+///
+/// Without recovery `b` it is Prager's rule (W. Prager, *J. Appl. Mech.* 23 (1956) 493); with it that of C. O. Frederick and P. J. Armstrong (report of
+/// 1966, *Mater. High Temp.* 24 (2007) 1). The plastic modulus is `h = dk/dgamma + c - b Q : alpha`; in pure shear the back stress tends to
+/// `c/b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematic {
+    elasticity: Elasticity,
+    modulus: f64,
+    recovery: f64,
+    hardening: Hardening,
+}
+
+impl Kinematic {
+    /// The law with the kinematic modulus `c` (units of stress) and the recovery `b` beside the hardening of the surface's size.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] unless neither is negative.
+    pub fn new(
+        elasticity: Elasticity,
+        modulus: f64,
+        recovery: f64,
+        hardening: Hardening,
+    ) -> Result<Self, PlasticityError> {
+        for (name, value) in [("kinematic-modulus", modulus), ("recovery", recovery)] {
+            PlasticityError::require(
+                value >= 0.0,
+                name,
+                value,
+                "zero or a positive finite number",
+            )?;
+        }
+        hardening.check()?;
+        Ok(Self {
+            elasticity,
+            modulus,
+            recovery,
+            hardening,
+        })
+    }
+}
+
+impl FlowLaw for Kinematic {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        self.hardening.strength(0.0)
+    }
+
+    fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (Vector3::zeros(), Vector3::repeat(self.strength()))
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, slip: f64, back: &Vector3<f64>) -> f64 {
+        parts(&(stress - back)).2 - self.hardening.strength(slip)
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        slip: f64,
+        back: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        self.hardening.not_exhausted(slip)?;
+        let (normal, _) = direction(&(stress - back))?;
+        let moved = normal * (2.0 * self.modulus) - back * self.recovery;
+        Ok(Flow {
+            elasticity: self.elasticity,
+            direction: normal,
+            normal,
+            hardening: self.hardening.modulus(slip) + normal.dot(&moved),
+            per_slip: 1.0,
+            internal: moved,
+        })
+    }
+}

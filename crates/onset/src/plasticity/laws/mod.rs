@@ -1,0 +1,15 @@
+//! Laws beside that of Drucker and Prager, each by its yield function and flow.
+
+mod damage;
+mod gurson;
+mod hill;
+mod kinematic;
+mod mohr_coulomb;
+mod soil;
+
+pub use damage::{DeformationTheory, ScalarDamage};
+pub use gurson::Gurson;
+pub use hill::HillOrthotropic;
+pub use kinematic::Kinematic;
+pub use mohr_coulomb::MohrCoulomb;
+pub use soil::{CamClay, EllipticCap};

@@ -1,0 +1,119 @@
+//! Mohr and Coulomb's law, with Tresca's as its case without friction.
+
+use super::super::flow::{Elasticity, Flow, FlowLaw};
+use super::super::{Hardening, PlasticityError};
+use nalgebra::Vector3;
+
+/// `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `sigma_1 >= sigma_2 >= sigma_3`, tension positive, `k = c cos(phi)`;
+/// flow by the same function with the angle of dilation `psi`.
+///
+/// Source: as P. A. Vermeer and R. de Borst, *Heron* 29(3) (1984), write it. Where two principal stresses are equal at first yield (triaxial
+/// compression) both faces of the corner flow evenly; where a third stress comes to meet another one on the way, the path ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MohrCoulomb {
+    elasticity: Elasticity,
+    sine_of_friction: f64,
+    sine_of_dilation: f64,
+    hardening: Hardening,
+}
+
+/// Principal stresses nearer to each other than this, by the largest, are equal.
+const EQUAL: f64 = 1e-9;
+
+impl MohrCoulomb {
+    /// The law with angles in degrees.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] outside of `0 <= phi < 90`, `-90 < psi < 90`, and of what the hardening admits.
+    pub fn new(
+        elasticity: Elasticity,
+        friction_angle: f64,
+        dilation_angle: f64,
+        hardening: Hardening,
+    ) -> Result<Self, PlasticityError> {
+        PlasticityError::require(
+            (0.0..90.0).contains(&friction_angle),
+            "friction-angle",
+            friction_angle,
+            "degrees from 0 to less than 90",
+        )?;
+        PlasticityError::require(
+            dilation_angle.abs() < 90.0,
+            "dilation-angle",
+            dilation_angle,
+            "degrees above -90 and below 90",
+        )?;
+        hardening.check()?;
+        Ok(Self {
+            elasticity,
+            sine_of_friction: friction_angle.to_radians().sin(),
+            sine_of_dilation: dilation_angle.to_radians().sin(),
+            hardening,
+        })
+    }
+
+    /// The shares of the axes in the largest and in the smallest principal stress: of equal stresses each has the same.
+    fn shares(stress: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let size = EQUAL * stress.amax();
+        [stress.max(), stress.min()].map(|extreme| {
+            let own = stress.map(|s| f64::from(u8::from((s - extreme).abs() <= size)));
+            own / own.sum()
+        })
+    }
+
+    fn gradient(shares: &[Vector3<f64>; 2], sine: f64) -> Vector3<f64> {
+        (shares[0] * (1.0 + sine) - shares[1] * (1.0 - sine)) * 0.5
+    }
+}
+
+impl FlowLaw for MohrCoulomb {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        self.hardening.strength(0.0)
+    }
+
+    /// Which axes have the largest and which the smallest stress: the faces that flow, which a path does not leave.
+    fn start(&self, stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let [largest, smallest] = Self::shares(stress);
+        (largest - smallest, Vector3::repeat(1.0))
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, slip: f64, _internal: &Vector3<f64>) -> f64 {
+        let (largest, smallest) = (stress.max(), stress.min());
+        0.5 * (largest - smallest) + 0.5 * (largest + smallest) * self.sine_of_friction
+            - self.hardening.strength(slip)
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        slip: f64,
+        internal: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        self.hardening.not_exhausted(slip)?;
+        let shares = [
+            internal.map(|x| x.max(0.0)),
+            internal.map(|x| (-x).max(0.0)),
+        ];
+        let size = 1e3 * EQUAL * stress.amax();
+        if stress.max() - stress.min() <= size {
+            return Err(PlasticityError::NoDeviator);
+        }
+        // An axis that was between the others must stay there.
+        let [largest, smallest] = [0, 1].map(|n: usize| shares[n].dot(stress));
+        if stress.max() > largest + size || stress.min() < smallest - size {
+            return Err(PlasticityError::Corner);
+        }
+        Ok(Flow {
+            elasticity: self.elasticity,
+            direction: Self::gradient(&shares, self.sine_of_dilation),
+            normal: Self::gradient(&shares, self.sine_of_friction),
+            hardening: self.hardening.modulus(slip),
+            per_slip: 1.0,
+            internal: Vector3::zeros(),
+        })
+    }
+}

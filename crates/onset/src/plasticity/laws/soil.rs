@@ -1,0 +1,193 @@
+//! Laws that harden as they are compacted: modified Cam-clay and an elliptic cap.
+
+use super::super::PlasticityError;
+use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use nalgebra::Vector3;
+
+/// How the pressure of compaction grows: `p_c' = p_c (-tr e_p') / c`, with `c = (lambda - kappa)/(1 + e)` of soil mechanics.
+fn growth(pressure: f64, compressibility: f64, dilatancy: f64) -> f64 {
+    -pressure * dilatancy / compressibility
+}
+
+fn positive(name: &'static str, value: f64) -> Result<(), PlasticityError> {
+    PlasticityError::require(value > 0.0, name, value, "a positive finite number")
+}
+
+/// `q^2/M^2 + p (p - p_c) = 0`, associated, `q = sqrt(3) tau`, `p = -sigma_m`: modified Cam-clay, with elastic moduli that do not change.
+///
+/// Source: K. H. Roscoe and J. B. Burland, in *Engineering Plasticity* (1968) 535. Flow is measured by `P = s/(2 tau) + beta/3 1`,
+/// `beta = -(2 p - p_c) M^2 / (6 tau)`; at the critical state `p = p_c/2` nothing hardens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CamClay {
+    elasticity: Elasticity,
+    slope: f64,
+    preconsolidation: f64,
+    compressibility: f64,
+}
+
+impl CamClay {
+    /// The law with the slope `M` of the critical state line, the pressure `p_c` at first yield and the compressibility `(lambda - kappa)/(1 + e)`.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] unless all are positive.
+    pub fn new(
+        elasticity: Elasticity,
+        slope: f64,
+        preconsolidation: f64,
+        compressibility: f64,
+    ) -> Result<Self, PlasticityError> {
+        positive("critical-slope", slope)?;
+        positive("preconsolidation", preconsolidation)?;
+        positive("compressibility", compressibility)?;
+        Ok(Self {
+            elasticity,
+            slope,
+            preconsolidation,
+            compressibility,
+        })
+    }
+}
+
+impl FlowLaw for CamClay {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        0.5 * self.slope * self.preconsolidation / 3.0_f64.sqrt()
+    }
+
+    fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let own = Vector3::new(self.preconsolidation, 0.0, 0.0);
+        (own, Vector3::repeat(self.preconsolidation))
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, _slip: f64, internal: &Vector3<f64>) -> f64 {
+        let (mean, _, shear) = parts(stress);
+        let pressure = -mean;
+        (3.0 * (shear / self.slope).powi(2) + pressure * (pressure - internal[0])) / internal[0]
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        _slip: f64,
+        internal: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        let (unit, shear) = direction(stress)?;
+        let (mean, _, _) = parts(stress);
+        let (pressure, limit) = (-mean, internal[0]);
+        let square = self.slope * self.slope;
+        let dilatancy = -(2.0 * pressure - limit) * square / (6.0 * shear);
+        let normal = unit + Vector3::repeat(dilatancy / 3.0);
+        let rate = growth(limit, self.compressibility, dilatancy);
+        Ok(Flow {
+            elasticity: self.elasticity,
+            direction: normal,
+            normal,
+            // The gradient by the stress is 6 tau / M^2 times the normal, that by p_c is -p.
+            hardening: pressure * rate * square / (6.0 * shear),
+            per_slip: 1.0,
+            internal: Vector3::new(rate, 0.0, 0.0),
+        })
+    }
+}
+
+/// `((p - L)/(X - L))^2 + (tau/k)^2 - 1 = 0` for `p >= L`, and `tau = k` for smaller pressures, associated: a shear strength with an elliptic cap that moves
+/// out as the material is compacted.
+///
+/// Source: an ellipse as J. W. Rudnicki, *J. Geophys. Res.* 109 (2004) B03402, writes it for compaction bands, after the caps of F. L. DiMaggio and
+/// I. S. Sandler, *J. Eng. Mech. Div. ASCE* 97 (1971) 935. Flow is measured by `P = s/(2 tau) + beta/3 1`,
+/// `beta = -(p - L) k^2 / (tau (X - L)^2)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EllipticCap {
+    elasticity: Elasticity,
+    strength: f64,
+    start: f64,
+    end: f64,
+    compressibility: f64,
+}
+
+impl EllipticCap {
+    /// The law with the shear strength `k`, the pressures `[L, X]` between which the cap begins and ends, and the compressibility.
+    ///
+    /// # Errors
+    /// [`PlasticityError::Parameter`] unless all but `L` are positive, `L` is not negative, and `X > L`.
+    pub fn new(
+        elasticity: Elasticity,
+        strength: f64,
+        [start, end]: [f64; 2],
+        compressibility: f64,
+    ) -> Result<Self, PlasticityError> {
+        positive("strength", strength)?;
+        PlasticityError::require(
+            start >= 0.0,
+            "cap-start",
+            start,
+            "zero or a positive pressure",
+        )?;
+        PlasticityError::require(
+            end > start,
+            "preconsolidation",
+            end,
+            "a pressure above plasticity.cap-start",
+        )?;
+        positive("compressibility", compressibility)?;
+        Ok(Self {
+            elasticity,
+            strength,
+            start,
+            end,
+            compressibility,
+        })
+    }
+
+    /// `p - L` where the cap is.
+    fn beyond(&self, mean: f64) -> f64 {
+        (-mean - self.start).max(0.0)
+    }
+}
+
+impl FlowLaw for EllipticCap {
+    fn elasticity(&self) -> Elasticity {
+        self.elasticity
+    }
+
+    fn strength(&self) -> f64 {
+        self.strength
+    }
+
+    fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (Vector3::new(self.end, 0.0, 0.0), Vector3::repeat(self.end))
+    }
+
+    fn excess(&self, stress: &Vector3<f64>, _slip: f64, internal: &Vector3<f64>) -> f64 {
+        let (mean, _, shear) = parts(stress);
+        let part = self.beyond(mean) / (internal[0] - self.start);
+        0.5 * self.strength * (part * part + (shear / self.strength).powi(2) - 1.0)
+    }
+
+    fn flow(
+        &self,
+        stress: &Vector3<f64>,
+        _slip: f64,
+        internal: &Vector3<f64>,
+    ) -> Result<Flow, PlasticityError> {
+        let (unit, shear) = direction(stress)?;
+        let (mean, _, _) = parts(stress);
+        let (beyond, width) = (self.beyond(mean), internal[0] - self.start);
+        let square = self.strength * self.strength;
+        let dilatancy = -beyond * square / (shear * width * width);
+        let normal = unit + Vector3::repeat(dilatancy / 3.0);
+        let rate = growth(internal[0], self.compressibility, dilatancy);
+        Ok(Flow {
+            elasticity: self.elasticity,
+            direction: normal,
+            normal,
+            // The gradient by the stress is 2 tau / k^2 times the normal, that by X is -2 (p - L)^2 / (X - L)^3.
+            hardening: beyond * beyond * rate * square / (shear * width.powi(3)),
+            per_slip: 1.0,
+            internal: Vector3::new(rate, 0.0, 0.0),
+        })
+    }
+}
