@@ -7,8 +7,10 @@ use crate::scheme::PeriodicPatch;
 use crate::time_step::{Amplification, critical_time_step_at};
 use nalgebra::{DMatrix, DVector, SVector};
 
-/// `omega^2` below this share of the largest one is zero: rounding.
+/// `omega^2` below this share of the largest one is zero: rounding; and below so many times that of the sums it comes from, since all waves
+/// of a small patch can have no energy.
 const ZERO: f64 = 1e-10;
+const ROUNDING: f64 = 16.0;
 
 /// A plane wave that fits into a patch.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,8 +104,9 @@ pub(super) fn waves_of<const D: usize>(
     }
     let largest = waves.iter().map(|wave| wave.omega_squared.norm());
     let largest = largest.fold(0.0, f64::max);
+    let zero = (ZERO * largest).max(ROUNDING * system.noise());
     for wave in &mut waves {
-        wave.has_zero_energy = wave.omega_squared.norm() <= ZERO * largest;
+        wave.has_zero_energy = wave.omega_squared.norm() <= zero;
     }
     waves
 }
@@ -115,7 +118,8 @@ pub(super) fn critical_time_step<const D: usize>(
     stepper: Stepper,
 ) -> f64 {
     if system.damping().is_none() {
-        let fastest = waves.iter().map(|wave| wave.omega_squared.re);
+        let fastest = waves.iter().filter(|wave| !wave.has_zero_energy);
+        let fastest = fastest.map(|wave| wave.omega_squared.re);
         return stepper.bound() / fastest.fold(0.0, f64::max).sqrt();
     }
     let each = waves.iter().filter(|wave| wave.branch == 1).map(|wave| {
