@@ -562,7 +562,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Patch")]
     pub branch: usize,
     /// The largest displacement at the start, in particle spacings.
-    #[arg(long, value_name = "A", default_value_t = 1e-6, value_parser = share, help_heading = "Patch")]
+    #[arg(long, value_name = "A", default_value_t = 1e-6, value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
     pub amplitude: f64,
     /// The seed of the noise.
     #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
@@ -805,7 +805,7 @@ pub struct ModesArguments {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub cells: u16,
     /// Largest displacement of the exported fields, in particle spacings.
-    #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share)]
+    #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share, allow_negative_numbers = true)]
     pub amplitude: f64,
     /// Folder for modes.svg, modes.png, modes.html (moving), and mode-1.csv, mode-1.vtk, ...; nothing is written without it.
     #[arg(long, value_name = "DIR")]

@@ -38,8 +38,9 @@ fn note_on_flow(settings: &Settings) -> Option<String> {
     let model = settings.material.model;
     model.is_elastic_plastic().then(|| {
         format!(
-            "{} is elastic-plastic: the state is reached along R U^t, 0 <= t <= 1, and beyond yield waves meet the tangent of continued flow (Hill's linear \
-             comparison solid); unloading is stiffer, so that a stable state is stable, and a loss needs waves on a load that goes on",
+            "{} is elastic-plastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves meet the \
+             tangent of continued plastic loading (Hill's linear comparison solid): stability under it is sufficient, and its loss is an instability \
+             only while loading continues",
             model.name()
         )
     })

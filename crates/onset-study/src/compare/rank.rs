@@ -140,10 +140,10 @@ impl Recommendation {
         let told = |one: &Dependence| {
             let mut changes = Vec::new();
             if !one.more.is_empty() {
-                changes.push(format!("also recommended: {}", one.more.join(", ")));
+                changes.push(format!("also recommended: {}", one.more.join("; ")));
             }
             if !one.less.is_empty() {
-                changes.push(format!("not recommended any more: {}", one.less.join(", ")));
+                changes.push(format!("not recommended any more: {}", one.less.join("; ")));
             }
             if let Some(first) = one.best.as_deref().filter(|first| Some(*first) != best) {
                 changes.push(format!("first: {first}"));

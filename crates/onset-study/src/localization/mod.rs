@@ -38,7 +38,7 @@ fn hint(error: &PlasticityError) -> String {
             "pressure outgrows the strength on this path; lower plasticity.friction, or take another path".to_owned()
         }
         PlasticityError::Confinement { .. } => {
-            "choose a plasticity.confinement within the yield surface (cam-clay: above 0 and below plasticity.preconsolidation), or raise plasticity.strength".to_owned()
+            "choose a plasticity.confinement within the yield surface: with cam-clay above 0 and below plasticity.preconsolidation; with other laws a lower one, or a larger plasticity.strength".to_owned()
         }
         PlasticityError::ElasticNotElliptic => {
             "the strength is of the order of the stiffness; raise plasticity.shear-modulus".to_owned()

@@ -182,8 +182,13 @@ impl fmt::Display for Summary {
         }
         writeln!(
             formatter,
-            "{} states, {} of them computed ({:.1} %)",
+            "{} states{}, {} of them computed ({:.1} %)",
             self.states,
+            if self.is_complete() {
+                ""
+            } else {
+                " in the tiles that are done"
+            },
             self.evaluated,
             100.0 * self.evaluated as f64 / self.states.max(1) as f64
         )?;

@@ -98,13 +98,22 @@ impl SimulateAnswer {
             (true, _) => standing(plan, patch, progress),
             (false, _) => moving(plan, progress),
         };
+        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0_f64, f64::max);
+        let displacement = largest(&mut progress.history.iter().map(|line| line[8]));
+        let (outcome, reason) = match outcome {
+            Outcome::Agrees => (outcome, reason),
+            _ => {
+                let moved = displacement / problem.analysis.spacing();
+                let difference = measured.as_ref().map_or(0.0, |own| own.difference);
+                explained((outcome, reason), plan, patch, moved, difference)
+            }
+        };
         let energies = progress.history.iter().map(|line| line[4]);
         let first = progress.history.first().map_or(0.0, |line| line[4]);
         let sizes = progress
             .history
             .iter()
             .map(|line| line[2].abs() + line[3].abs());
-        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0_f64, f64::max);
         let size = largest(&mut sizes.into_iter());
         let changed = largest(&mut energies.map(|energy| (energy - first).abs()));
         let mut continuous = Rate::from(wave.rate);
@@ -136,12 +145,16 @@ impl SimulateAnswer {
             measured,
             tolerance: plan.tolerance,
             energy_drift: if size > 0.0 { changed / size } else { 0.0 },
-            largest_displacement: largest(&mut progress.history.iter().map(|line| line[8])),
+            largest_displacement: displacement,
             files: Vec::new(),
         }
     }
 }
 
+/// Displacements in particle spacings beyond which motions are not those of linearized equations.
+const SMALL: f64 = 0.01;
+/// What other waves of a noise change a rate by.
+const NOISE: f64 = 0.01;
 /// The fewest samples of a record.
 const FEWEST: usize = 16;
 
@@ -149,6 +162,45 @@ type Verdict = (Outcome, String, Option<Measured>);
 
 fn undecided(reason: String) -> Verdict {
     (Outcome::Undecided, reason, None)
+}
+
+/// What a run that does not agree is not a test of: linearized equations beyond small displacements, and of noise, and of a wave that others overrun.
+fn explained(
+    (outcome, reason): (Outcome, String),
+    plan: &Plan,
+    patch: &dyn PatchMotion,
+    displacement: f64,
+    difference: f64,
+) -> (Outcome, String) {
+    let rate = plan.wave.wave.rate.re;
+    let others = patch.waves().iter().map(|wave| wave.rate.re);
+    let fastest = others.fold(0.0, f64::max);
+    let overrun = match fastest > rate + 1e-6 * fastest {
+        true => format!(
+            "; other waves of the patch grow at up to {}, and overrun it: choose a shorter --time",
+            told(fastest)
+        ),
+        false => String::new(),
+    };
+    if displacement > SMALL {
+        return (
+            Outcome::Undecided,
+            format!(
+                "the particles have moved by up to {} spacings, beyond what is linear: choose a smaller --amplitude or --time{overrun}",
+                told(displacement)
+            ),
+        );
+    }
+    match outcome {
+        Outcome::Differs if plan.seeding == "noise" && difference < NOISE => (
+            Outcome::Undecided,
+            format!(
+                "in noise the other waves of the patch are measured too: let it grow longer, or seed the wave alone{overrun}"
+            ),
+        ),
+        _ if reason.is_empty() => (outcome, reason),
+        _ => (outcome, reason + &overrun),
+    }
 }
 
 /// A wave that travels, grows or decays: the fit of its rates.

@@ -270,6 +270,11 @@ impl Plan {
     }
 }
 
+/// Whether a wave that turns nowhere costs nothing: a translation of the whole patch.
+fn is_translation(wave: &PatchWave) -> bool {
+    wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0)
+}
+
 /// The wave that is seeded or measured.
 fn chosen(
     problem: &Problem,
@@ -282,16 +287,22 @@ fn chosen(
         Seeded::Wave(k) => turns_of(problem, k, cells)?,
         Seeded::Turns(turns) => turns.clone(),
         Seeded::Critical | Seeded::Noise => {
+            if question.branch != 1 {
+                return Err(refused(
+                    "--branch has no effect where the wave is not given",
+                    "give --wave-vector or --turns with it",
+                ));
+            }
             // Translations of the whole patch apart.
-            let moving = waves.iter().filter(|wave| {
-                !(wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0))
-            });
+            let moving = waves.iter().filter(|wave| !is_translation(wave));
             let least =
                 |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
-            return moving
-                .min_by(least)
-                .cloned()
-                .ok_or_else(|| refused("the patch holds no wave", "choose more --cells"));
+            return moving.min_by(least).cloned().ok_or_else(|| {
+                refused(
+                    "the patch holds no wave but its translation",
+                    "choose more --cells",
+                )
+            });
         }
     };
     if turns.len() != cells.len() {
@@ -316,6 +327,12 @@ fn chosen(
         .filter(|wave| wave.turns == own || wave.turns == opposite)
         .collect();
     let found = of_it.iter().find(|wave| wave.branch == question.branch);
+    if found.is_some_and(|wave| is_translation(wave)) {
+        return Err(refused(
+            "with this wave vector the whole patch moves as one, or particles that no force answers do",
+            "choose a wave that turns: --turns 1,0 for example",
+        ));
+    }
     found.map(|wave| (*wave).clone()).ok_or_else(|| {
         refused(
             format!("there is no branch {}", question.branch),

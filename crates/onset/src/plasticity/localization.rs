@@ -230,8 +230,10 @@ impl RateModuli {
 }
 
 impl BandKind {
-    /// Below this sine or cosine a band counts as without shear, or as of constant thickness.
+    /// Below this sine a band counts as without shear.
     const PURE: f64 = 1e-6;
+    /// Below this cosine it counts as of constant thickness: laws that flow without change of volume leave an elastic rest.
+    const CONSTANT: f64 = 0.01;
 
     fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {
         let opening = normal.dot(polarization);
@@ -239,8 +241,8 @@ impl BandKind {
         match (shear < Self::PURE, opening) {
             (true, opening) if opening > 0.0 => Self::DilationBand,
             (true, _) => Self::CompactionBand,
-            (false, opening) if opening > Self::PURE => Self::DilatantShearBand,
-            (false, opening) if opening < -Self::PURE => Self::CompactantShearBand,
+            (false, opening) if opening > Self::CONSTANT => Self::DilatantShearBand,
+            (false, opening) if opening < -Self::CONSTANT => Self::CompactantShearBand,
             _ => Self::ShearBand,
         }
     }
