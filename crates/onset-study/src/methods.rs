@@ -68,6 +68,9 @@ pub fn hint(error: &MethodError) -> &'static str {
         MethodError::Lattice(LatticeError::Dependent { .. }) => {
             "\n  hint: give discretization.vectors that are linearly independent"
         }
+        MethodError::Material(MaterialError::NoYoungsModulus) => {
+            "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
+        }
         MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
             "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
              density are not that large or small"

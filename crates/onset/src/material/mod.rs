@@ -84,6 +84,11 @@ pub enum MaterialError {
         /// What is admitted.
         range: [f64; 2],
     },
+    /// Some strain of the reference state has no stress, so that Young's modulus is zero or has no value.
+    #[error(
+        "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that what is scaled with Young's modulus has no size"
+    )]
+    NoYoungsModulus,
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
         "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"

@@ -11,7 +11,7 @@ use onset::bloch::{WaveSystem, dynamical_matrix};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
-use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::material::{Hyperelastic, Law, MaterialError, ModifiedMooneyRivlin};
 use onset::method::{KernelMethodChoices, Method, MethodError, SupportSize};
 use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
@@ -220,6 +220,23 @@ fn corrected_total_lagrangian_sph_has_the_long_waves_of_the_material_with_any_pe
         let f = stretched([0.9, 1.0, 1.0]);
         assert_long_waves_are_those_of_the_material(&chain, &material, &f, 1e-10);
     }
+}
+
+/// The penalty is scaled with Young's modulus, `9 kappa mu / (3 kappa + mu)`, which a fluid has none of.
+#[test]
+fn a_penalty_of_a_fluid_is_refused_with_the_reason() {
+    let law = Law::named("murnaghan").expect("a law of the library");
+    let fluid = law.build(&[("mu", 0.0)]).expect("a fluid");
+    let choices = TotalLagrangianChoices {
+        penalty: 0.2,
+        ..TotalLagrangianChoices::default()
+    };
+    let scheme = total(crystal::<2>(LatticeKind::Hexagonal), choices);
+    let error = scheme.waves(&*fluid, &stretched([0.99, 1.0, 1.0]));
+    assert!(matches!(
+        error,
+        Err(MethodError::Material(MaterialError::NoYoungsModulus))
+    ));
 }
 
 #[test]

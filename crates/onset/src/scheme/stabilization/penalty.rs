@@ -152,9 +152,7 @@ impl Compliance {
         });
         let inverse = stiffness.try_inverse();
         let regular = inverse.filter(|compliance| compliance.iter().all(|x| x.is_finite()));
-        Ok(Self(
-            regular.ok_or(MaterialError::NotFinite { jacobian: 1.0 })?,
-        ))
+        Ok(Self(regular.ok_or(MaterialError::NoYoungsModulus)?))
     }
 
     /// Young's modulus along a vector of any length, sideways free of stress: `1 / (s : S : s)` with `s = n (x) n`; stress.
