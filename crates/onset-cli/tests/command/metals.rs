@@ -24,7 +24,7 @@ fn a_metal_beyond_yield_has_the_stress_of_its_path_and_the_tangent_of_flow() {
     assert_close(cauchy(0) - cauchy(1), root * (0.4 + slip), 1e-9);
     let notes = hardening["notes"].to_string();
     assert!(
-        notes.contains("elastic-plastic") && notes.contains("continued flow"),
+        notes.contains("elastic-plastic") && notes.contains("continued plastic loading"),
         "{notes}"
     );
     assert_eq!(hardening["material"]["elliptic"], true);
