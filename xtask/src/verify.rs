@@ -58,7 +58,11 @@ pub fn run(all: bool) -> Result<(), String> {
     let mut table = HEAD.to_owned();
     for (name, variable, program) in &tests {
         let part = folder.join(format!("{name}.md"));
-        tested(name, variable, program, &part)?;
+        tested(
+            &format!("predictions against {name}"),
+            &format!("{name}::"),
+            &[(variable, program), (&format!("{variable}_TABLE"), &part)],
+        )?;
         let rows = std::fs::read_to_string(&part);
         table += &rows.map_err(|error| format!("cannot read {}: {error}", part.display()))?;
     }
@@ -78,27 +82,18 @@ fn rows_of(table: &str, name: &str) -> String {
     rows.map(|row| format!("{row}\n")).collect()
 }
 
-fn tested(name: &str, variable: &str, program: &Path, part: &Path) -> Result<(), String> {
+/// Runs some tests of the program `verify` of the command, told by a filter, with variables that name programs and tables.
+pub fn tested(what: &str, filter: &str, variables: &[(&str, &Path)]) -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    eprintln!("== predictions against {name}");
+    eprintln!("== {what}");
     let status = Command::new(cargo)
-        .args([
-            "test",
-            "-p",
-            "onset-cli",
-            "--all-features",
-            "--test",
-            "verify",
-            "--",
-            "--nocapture",
-        ])
-        .arg(format!("{name}::"))
-        .env(variable, program)
-        .env(format!("{variable}_TABLE"), part)
+        .args(["test", "-p", "onset-cli", "--all-features"])
+        .args(["--test", "verify", "--", "--nocapture", filter])
+        .envs(variables.iter().copied())
         .status()
         .map_err(|error| format!("cannot run cargo: {error}"))?;
     match status.success() {
         true => Ok(()),
-        false => Err(format!("predictions against {name}: failed")),
+        false => Err(format!("{what}: failed")),
     }
 }

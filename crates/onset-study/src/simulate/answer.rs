@@ -104,8 +104,9 @@ impl SimulateAnswer {
             Outcome::Agrees => (outcome, reason),
             _ => {
                 let moved = displacement / problem.analysis.spacing();
-                let difference = measured.as_ref().map_or(0.0, |own| own.difference);
-                explained((outcome, reason), plan, patch, moved, difference)
+                let is_noise = question.seeded == Seeded::Noise
+                    && measured.as_ref().is_some_and(|own| own.difference < NOISE);
+                explained((outcome, reason), plan, patch, moved, is_noise)
             }
         };
         let energies = progress.history.iter().map(|line| line[4]);
@@ -170,7 +171,7 @@ fn explained(
     plan: &Plan,
     patch: &dyn PatchMotion,
     displacement: f64,
-    difference: f64,
+    is_noise: bool,
 ) -> (Outcome, String) {
     let rate = plan.wave.wave.rate.re;
     let others = patch.waves().iter().map(|wave| wave.rate.re);
@@ -192,7 +193,7 @@ fn explained(
         );
     }
     match outcome {
-        Outcome::Differs if plan.seeding == "noise" && difference < NOISE => (
+        Outcome::Differs if is_noise => (
             Outcome::Undecided,
             format!(
                 "in noise the other waves of the patch are measured too: let it grow longer, or seed the wave alone{overrun}"

@@ -5,6 +5,7 @@ use crate::answers::Problem;
 use crate::number::{exact, told, vector};
 use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
+use onset::lattice::uniform;
 use onset::motion::{PatchMotion, PatchState, PatchWave, SteppedWave, Stepper};
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -293,7 +294,6 @@ fn chosen(
                     "give --wave-vector or --turns with it",
                 ));
             }
-            // Translations of the whole patch apart.
             let moving = waves.iter().filter(|wave| !is_translation(wave));
             let least =
                 |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
@@ -480,17 +480,9 @@ fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
 fn noise(patch: &dyn PatchMotion, amplitude: f64, seed: u64) -> PatchState {
     let dimension = patch.dimension();
     let count = patch.positions().len();
-    let mut state = seed;
-    let mut random = || {
-        // SplitMix64 (Steele, Lea, Flood 2014): the same on every machine.
-        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = seed;
     let mut displacements: Vec<f64> = (0..count * dimension)
-        .map(|_| amplitude * (2.0 * random() - 1.0))
+        .map(|_| amplitude * (2.0 * uniform(&mut random) - 1.0))
         .collect();
     for axis in 0..dimension {
         let own = displacements.iter().skip(axis).step_by(dimension);

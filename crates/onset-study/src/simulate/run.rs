@@ -104,10 +104,10 @@ fn run(
     progress.state = patch.state();
     let mut answer = SimulateAnswer::new(problem, question, plan, patch, &progress);
     answer.interrupted = is_interrupted;
-    let times = plan.fields.iter().map(|step| *step as f64 * plan.step);
     let last = match is_interrupted || plan.fields.is_empty() {
         true => Vec::new(),
         false => {
+            let times = plan.fields.iter().map(|step| *step as f64 * plan.step);
             let pvd = fields::pvd(&times.collect::<Vec<_>>());
             let mut last = vec![text("fields.pvd", pvd)];
             if plan.is_shown() {
@@ -221,12 +221,13 @@ impl Keeper<'_> {
             ]);
         }
         if self.place.is_some()
-            && let Some(number) = plan.fields.iter().position(|own| *own == step)
+            && let Ok(number) = plan.fields.binary_search(&step)
         {
-            let field = fields::vtu(patch.dimension(), &self.places, &patch.state());
+            let state = patch.state();
+            let field = fields::vtu(patch.dimension(), &self.places, &state);
             self.pending.push(text(fields::name(number), field));
             if plan.is_shown() {
-                progress.fields.extend(patch.state().displacements);
+                progress.fields.extend(state.displacements);
             }
         }
         Ok(())

@@ -324,7 +324,7 @@ pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> 
 
 /// A number in [0, 1) from a state that is moved on: SplitMix64 (Steele, Lea, Flood, 2014), which needs no more than its
 /// state and is the same everywhere.
-fn uniform(state: &mut u64) -> f64 {
+pub fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

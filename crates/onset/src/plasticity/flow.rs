@@ -73,6 +73,18 @@ pub struct Flow {
 }
 
 impl Flow {
+    /// Plastic flow along the normal, without internal variables.
+    pub fn associated(elasticity: Elasticity, normal: Vector3<f64>, hardening: f64) -> Self {
+        Self {
+            elasticity,
+            direction: normal,
+            normal,
+            hardening,
+            per_slip: 1.0,
+            internal: Vector3::zeros(),
+        }
+    }
+
     /// The plastic modulus `h`. Units of stress.
     pub fn modulus(&self) -> f64 {
         self.hardening / self.per_slip
@@ -149,12 +161,12 @@ impl DruckerPrager {
     ) -> Result<Flow, PlasticityError> {
         let (direction, normal) = self.directions(&Matrix3::from_diagonal(stress))?;
         Ok(Flow {
-            elasticity: FlowLaw::elasticity(self),
             direction: direction.diagonal(),
-            normal: normal.diagonal(),
-            hardening: self.hardening().modulus(slip),
-            per_slip: 1.0,
-            internal: Vector3::zeros(),
+            ..Flow::associated(
+                FlowLaw::elasticity(self),
+                normal.diagonal(),
+                self.hardening().modulus(slip),
+            )
         })
     }
 }

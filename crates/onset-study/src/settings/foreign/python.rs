@@ -306,18 +306,23 @@ impl Call {
             )),
         }
     }
+
+    /// The polynomial with constants by the powers of both invariants, and the volumetric part of the call.
+    fn polynomial(&self, constants: &[((usize, usize), f64)]) -> Result<ForeignLaw, Trouble> {
+        let volume = self.compressibility()?;
+        Ok(ForeignLaw::polynomial(
+            self.line,
+            &self.title,
+            constants,
+            &volume,
+        ))
+    }
 }
 
 fn neo_hooke(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu"])?;
     let constants = [((1, 0), 0.5 * call.one("mu")?)];
-    let volume = call.compressibility()?;
-    Ok(ForeignLaw::polynomial(
-        call.line,
-        &call.title,
-        &constants,
-        &volume,
-    ))
+    call.polynomial(&constants)
 }
 
 /// `C10`, `C01`, ...: constants that are left out are zero in both packages, or not of the model.
@@ -349,13 +354,7 @@ fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
             "expected C10=0.5, ...",
         ));
     }
-    let volume = call.compressibility()?;
-    Ok(ForeignLaw::polynomial(
-        call.line,
-        &call.title,
-        &constants,
-        &volume,
-    ))
+    call.polynomial(&constants)
 }
 
 /// `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` there is `mu_i/alpha_i` here.

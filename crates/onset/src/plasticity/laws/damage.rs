@@ -63,16 +63,13 @@ impl FlowLaw for DeformationTheory {
         self.hardening.not_exhausted(slip)?;
         let (normal, _) = direction(stress)?;
         let part = remaining(&self.hardening, slip, self.elasticity.shear);
+        let secant = Elasticity {
+            shear: part * self.elasticity.shear,
+            ..self.elasticity
+        };
         Ok(Flow {
-            elasticity: Elasticity {
-                shear: part * self.elasticity.shear,
-                ..self.elasticity
-            },
-            direction: normal,
-            normal,
-            hardening: self.hardening.modulus(slip),
             per_slip: per_slip(&self.hardening, slip),
-            internal: Vector3::zeros(),
+            ..Flow::associated(secant, normal, self.hardening.modulus(slip))
         })
     }
 }
@@ -130,16 +127,13 @@ impl FlowLaw for ScalarDamage {
         let shear = self.elasticity.shear;
         let normal = self.elasticity.strain(stress) * (shear / self.equivalent(stress));
         let part = remaining(&self.hardening, slip, shear);
+        let secant = Elasticity {
+            shear: part * shear,
+            bulk: part * self.elasticity.bulk,
+        };
         Ok(Flow {
-            elasticity: Elasticity {
-                shear: part * shear,
-                bulk: part * self.elasticity.bulk,
-            },
-            direction: normal,
-            normal,
-            hardening: self.hardening.modulus(slip),
             per_slip: per_slip(&self.hardening, slip),
-            internal: Vector3::zeros(),
+            ..Flow::associated(secant, normal, self.hardening.modulus(slip))
         })
     }
 }

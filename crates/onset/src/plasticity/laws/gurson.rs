@@ -108,13 +108,10 @@ impl FlowLaw for Gurson {
             - 2.0 * q1 * voids * x.sinh() * x / flow_stress;
         let by_voids = 2.0 * q1 * x.cosh() - 2.0 * q1 * q1 * voids;
         let flow_stress_rate = 3.0_f64.sqrt() * self.hardening.modulus(matrix) * matrix_rate;
+        let hardening = -(by_flow_stress * flow_stress_rate + by_voids * voids_rate) / scale;
         Ok(Flow {
-            elasticity: self.elasticity,
-            direction: normal,
-            normal,
-            hardening: -(by_flow_stress * flow_stress_rate + by_voids * voids_rate) / scale,
-            per_slip: 1.0,
             internal: Vector3::new(matrix_rate, voids_rate, 0.0),
+            ..Flow::associated(self.elasticity, normal, hardening)
         })
     }
 }

@@ -75,13 +75,10 @@ impl FlowLaw for HillOrthotropic {
             return Err(PlasticityError::NoDeviator);
         }
         let normal = Vector3::new(h - g, f - h, g - f) / (3.0 * shear);
-        Ok(Flow {
-            elasticity: self.elasticity,
-            direction: normal,
+        Ok(Flow::associated(
+            self.elasticity,
             normal,
-            hardening: self.hardening.modulus(slip),
-            per_slip: 1.0,
-            internal: Vector3::zeros(),
-        })
+            self.hardening.modulus(slip),
+        ))
     }
 }

@@ -72,13 +72,10 @@ impl FlowLaw for Kinematic {
         self.hardening.not_exhausted(slip)?;
         let (normal, _) = direction(&(stress - back))?;
         let moved = normal * (2.0 * self.modulus) - back * self.recovery;
+        let hardening = self.hardening.modulus(slip) + normal.dot(&moved);
         Ok(Flow {
-            elasticity: self.elasticity,
-            direction: normal,
-            normal,
-            hardening: self.hardening.modulus(slip) + normal.dot(&moved),
-            per_slip: 1.0,
             internal: moved,
+            ..Flow::associated(self.elasticity, normal, hardening)
         })
     }
 }

@@ -108,12 +108,12 @@ impl FlowLaw for MohrCoulomb {
             return Err(PlasticityError::Corner);
         }
         Ok(Flow {
-            elasticity: self.elasticity,
             direction: Self::gradient(&shares, self.sine_of_dilation),
-            normal: Self::gradient(&shares, self.sine_of_friction),
-            hardening: self.hardening.modulus(slip),
-            per_slip: 1.0,
-            internal: Vector3::zeros(),
+            ..Flow::associated(
+                self.elasticity,
+                Self::gradient(&shares, self.sine_of_friction),
+                self.hardening.modulus(slip),
+            )
         })
     }
 }

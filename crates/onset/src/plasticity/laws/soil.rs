@@ -81,14 +81,11 @@ impl FlowLaw for CamClay {
         let dilatancy = -(2.0 * pressure - limit) * square / (6.0 * shear);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(limit, self.compressibility, dilatancy);
+        // The gradient by the stress is 6 tau / M^2 times the normal, that by p_c is -p.
+        let hardening = pressure * rate * square / (6.0 * shear);
         Ok(Flow {
-            elasticity: self.elasticity,
-            direction: normal,
-            normal,
-            // The gradient by the stress is 6 tau / M^2 times the normal, that by p_c is -p.
-            hardening: pressure * rate * square / (6.0 * shear),
-            per_slip: 1.0,
             internal: Vector3::new(rate, 0.0, 0.0),
+            ..Flow::associated(self.elasticity, normal, hardening)
         })
     }
 }
@@ -180,14 +177,11 @@ impl FlowLaw for EllipticCap {
         let dilatancy = -beyond * square / (shear * width * width);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(internal[0], self.compressibility, dilatancy);
+        // The gradient by the stress is 2 tau / k^2 times the normal, that by X is -2 (p - L)^2 / (X - L)^3.
+        let hardening = beyond * beyond * rate * square / (shear * width.powi(3));
         Ok(Flow {
-            elasticity: self.elasticity,
-            direction: normal,
-            normal,
-            // The gradient by the stress is 2 tau / k^2 times the normal, that by X is -2 (p - L)^2 / (X - L)^3.
-            hardening: beyond * beyond * rate * square / (shear * width.powi(3)),
-            per_slip: 1.0,
             internal: Vector3::new(rate, 0.0, 0.0),
+            ..Flow::associated(self.elasticity, normal, hardening)
         })
     }
 }
