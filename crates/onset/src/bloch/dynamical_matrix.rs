@@ -2,11 +2,12 @@
 
 use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
+use super::pocket::Slopes;
 use super::short_range::ShortRange;
 use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 
 /// `D(k) = sum_R Phi(R) exp(i k.R)`: force constants per mass between a particle and what is displaced
@@ -332,6 +333,14 @@ impl<const D: usize> DynamicalMatrix<D> {
                 std::array::from_fn(|b| joined(&real.hessian[a][b], &imaginary.hessian[a][b]))
             }),
         }
+    }
+
+    /// `D(k)` with its first derivatives, as matrices of any size.
+    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
+        let expansion = self.expansion_at(k);
+        let whole = |matrix: &SMatrix<Complex, D, D>| DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
+        let slopes = std::array::from_fn(|a| whole(&expansion.gradient[a]));
+        (whole(&expansion.value), slopes)
     }
 
     /// The same in real numbers, where `D(k)` is real.

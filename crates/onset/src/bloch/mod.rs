@@ -11,6 +11,7 @@ mod dynamical_matrix;
 mod mirror;
 mod moments;
 mod planar;
+mod pocket;
 mod search;
 mod short_range;
 mod spatial;

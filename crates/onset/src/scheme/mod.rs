@@ -22,6 +22,7 @@ mod response;
 pub mod sph;
 pub mod stabilization;
 mod strain;
+mod strain_rows;
 
 pub use choices::MethodChoices;
 pub use lagrangian::LagrangianPoint;
@@ -36,6 +37,7 @@ pub use peridynamics::{
 };
 pub use response::PointResponse;
 pub use strain::{SeenForm, SeenPoint, StrainOperator};
+pub(crate) use strain_rows::StrainRows;
 
 use crate::bloch::{DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
 use crate::kinematics::DeformationGradient;

@@ -10,7 +10,7 @@ use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, PlaneTangent};
 use crate::method::MethodError;
-use crate::scheme::{DirectWaves, Discretization};
+use crate::scheme::{DirectWaves, Discretization, StrainRows};
 use crate::time_step::{Integrator, critical_time_step};
 use nalgebra::{DMatrix, SVector};
 use std::sync::{Arc, OnceLock};
@@ -85,6 +85,8 @@ pub struct Ground<const D: usize> {
     moments: Option<Arc<GradientMoments<D>>>,
     /// The reference state, in which zero-energy modes are told from unstable ones.
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
+    /// Whether some wave of alternating neighbors strains nothing.
+    misses_alternating: OnceLock<Result<bool, MethodError>>,
 }
 
 /// The plane waves of a state, ready to be searched.
@@ -217,6 +219,7 @@ impl<'a, const D: usize> Survey<'a, D> {
                 search: ZoneSearch::of_lattice(lattice, speed_squared),
                 moments: None,
                 reference: OnceLock::new(),
+                misses_alternating: OnceLock::new(),
             }),
         })
     }
@@ -502,8 +505,9 @@ impl<'a, const D: usize> Survey<'a, D> {
     }
 
     /// Whether the softest mode of a stable state, or a wave of alternating neighbors, is a zero-energy mode: it strains no point, where the
-    /// discretization has a gradient that tells that; otherwise it has no energy at rest, where all waves of the material have. What
-    /// resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
+    /// discretization has a gradient that tells that; otherwise it has no energy at rest, where all waves of the material have, or, where some
+    /// have none, it is one of alternating neighbors that nothing sees. What resists it at the state, if anything does, is its stress,
+    /// which can make another wave near it the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
@@ -517,7 +521,8 @@ impl<'a, const D: usize> Survey<'a, D> {
             return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }
         if !self.stiffness_at_rest()?.is_strongly_elliptic() {
-            return Ok(false);
+            // Waves in which the material itself has no energy do not tell.
+            return self.misses_alternating();
         }
         let lattice = self.discretization.crystal().lattice();
         let softest = (!softest.is_long_wave).then_some(softest.wave_vector);
@@ -530,6 +535,17 @@ impl<'a, const D: usize> Survey<'a, D> {
             .into_iter()
             .chain(lattice.alternating())
             .any(is_zero))
+    }
+
+    fn misses_alternating(&self) -> Result<bool, MethodError> {
+        let misses = || {
+            let crystal = self.discretization.crystal();
+            let rows = StrainRows::new(crystal, &self.discretization.strain()?);
+            let mut alternating = crystal.lattice().alternating();
+            Ok(alternating.any(|k| rows.misses(&k, ZERO)))
+        };
+        let known = self.ground.misses_alternating.get_or_init(misses);
+        known.clone()
     }
 
     fn gradient_norm(
@@ -549,6 +565,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         let density = self.discretization.density();
         let tensor = self.stiffness_at_rest()?.acoustic_tensor(&mode.wave_vector) / density;
         let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
+        if exact <= 0.0 {
+            return Ok(1.0);
+        }
         Ok(self.reference()?.omega_squared(&mode.wave_vector)[0].re / exact)
     }
 

@@ -15,7 +15,7 @@ use onset::scheme::{
     BondModel, Discretization, Influence, MaterialPointChoices, MaterialPoints, Peridynamics,
     PeridynamicsChoices, ZeroEnergyControl,
 };
-use onset::verdict::Survey;
+use onset::verdict::{Survey, Verdict};
 use std::f64::consts::TAU;
 
 /// Three laws with stress-free reference states: Lame constants far apart, and one that is not isotropic.
@@ -29,6 +29,33 @@ fn laws() -> Vec<Box<dyn Hyperelastic>> {
         law("saint-venant-kirchhoff", &[("lambda", 300.0), ("mu", 0.7)]),
         law("saint-venant-orthotropic", &[]),
     ]
+}
+
+/// In shear waves a fluid has no energy itself; what a discretization does not see besides is told by its strains.
+#[test]
+fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
+    let tait = Law::named("tait").expect("a law of the library");
+    let states = [[1.0, 1.0, 1.0], [0.97, 0.99, 1.0]];
+    let states = states.map(|stretches| DeformationGradient::from_stretches(stretches));
+    let verdicts = |scheme: &dyn Discretization<2>, mu: f64| {
+        let law = tait.build(&[("mu", mu)]).expect("admissible parameters");
+        let survey = Survey::new(scheme, &*law).expect("a survey");
+        states.clone().map(|f| {
+            let f = f.expect("a state");
+            let searched = survey.state(&f).expect("a verdict").verdict;
+            assert_eq!(survey.judge(&f).expect("a verdict").0, searched);
+            assert_eq!(survey.assess(&f).expect("a verdict").verdict, searched);
+            searched
+        })
+    };
+    let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
+    let nodal = TotalLagrangianSph::<2>::new(square, TotalLagrangianChoices::default());
+    let nodal = nodal.expect("a scheme");
+    let whole = FiniteElements::<2>::new(&ElementChoices::default()).expect("elements");
+    for mu in [0.0, 0.2] {
+        assert_eq!(verdicts(&nodal, mu), [Verdict::ZeroEnergy; 2], "{mu}");
+        assert_eq!(verdicts(&whole, mu), [Verdict::Stable; 2], "{mu}");
+    }
 }
 
 fn found<const D: usize>(

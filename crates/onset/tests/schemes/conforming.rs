@@ -10,7 +10,7 @@ use onset::continuum::Stiffness;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
-use onset::material::Hyperelastic;
+use onset::material::{Hyperelastic, Law};
 use onset::method::MethodError;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
 use onset::scheme::{Discretization, LagrangianPoint};
@@ -347,6 +347,40 @@ fn on_lattices_the_modification_hides_no_instability_of_the_material_and_adds_no
     assert_stable_where_elliptic(&chain());
     assert_stable_where_elliptic(&square());
     assert_stable_where_elliptic(&hexagonal());
+}
+
+/// The difference of the two particles of a cell is nearly free: the stiffness of relaxed long waves is a small difference of large numbers.
+#[test]
+fn the_limit_of_long_waves_is_right_where_relaxation_is_nearly_free() {
+    let lattice = LatticeKind::Square
+        .lattice(2.0_f64.sqrt())
+        .expect("a lattice");
+    let places = [[0.0, 0.0], [0.23209757466993863, 0.5023586723232352]].map(SVector::from);
+    let crystal = Crystal::new(lattice, places.to_vec()).expect("a crystal");
+    let choices = ConformingChoices {
+        density: 1.0,
+        radius: 2.234375528257272,
+        approximation: Approximation::Mls,
+        domain: SmoothingDomain::Boxes,
+        ..ConformingChoices::default()
+    };
+    let hencky = Law::named("hencky")
+        .expect("a law")
+        .build(&[])
+        .expect("a material");
+    let f = DeformationGradient::from_stretches([1.0715596417701576, 0.9556007704863001, 1.0]);
+    let system = scheme(crystal, &choices)
+        .waves(&*hencky, &f.expect("a state"))
+        .expect("waves");
+    let stiffness = system.long_wave_stiffness();
+    for direction in [[1.0, 0.0], [0.991, 0.133], [0.6, -0.8]].map(SVector::from) {
+        // Waves so long that they are slower than the particles of a cell against each other.
+        let k: SVector<f64, 2> = direction * 2e-5;
+        let along = system.omega_squared(&k)[0].re / k.norm_squared();
+        let tensor = stiffness.acoustic_tensor(&direction) / direction.norm_squared();
+        let limit = tensor.symmetric_eigenvalues().min();
+        assert!((limit - along).abs() < 1e-5, "{limit} {along}");
+    }
 }
 
 #[test]

@@ -4,9 +4,9 @@ use crate::battery::{
     assert_long_waves_are_those_of_the_material, assert_scheme, assert_translations_are_free,
 };
 use nalgebra::{Complex, DMatrix, SMatrix, SVector};
-use onset::bloch::{WaveSystem, ZoneSearch};
+use onset::bloch::{WaveSystem, ZoneSearch, growth_rate};
 use onset::kinematics::DeformationGradient;
-use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, MethodError};
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints,
@@ -532,6 +532,74 @@ fn the_search_over_the_zone_takes_silent_particles_as_zero_not_as_growth() {
         assert!((summary.long_wave.scaled - mu / (lambda + 2.0 * mu)).abs() < 1e-9);
         assert!(summary.maximum_omega > 0.0 && summary.maximum_omega < 2.0 * (lambda + 2.0 * mu));
     }
+}
+
+#[test]
+fn what_forces_see_of_particles_has_all_of_their_frequencies_but_the_silent_ones() {
+    fn checked<const D: usize>() {
+        for functions in FUNCTIONS {
+            let choices = MaterialPointChoices {
+                density: 1.7,
+                functions,
+                offset: [0.11, 0.07, -0.13],
+                ..choices(PARTICLES, 2)
+            };
+            let system = waves(&points::<D>(choices), &state::<D>());
+            let seen = system.seen().expect("fewer nodes than points");
+            let k = SVector::from_fn(|i, _| 2.1 - 0.9 * i as f64);
+            let mut all = system.omega_squared(&k);
+            all.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+            for value in seen.omega_squared(&k) {
+                let nearest = all[..D].iter().map(|own| (own - value).norm());
+                let nearest = nearest.fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-9 * all[0].norm(), "{functions:?}: {value}");
+            }
+        }
+    }
+    checked::<1>();
+    checked::<2>();
+    checked::<3>();
+}
+
+/// Flutter between the points of a grid that is as coarse as cells with eight particles in space allow.
+#[test]
+fn flutter_of_particles_in_space_is_not_missed() {
+    let choices = MaterialPointChoices {
+        functions: GridFunctions::Gimp,
+        ..choices(PARTICLES, 2)
+    };
+    let f = DeformationGradient::new([
+        [0.7512691303334724, 0.14999996763611798, 0.13537455804471887],
+        [
+            -0.007162286727300193,
+            1.1510744309838516,
+            0.023768523360589267,
+        ],
+        [
+            -0.14983155808838405,
+            0.12399591979825965,
+            1.2461661419853323,
+        ],
+    ])
+    .expect("a state");
+    let system = points::<3>(choices)
+        .waves(&BlatzKo::default(), &f)
+        .expect("an evaluable state");
+    let k = SVector::from([0.8329708521518078, 1.7249587662960577, 3.582313222993391]);
+    let growth = |values: &[Complex<f64>]| {
+        let rates = values.iter().map(|value| growth_rate(*value));
+        rates.fold(0.0, f64::max)
+    };
+    let dense = growth(&system.omega_squared(&k));
+    assert!(dense > 0.028, "{dense}");
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 96.0);
+    let summary = search.summary_of(&system);
+    assert!(summary.flutters && summary.growth_rate() > dense * (1.0 - 1e-9));
+    // The mode that is shown is one of the particles.
+    let mode = summary.fastest_growing;
+    let nearest = system.modes(&mode.wave_vector).into_iter();
+    let nearest = nearest.map(|(value, _)| (value - mode.omega_squared).norm());
+    assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9 * summary.maximum_omega.powi(2));
 }
 
 #[test]

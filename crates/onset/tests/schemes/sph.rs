@@ -7,7 +7,7 @@ use crate::battery::{
 use crate::random::Random;
 use nalgebra::{Matrix3, SMatrix, SVector};
 use onset::approximation::Approximation;
-use onset::bloch::{WaveSystem, dynamical_matrix};
+use onset::bloch::{Stability, WaveSystem, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
@@ -385,6 +385,48 @@ fn an_artificial_stress_is_refused_with_differences_of_stress() {
 }
 
 #[cfg(feature = "serde")]
+/// Branches of one particle in a cell that meet along lines in space are complex in tubes around them, 1e-4 of the zone wide.
+#[test]
+fn flutter_in_pockets_between_the_points_of_a_grid_in_space_is_found() {
+    let choices = UpdatedSphChoices {
+        kernel: Kernel::QuinticSpline,
+        radius: 2.2306216109299988,
+        momentum: MomentumForm::Difference,
+        density_evolution: DensityEvolution::Continuity,
+        corrected: true,
+        ..UpdatedSphChoices::default()
+    };
+    let lattice = Crystal::of(LatticeKind::BodyCenteredCubic, 1.0).expect("a crystal");
+    let law = Law::named("holzapfel-gasser-ogden").expect("a law");
+    let f = DeformationGradient::new([
+        [
+            1.1933209001219391,
+            -0.07347162517949492,
+            0.11996933928583392,
+        ],
+        [0.14096499390293407, 0.7467591961536217, 0.04684407076513501],
+        [
+            0.08699654559338789,
+            -0.10033809663305861,
+            0.8849123279646329,
+        ],
+    ]);
+    let system = updated::<3>(lattice, choices)
+        .waves(&*law.build(&[]).expect("a material"), &f.expect("a state"))
+        .expect("waves");
+    let known = SVector::from([5.441398092702652, 5.448219273883147, 0.7841637658523025]);
+    let growth = |k: &SVector<f64, 3>| {
+        let rates = system.omega_squared(k).into_iter().map(growth_rate);
+        rates.fold(0.0, f64::max)
+    };
+    assert!(growth(&known) > 7e-4);
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 108.0);
+    let summary = search.summary_of(&system);
+    assert_eq!(summary.stability(), Stability::Flutter);
+    let found = growth(&summary.fastest_growing.wave_vector);
+    assert!(found > 1e-4 && (found - summary.growth_rate()).abs() < 1e-9 * found.max(1.0));
+}
+
 #[test]
 fn choices_are_written_with_the_words_of_the_documentation() {
     let choices = UpdatedSphChoices {

@@ -1,15 +1,21 @@
 //! The spectrum on a grid over the zone, and its wells.
 
 use super::{Candidate, Objective, ZoneSearch};
-use crate::algebra::{Complex, eigenvalues};
+use crate::algebra::{Complex, eigenvalues, neighbors};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
 use crate::bloch::spatial::SpatialSpectrum;
-use crate::lattice::{WaveGrid, opposite};
+use crate::lattice::{WaveGrid, grid_coordinates, opposite};
 use nalgebra::SVector;
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
+
+/// A discriminant, which is quadratic in the distance of two branches, is at most this fraction of the largest one around a point from
+/// which the branches meet within 0.6 of a step along each axis: `(0.6/1.6)^2`.
+const NEAR: f64 = 0.15;
+/// Points along an axis in space among which pockets are looked for where no discriminant tells where.
+const SPARSE: usize = 24;
 
 /// The objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
@@ -303,6 +309,29 @@ impl<const D: usize> Grid<D> {
         };
         let wells = wells.into_iter();
         wells.map(|well| well.start.1)
+    }
+
+    /// Points near which two branches may cross, and how many steps of the grid there are between them. Where a discriminant is
+    /// known, those at which it is small beside its neighbors; otherwise all of a grid that is not too fine.
+    pub(super) fn near_crossings(&self, has_discriminant: bool) -> (Vec<SVector<f64, D>>, usize) {
+        let n = self.waves.resolution();
+        let known = self.spectrum.known(Objective::Discriminant);
+        let stride = match has_discriminant || D < 3 {
+            true => 1,
+            false => n.div_ceil(SPARSE),
+        };
+        let is_near = |index: &usize| {
+            if !has_discriminant {
+                return grid_coordinates::<D>(*index, n)
+                    .iter()
+                    .all(|c| c % stride == 0);
+            }
+            let around = neighbors::<D>(*index, n, known.len()).map(|other| known[other]);
+            known[*index] <= NEAR * around.fold(0.0, f64::max)
+        };
+        let near = (1..known.len()).filter(is_near);
+        let points = near.map(|index| self.waves.wave_vectors()[index]).collect();
+        (points, stride)
     }
 
     /// The length of a step of the grid along the first reciprocal vector.

@@ -8,6 +8,7 @@ mod grid;
 mod mirrored;
 
 use super::bound::{self, Measure, Question};
+use super::pocket::Pockets;
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
@@ -33,6 +34,12 @@ const FLUTTER: f64 = 1e-7;
 const LEAST: f64 = 1e-15;
 /// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
 const ZERO: f64 = 1e-13;
+/// Pockets of complex `omega^2` that are foreseen and looked at again.
+const POCKETS: usize = 4096;
+/// Of these the fastest ones from which the fastest growth is sought.
+const FOLLOWED: usize = 16;
+/// Wave vectors along the softest long waves, or the fastest growing ones, in steps of a grid on which none need lie near.
+pub(in crate::bloch) const RAY: [f64; 5] = [0.05, 0.15, 0.35, 0.7, 1.2];
 /// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
 const COARSE: usize = 6;
 const FINE: usize = 9;
@@ -447,7 +454,7 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let reciprocal = self.reference().reciprocal().column(0).norm();
         let along = |steps: f64| direction * (steps * step * reciprocal / direction.norm());
-        [0.15, 0.35, 0.7, 1.2].map(along).to_vec()
+        RAY.map(along).to_vec()
     }
 
     /// The smallest scaled measure at the points of high symmetry.
@@ -562,10 +569,37 @@ impl<const D: usize> ZoneSearch<D> {
             Wells::Mirrored { .. } => Vec::new(),
         };
         let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
+        let noticeable =
+            |mode: &Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
         candidates
             .filter_map(|k| self.fluttering_mode(matrix, &k))
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
-            .filter(|mode| growth_rate(mode.omega_squared) > self.flutter_threshold(1))
+            .filter(noticeable)
+            .or_else(|| {
+                // In the plane the discriminant of a real matrix tells all of its pockets.
+                let is_told = D < 3 && matrix.is_centrosymmetric();
+                let mut pockets = match wells {
+                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid).into_iter(),
+                    _ => Vec::new().into_iter(),
+                };
+                pockets.find_map(|k| self.fluttering_mode(matrix, &k).filter(noticeable))
+            })
+    }
+
+    /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid.
+    fn pockets(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
+        let pockets = Pockets {
+            slopes: &|k| {
+                let is_sought = self.is_sought(Objective::Scaled, k);
+                is_sought.then(|| matrix.slopes_at(k))
+            },
+            threshold: self.flutter_threshold(1),
+            most: POCKETS,
+        };
+        let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
+        let steps =
+            self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64);
+        pockets.around(points.into_iter(), &steps)
     }
 
     /// The wells of the zone, with as many points of a grid per period of the fastest phase where there is no mirror.
@@ -615,7 +649,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
-    /// one that is `fluttering` and from the fastest points of the grid.
+    /// one that is `fluttering`, from the fastest points of the grid and from the pockets between them.
     fn fastest(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -633,6 +667,7 @@ impl<const D: usize> ZoneSearch<D> {
                 .fastest_flutter()
                 .take(4)
                 .chain([fluttering.wave_vector])
+                .chain(self.pockets(matrix, grid).into_iter().take(FOLLOWED))
                 .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
             Wells::Mirrored { bottoms, .. } => bottoms

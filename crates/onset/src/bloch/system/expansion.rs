@@ -3,6 +3,7 @@
 use super::{Mass, WaveSystem};
 use crate::algebra::{Complex, Decomposition};
 use crate::bloch::branches::Taylor;
+use crate::bloch::pocket::Slopes;
 use nalgebra::{DMatrix, SVector};
 
 /// A matrix with its first and second derivatives by the components of the wave vector.
@@ -95,10 +96,7 @@ impl<const D: usize> WaveSystem<D> {
 
 impl<const D: usize> WaveSystem<D> {
     /// `D(k)` with its first derivatives.
-    pub(super) fn slopes_at(
-        &self,
-        k: &SVector<f64, D>,
-    ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
+    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
         let (mut value, mut slopes) = self.stiffness.slopes_at(k);
         if let Some(drift) = &self.drift {
             let (own, turned) = drift.slopes_at(k);

@@ -7,7 +7,6 @@
 
 mod expansion;
 mod long_wave;
-mod pocket;
 mod spectrum;
 mod sum;
 mod zone;
@@ -37,6 +36,8 @@ pub struct WaveSystem<const D: usize> {
     /// `T`, where velocities are smoothed.
     drift: Option<BlochSum<D>>,
     is_hermitian: bool,
+    /// A smaller system with the same `omega^2` other than zero, where all others meet no force.
+    seen: Option<Box<WaveSystem<D>>>,
 }
 
 /// The masses of a discretization.
@@ -59,6 +60,7 @@ impl<const D: usize> WaveSystem<D> {
             damping: None,
             drift: None,
             is_hermitian,
+            seen: None,
         }
     }
 
@@ -75,6 +77,19 @@ impl<const D: usize> WaveSystem<D> {
         self.drift = Some(drift);
         self.is_hermitian = false;
         self
+    }
+
+    /// The same with what its forces see of it, on the same lattice: a system whose `omega^2` are those of this one but for zeros, at
+    /// every wave vector. With `D = A B`, `A` of more rows than columns, that is `B A`.
+    #[must_use]
+    pub fn with_seen(mut self, seen: Self) -> Self {
+        self.seen = Some(Box::new(seen));
+        self
+    }
+
+    /// What the forces see of a system that is larger.
+    pub fn seen(&self) -> Option<&Self> {
+        self.seen.as_deref()
     }
 
     /// The lattice of the particles in the reference state.
@@ -216,6 +231,10 @@ impl<const D: usize> WaveSystem<D> {
                 .map(|damping| damping.over(force.sqrt() * mass.sqrt())),
             drift: self.drift.clone(),
             is_hermitian: self.is_hermitian,
+            seen: self
+                .seen
+                .as_ref()
+                .map(|seen| Box::new(seen.over(force, mass))),
         }
     }
 
@@ -238,7 +257,12 @@ impl<const D: usize> WaveSystem<D> {
         let volumes = self.crystal.volumes().to_vec();
         let crystal = Crystal::with_volumes(lattice, sites, volumes).ok()?;
         let moved = |sum: &BlochSum<D>| sum.relabeled(&range.inverse, &crystal);
+        let seen = match &self.seen {
+            Some(seen) => Some(Box::new(seen.in_short_range(range)?)),
+            None => None,
+        };
         Some(Self {
+            seen,
             stiffness: moved(&self.stiffness),
             mass: match &self.mass {
                 Mass::Lumped(masses) => Mass::Lumped(masses.clone()),

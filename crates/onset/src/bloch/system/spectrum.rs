@@ -74,6 +74,12 @@ impl<const D: usize> WaveSystem<D> {
             .collect()
     }
 
+    /// The unit displacements of the particles of a cell in a mode with a given `omega^2`.
+    pub(super) fn mode_of(&self, k: &SVector<f64, D>, omega_squared: Complex) -> DVector<Complex> {
+        let vector = null_vector(&self.dynamical_matrix_at(k), omega_squared, 0);
+        self.displaced(k, vector)
+    }
+
     /// The frequencies with damping: the roots `omega` of `det(omega^2 M + i omega C - K T) = 0`, twice as many as degrees of
     /// freedom, the fastest growing ones (largest imaginary part) first. 1/time.
     pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {

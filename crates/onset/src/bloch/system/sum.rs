@@ -2,6 +2,7 @@
 
 use super::expansion::MatrixExpansion;
 use crate::algebra::Complex;
+use crate::bloch::pocket::Slopes;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -187,10 +188,7 @@ impl<const D: usize> BlochSum<D> {
     }
 
     /// `S(k)` with its first derivatives by the components of the wave vector.
-    pub(super) fn slopes_at(
-        &self,
-        k: &SVector<f64, D>,
-    ) -> (DMatrix<Complex>, [DMatrix<Complex>; D]) {
+    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
         let phases = self.phases(k);
         let mut sums = self.sums(1 + D, |term, factors| {
             term.derivatives(phases.of(term), factors);

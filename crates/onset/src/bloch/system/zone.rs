@@ -9,6 +9,8 @@ use super::WaveSystem;
 use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
+use crate::bloch::pocket::Pockets;
+use crate::bloch::search::RAY;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
@@ -26,10 +28,10 @@ const ROUNDING: f64 = 16.0;
 /// is done for them.
 const FREQUENCY_GAP: f64 = 1e-6;
 const FREQUENCY_SHARE: usize = 4;
-/// Differences of a bound from the smallest value, over the scale, from which the smallest value is searched too.
+/// Differences of a bound from the smallest value, relative to it, from which the smallest value is searched too.
 const LOOSE: f64 = 1e-3;
-/// How often a pocket that is foreseen is looked at again from nearer.
-const CLOSER: usize = 3;
+/// Growth rates above this part of the fastest one that is known are followed where Newton's method has not ended.
+const PROMISING: f64 = 0.7;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
@@ -71,6 +73,9 @@ impl<const D: usize> ZoneSearch<D> {
             let found = self.in_units(unit).found_of(&system, is_bounded);
             return found.in_units(unit);
         }
+        if let Some(seen) = system.seen() {
+            return self.with_unseen(system, self.found_of(seen, is_bounded));
+        }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
             let found = search.found_of(&system, is_bounded);
             return range.carried_back(&found, |k| self.folded(k));
@@ -88,12 +93,46 @@ impl<const D: usize> ZoneSearch<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
             return self.in_units(unit).stability_of(&system);
         }
+        if let Some(seen) = system.seen() {
+            let (stability, measure) = self.stability_of(seen);
+            return (stability, measure.min(0.0));
+        }
         if let Some((_, search, system)) = self.short_ranged_system(system) {
             return search.stability_of(&system);
         }
         match system.single() {
             Some(matrix) => self.stability(&matrix),
             None => Sweep::new(self, system, false).stability(),
+        }
+    }
+
+    /// What has been found of what forces see, of a system in which all else meets no force, at any wave vector.
+    fn with_unseen(&self, system: &WaveSystem<D>, found: SpectrumSummary<D>) -> SpectrumSummary<D> {
+        let shown = |mode: Mode<D>| match mode.is_long_wave || mode.wave_vector.norm() == 0.0 {
+            true => mode,
+            false => Mode {
+                polarization: largest_of_particles(
+                    &system.mode_of(&mode.wave_vector, mode.omega_squared),
+                ),
+                ..mode
+            },
+        };
+        let softest = match found.softest.scaled > 0.0 {
+            true => Mode {
+                wave_vector: self.folded(&(self.reference().reciprocal() * SVector::repeat(0.5))),
+                is_long_wave: false,
+                omega_squared: Complex::default(),
+                scaled: 0.0,
+                ..found.softest
+            },
+            false => found.softest,
+        };
+        SpectrumSummary {
+            softest: shown(softest),
+            lowest: shown(found.lowest),
+            fastest_growing: shown(found.fastest_growing),
+            bound: found.bound.min(0.0),
+            ..found
         }
     }
 }
@@ -366,7 +405,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
         Softest {
             softest,
-            lowest,
+            lowest: if is_rounding { rest } else { lowest },
             long_wave,
             grows_at_rest,
             tolerance: match is_rounding {
@@ -377,42 +416,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// Wave vectors in pockets of complex `omega^2`, foreseen from the points of the grid and looked at again from where they are
-    /// foreseen, the fastest growing first.
+    /// Wave vectors in pockets of complex `omega^2`.
     fn pockets(&self) -> Vec<SVector<f64, D>> {
+        let pockets = Pockets {
+            slopes: &|k| (!self.is_long(k)).then(|| self.system.slopes_at(k)),
+            threshold: self.search.flutter_threshold(self.system.sites()),
+            most: self.effort.pockets,
+        };
         let steps = self.search.reference().reciprocal() / self.waves.resolution() as f64;
-        let threshold = self.search.flutter_threshold(self.system.sites());
-        let foreseen = |k: &SVector<f64, D>, steps: &SMatrix<f64, D, D>| {
-            self.system
-                .foreseen_growth(k, steps)
-                .filter(|(growth, _)| *growth > threshold)
-        };
-        let by_growth = |all: &mut Vec<Candidate<D>>, most: usize| {
-            all.sort_by(|a, b| b.0.total_cmp(&a.0));
-            all.truncate(most);
-        };
-        let points = half(&self.waves).iter().filter(|k| !self.is_long(k));
-        let mut all: Vec<Candidate<D>> = points.filter_map(|k| foreseen(k, &steps)).collect();
-        // Around k = 0, where branches meet that change with the direction, points are as near to each other as to it.
-        for share in [0.5, 0.2, 0.08] {
-            let nearer = steps * share;
-            let around = 3_usize.pow(D as u32) / 2 + 1..3_usize.pow(D as u32);
-            all.extend(around.filter_map(|place| {
-                let side = grid_coordinates::<D>(place, 3).map(|n| n as f64 - 1.0);
-                let k = nearer * SVector::from(side);
-                foreseen(&k, &(nearer * 0.7)).filter(|_| !self.is_long(&k))
-            }));
-        }
-        let (mut narrower, mut most) = (steps, self.effort.pockets);
-        for _ in 0..CLOSER {
-            by_growth(&mut all, most);
-            narrower *= 0.3;
-            most /= 2;
-            let again = |(_, k): &Candidate<D>| foreseen(k, &narrower);
-            all = all.iter().filter_map(again).collect();
-        }
-        by_growth(&mut all, most / 2);
-        all.into_iter().map(|(_, k)| k).collect()
+        pockets.around(half(&self.waves).iter().copied(), &steps)
     }
 
     /// The omega^2 at half of the grid.
@@ -445,9 +457,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let reciprocal = self.search.reference().reciprocal().column(0).norm();
         let step = reciprocal / self.waves.resolution() as f64;
         let starts = match softest.is_long_wave {
-            true => [0.15, 0.35, 0.7, 1.2]
-                .map(|steps| k * (steps * step))
-                .to_vec(),
+            true => RAY.map(|steps| k * (steps * step)).to_vec(),
             false => vec![k],
         };
         let ends = starts.into_iter().map(|k| {
@@ -499,12 +509,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
-        let scale = match objective {
-            // Of a growth rate this is the square.
-            Objective::Lowest => covered.lowest.abs(),
-            _ => scale,
-        };
-        if covered.bound < covered.lowest - LOOSE * scale {
+        let is_loose = covered.bound < covered.lowest - question.gap;
+        if is_loose && covered.bound < covered.lowest - LOOSE * covered.lowest.abs() {
             // Where the bound does not tell the value, the wells of the grid are looked at too.
             let lower = self.bottom(objective, covered.lowest);
             if let Some((value, k)) = lower.filter(|(value, _)| *value < covered.lowest) {
@@ -614,7 +620,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
-            for k in [0.15, 0.35, 0.7, 1.2].map(|steps| along * (steps * step)) {
+            for k in RAY.map(|steps| along * (steps * step)) {
                 let start = (self.value(objective, &k), k);
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
@@ -779,9 +785,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
     ) -> Candidate<D> {
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
-        let to_beat = match objective {
-            Objective::Growth => f64::INFINITY,
-            _ => floor,
+        let (to_beat, floor) = match objective {
+            Objective::Growth => (f64::INFINITY, PROMISING * floor),
+            _ => (floor, floor),
         };
         let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
         let end = (self.value(objective, &bottom.1), bottom.1);

@@ -6,16 +6,14 @@
 
 mod places;
 mod root;
-mod rows;
 
 use super::degenerate::Displacements;
 use crate::algebra::Complex;
 use crate::lattice::Crystal;
-use crate::scheme::StrainOperator;
+use crate::scheme::{StrainOperator, StrainRows};
 use nalgebra::{DMatrix, SVector};
 use places::Places;
 use root::Root;
-use rows::Rows;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -33,6 +31,8 @@ const NEAR: f64 = 1e-4;
 const FRACTION: f64 = 1.0 / 24.0;
 /// The distance at which it is tried whether a root goes on.
 const CONTINUED: f64 = 0.02;
+/// What is seen of a wave, over its size, where its wave vector is known to the square root of rounding.
+const KNOWN: f64 = 1e-4;
 /// What is spent on the division: terms of sums.
 const BUDGET: f64 = 1.5e9;
 /// Wave vectors of no symmetry, in units of the reciprocal vectors.
@@ -84,7 +84,7 @@ pub(super) struct ZeroMode<const D: usize> {
 
 /// All of them, of `k` and `-k` one, and whether that is sure.
 pub(super) struct ZeroModes<const D: usize> {
-    rows: Rows<D>,
+    rows: StrainRows<D>,
     pub(super) modes: Vec<ZeroMode<D>>,
     pub(super) is_complete: bool,
 }
@@ -96,7 +96,7 @@ impl<const D: usize> ZeroModes<D> {
         strain: &StrainOperator<D>,
         folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> Self {
-        let rows = Rows::new(crystal, strain);
+        let rows = StrainRows::new(crystal, strain);
         let mut search = Search::new(crystal, &rows);
         let (mut modes, mut is_complete) = (Vec::new(), true);
         match search.everywhere() {
@@ -121,7 +121,7 @@ impl<const D: usize> ZeroModes<D> {
 
     /// Whether a wave vector that is known to the square root of rounding has a zero-energy mode.
     pub(super) fn has(&self, k: &SVector<f64, D>) -> bool {
-        self.rows.smallest(k) <= 1e-4 * self.rows.slope * k.norm()
+        self.rows.misses(k, KNOWN)
     }
 }
 
@@ -134,7 +134,7 @@ struct Part<const D: usize> {
 
 struct Search<'a, const D: usize> {
     crystal: &'a Crystal<D>,
-    rows: &'a Rows<D>,
+    rows: &'a StrainRows<D>,
     /// The length of the shortest reciprocal vector.
     shortest: f64,
     isolated: Vec<Root<D>>,
@@ -145,7 +145,7 @@ struct Search<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Search<'a, D> {
-    fn new(crystal: &'a Crystal<D>, rows: &'a Rows<D>) -> Self {
+    fn new(crystal: &'a Crystal<D>, rows: &'a StrainRows<D>) -> Self {
         let reciprocal = crystal.lattice().reciprocal().column_iter();
         Self {
             crystal,

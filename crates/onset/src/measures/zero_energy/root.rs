@@ -1,7 +1,7 @@
 //! Roots of the strain operator: Newton's method, and what lies next to a root.
 
-use super::rows::Rows;
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::scheme::StrainRows;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::PI;
 
@@ -73,7 +73,7 @@ impl Singular {
     }
 }
 
-impl<const D: usize> Rows<D> {
+impl<const D: usize> StrainRows<D> {
     /// Newton's method, as far as `reach` from where it starts: a wave vector at which `R` has a kernel.
     pub(super) fn polished(&self, start: &SVector<f64, D>, reach: f64) -> Option<SVector<f64, D>> {
         let first = Singular::of(self.at(start))?;

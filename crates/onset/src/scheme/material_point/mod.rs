@@ -11,7 +11,7 @@ mod step;
 pub use functions::GridFunctions;
 
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
-use crate::bloch::{BlochBlocks, Mass, WaveSystem};
+use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
 use crate::material::Hyperelastic;
@@ -224,9 +224,14 @@ impl<const D: usize> MaterialPoints<D> {
     }
 
     fn mass(&self, mass: GridMass) -> Mass<D> {
-        if mass == GridMass::Lumped {
-            return Mass::Lumped(vec![self.nodal_mass()]);
+        match mass {
+            GridMass::Lumped => Mass::Lumped(vec![self.nodal_mass()]),
+            GridMass::Consistent => Mass::Consistent(self.consistent_mass()),
         }
+    }
+
+    /// `sum_p m_p N_ip N_jp`.
+    fn consistent_mass(&self) -> BlochSum<D> {
         let mut blocks = BlochBlocks::new();
         for (place, volume) in &self.points {
             let nodes = self.transfer(place);
@@ -237,7 +242,7 @@ impl<const D: usize> MaterialPoints<D> {
                 }
             }
         }
-        Mass::Consistent(blocks.sum(&self.grid))
+        blocks.sum(&self.grid)
     }
 
     /// The functions of the nodes at a place.
@@ -272,7 +277,7 @@ impl<const D: usize> MaterialPoints<D> {
 
     /// The stiffness between points from that between nodes, `K_pq = sum_ij (m_p N_ip / m_i) K_ij (m_q N_jq / m_j)`: no force acts in
     /// the homogeneous state, so that the transfer itself does not vary.
-    fn between_points(&self, nodal: BlochBlocks<D>) -> BlochBlocks<D> {
+    fn between_points(&self, nodal: &BlochSum<D>) -> BlochBlocks<D> {
         let shares: Vec<Vec<(Particle<D>, f64)>> = self
             .points
             .iter()
@@ -284,7 +289,7 @@ impl<const D: usize> MaterialPoints<D> {
             .collect();
         // From the node at the origin to points, then from points to points.
         let mut half: BTreeMap<Particle<D>, SMatrix<f64, D, D>> = BTreeMap::new();
-        for (_, node, block) in nodal.sum(&self.grid).blocks() {
+        for (_, node, block) in nodal.blocks() {
             for (site, nodes) in shares.iter().enumerate() {
                 for (seen, share) in nodes {
                     let cell = std::array::from_fn(|i| node.cell[i] - seen.cell[i]);
@@ -303,6 +308,23 @@ impl<const D: usize> MaterialPoints<D> {
             }
         }
         blocks
+    }
+
+    /// The equations of the velocities that the grid sees: `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`,
+    /// `B_iq = sum_j K_ij N_jq m_q / m_j`, so that its `omega^2` other than zero are those of `B A = K S / m`,
+    /// `S_jk = sum_q m_q N_jq N_kq / m`.
+    fn between_seen(&self, nodal: &BlochSum<D>) -> WaveSystem<D> {
+        let mass = self.nodal_mass();
+        let mut blocks = BlochBlocks::new();
+        let consistent = self.consistent_mass();
+        for (site, node, block) in nodal.blocks() {
+            for (_, beyond, share) in consistent.blocks() {
+                let to = beyond.moved(&node.cell);
+                blocks.add(&Particle::home(site), &to, &(block * share / mass));
+            }
+        }
+        let stiffness = blocks.sum(&self.grid);
+        WaveSystem::new(self.grid.clone(), stiffness, Mass::Lumped(vec![mass]))
     }
 }
 
@@ -376,16 +398,22 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         for (place, volume) in &self.points {
             forced.add(&Point::new(state, &self.profile, *place, *volume));
         }
-        let mass = match self.choices.formulation {
+        match self.choices.formulation {
             Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
-                self.mass(mass)
+                forced.waves(&self.crystal, self.mass(mass))
             }
             Formulation::Particles { .. } => {
-                forced.stiffness = self.between_points(std::mem::take(&mut forced.stiffness));
-                Mass::Lumped(super::lumped_masses(&self.crystal, self.choices.density))
+                let nodal = std::mem::take(&mut forced.stiffness).sum(&self.grid);
+                forced.stiffness = self.between_points(&nodal);
+                let mass = super::lumped_masses(&self.crystal, self.choices.density);
+                let system = forced.waves(&self.crystal, Mass::Lumped(mass))?;
+                // With one point for each node none is left unseen.
+                Ok(match self.points.len() {
+                    1 => system,
+                    _ => system.with_seen(self.between_seen(&nodal)),
+                })
             }
-        };
-        forced.waves(&self.crystal, mass)
+        }
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {

@@ -1,8 +1,8 @@
 //! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
 
+use super::{SeenForm, StrainOperator};
 use crate::algebra::Complex;
 use crate::lattice::{Crystal, Particle};
-use crate::scheme::{SeenForm, StrainOperator};
 use nalgebra::{DMatrix, SVector};
 
 /// `R(k)`: what is seen of the wave `u_K = g_K exp(i k.X_K)`, as a matrix that acts on the `g` of the particles of a cell.
@@ -12,15 +12,15 @@ use nalgebra::{DMatrix, SVector};
 ///
 /// A form enters with the phases relative to its middle, and with a factor that makes its slope one at most: neither changes the
 /// kernel.
-pub(super) struct Rows<const D: usize> {
+pub(crate) struct StrainRows<const D: usize> {
     sites: usize,
     /// Whether the gradients stand for the strains.
     is_gradient: bool,
     points: Vec<Point<D>>,
     /// What the norm of a derivative of `R` along a unit direction is at most; length.
-    pub(super) slope: f64,
+    pub(crate) slope: f64,
     /// The same of a second derivative; length^2.
-    pub(super) curvature: f64,
+    pub(crate) curvature: f64,
 }
 
 /// The forms of one place.
@@ -56,8 +56,8 @@ impl<const D: usize> Sums<D> {
     }
 }
 
-impl<const D: usize> Rows<D> {
-    pub(super) fn new(crystal: &Crystal<D>, strain: &StrainOperator<D>) -> Self {
+impl<const D: usize> StrainRows<D> {
+    pub(crate) fn new(crystal: &Crystal<D>, strain: &StrainOperator<D>) -> Self {
         let sites = crystal.sites().len();
         let seen = || strain.points().iter().flat_map(|point| &point.forms);
         let is_strain = |form: &SeenForm<D>| matches!(form, SeenForm::Strain(_));
@@ -130,17 +130,17 @@ impl<const D: usize> Rows<D> {
     }
 
     /// The number of columns.
-    pub(super) fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         if self.is_gradient { 1 } else { D * self.sites }
     }
 
     /// How many independent modes a vector of the kernel stands for.
-    pub(super) fn modes_per_column(&self) -> usize {
+    pub(crate) fn modes_per_column(&self) -> usize {
         if self.is_gradient { D } else { 1 }
     }
 
     /// What an evaluation costs, in terms of a sum.
-    pub(super) fn cost(&self) -> f64 {
+    pub(crate) fn cost(&self) -> f64 {
         let terms = |point: &Point<D>| point.vectors.len() * (2 + point.forms.len());
         let sums: usize = self.points.iter().map(terms).sum();
         let columns = self.columns() as f64;
@@ -158,17 +158,22 @@ impl<const D: usize> Rows<D> {
     }
 
     /// `R(k)`.
-    pub(super) fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+    pub(crate) fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         self.summed(|x| phase(k.dot(x)))
     }
 
+    /// Whether some wave is not seen, to a fraction of the size of its strains.
+    pub(crate) fn misses(&self, k: &SVector<f64, D>, fraction: f64) -> bool {
+        self.smallest(k) <= fraction * self.slope * k.norm()
+    }
+
     /// The smallest singular value of `R(k)`.
-    pub(super) fn smallest(&self, k: &SVector<f64, D>) -> f64 {
+    pub(crate) fn smallest(&self, k: &SVector<f64, D>) -> f64 {
         self.at(k).singular_values().min()
     }
 
     /// `dR/dk_i`.
-    pub(super) fn derivative(&self, k: &SVector<f64, D>, i: usize) -> DMatrix<Complex> {
+    pub(crate) fn derivative(&self, k: &SVector<f64, D>, i: usize) -> DMatrix<Complex> {
         self.summed(|x| phase(k.dot(x)) * Complex::new(0.0, x[i]))
     }
 
@@ -228,7 +233,7 @@ impl<const D: usize> Rows<D> {
 
     /// Whether there is surely no mode without strain in the box `center + sum t_i edge_i`, `|t_i| <= 1`: the smallest singular value
     /// of `R` at its center is larger than what `R` changes within it, the first derivatives at the center and a bound on the second.
-    pub(super) fn is_regular(
+    pub(crate) fn is_regular(
         &self,
         center: &SVector<f64, D>,
         edges: &[SVector<f64, D>; D],
