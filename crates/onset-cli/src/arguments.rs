@@ -9,7 +9,7 @@ use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::Program;
-use onset_study::settings::{COMPARISON_KEYS, KEYS, Key};
+use onset_study::settings::{COMPARISON_KEYS, KEYS, Key, did_you_mean};
 use onset_study::simulate::Stepper;
 use onset_study::verify::Stepping;
 use std::ops::Range;
@@ -615,10 +615,8 @@ pub struct SimulateArguments {
 }
 
 fn stepper(text: &str) -> Result<Stepper, String> {
-    Stepper::named(text).ok_or_else(|| {
-        let names = Stepper::ALL.map(Stepper::name);
-        format!("available are {}", names.join(", "))
-    })
+    Stepper::named(text)
+        .ok_or_else(|| expected(text, "available are", &Stepper::ALL.map(Stepper::name)))
 }
 
 /// A positive number as typed.
@@ -631,10 +629,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn stepping(text: &str) -> Result<Stepping, String> {
     let known = Stepping::ALL.into_iter().find(|own| own.name() == text);
-    known.ok_or_else(|| {
-        let names = Stepping::ALL.map(Stepping::name);
-        format!("available are {}", names.join(", "))
-    })
+    known.ok_or_else(|| expected(text, "available are", &Stepping::ALL.map(Stepping::name)))
 }
 
 /// What to draw of which stores.
@@ -708,10 +703,7 @@ fn two(text: &str) -> Option<(f64, f64)> {
 
 fn color_map(text: &str) -> Result<ColorMap, String> {
     let known = ColorMap::ALL.into_iter().find(|map| map.name() == text);
-    known.ok_or_else(|| {
-        let names = ColorMap::ALL.map(ColorMap::name);
-        format!("available are {}", names.join(", "))
-    })
+    known.ok_or_else(|| expected(text, "available are", &ColorMap::ALL.map(ColorMap::name)))
 }
 
 /// What files may load.
@@ -970,13 +962,16 @@ fn stretches(text: &str) -> Result<Stretches, String> {
     }
 }
 
+/// What is said of a word that is none of those that there are.
+fn expected(typed: &str, what: &str, names: &[&str]) -> String {
+    let meant = did_you_mean(typed, names.iter().copied());
+    format!("{what} {}{meant}", names.join(", "))
+}
+
 /// A mode of loading as typed.
 fn mode(text: &str) -> Result<Mode, String> {
     let named = Mode::ALL.into_iter().find(|mode| mode.name() == text);
-    named.ok_or_else(|| {
-        let names = Mode::ALL.map(Mode::name);
-        format!("expected one of {}", names.join(", "))
-    })
+    named.ok_or_else(|| expected(text, "expected one of", &Mode::ALL.map(Mode::name)))
 }
 
 /// An audit.
@@ -1029,14 +1024,17 @@ fn lateral(text: &str) -> Result<Lateral, String> {
         Lateral::Held,
     ];
     let named = all.into_iter().find(|lateral| lateral.name() == text);
-    named.ok_or_else(|| format!("expected one of {}", all.map(Lateral::name).join(", ")))
+    named.ok_or_else(|| expected(text, "expected one of", &all.map(Lateral::name)))
 }
 
 /// A convention as typed.
 fn convention(text: &str) -> Result<Convention, String> {
     Convention::of_name(text).ok_or_else(|| {
-        let names = Convention::ALL.map(Convention::name);
-        format!("expected one of {}", names.join(", "))
+        expected(
+            text,
+            "expected one of",
+            &Convention::ALL.map(Convention::name),
+        )
     })
 }
 

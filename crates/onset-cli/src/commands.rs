@@ -31,7 +31,7 @@ use onset_study::compare::Thresholds;
 use onset_study::criteria::Lateral;
 use onset_study::output::{Output, OutputError, text};
 use onset_study::reproduce;
-use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust};
+use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust, did_you_mean};
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -507,8 +507,9 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
     let unknown = |names: Vec<&str>| {
         let name = topic.unwrap_or_default();
         Failure::input(format!(
-            "there is no topic `{name}`\n  hint: topics are {}",
-            names.join(", ")
+            "there is no topic `{name}`\n  hint: topics are {}, keys{}",
+            names.join(", "),
+            did_you_mean(name, names.iter().copied().chain(["keys"]))
         ))
     };
     if let Some((keys, method)) = topic.and_then(|topic| keys_of(topic, name)) {

@@ -2,7 +2,7 @@
 
 use crate::printing::tell;
 use onset_study::Verdict;
-use onset_study::settings::verdict_named;
+use onset_study::settings::{did_you_mean, verdict_named};
 use std::process::ExitCode;
 
 /// The exit code when a verdict is one of those named.
@@ -50,10 +50,13 @@ impl FailOn {
                 (None, Some((_, verdicts))) => names.extend(verdicts.iter().map(|own| own.name())),
                 (None, None) if word == UNDEFINED => names.push(UNDEFINED),
                 (None, None) => {
-                    let verdicts = Verdict::ALL.map(Verdict::name).join(", ");
+                    let verdicts = Verdict::ALL.map(Verdict::name);
                     let groups: Vec<&str> = GROUPS.iter().map(|(name, _)| *name).collect();
+                    let known = verdicts.iter().chain(&groups).copied();
+                    let meant = did_you_mean(word, known.chain([UNDEFINED]));
                     return Err(format!(
-                        "`{word}` is no verdict; expected some of {verdicts}, {UNDEFINED}, or {}, separated by commas",
+                        "`{word}` is no verdict; expected some of {}, {UNDEFINED}, or {}, separated by commas{meant}",
+                        verdicts.join(", "),
                         groups.join(", ")
                     ));
                 }
@@ -108,5 +111,8 @@ mod tests {
         );
         assert!(FailOn::parse("broken").is_err_and(|told| told.contains("zero-energy")));
         assert!(FailOn::parse("").is_err());
+        assert!(
+            FailOn::parse("numeric").is_err_and(|told| told.ends_with("did you mean `numerical`?"))
+        );
     }
 }

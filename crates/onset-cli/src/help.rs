@@ -11,29 +11,26 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The commands by what they are about, those of a first hour first in each; the flag tells which stand in the short overview.
-const GROUPS: [(&str, &[&str], &[&str]); 5] = [
+/// The commands by the question that they answer, those of a first hour first in each; in the short overview those of the last group have a line together.
+const GROUPS: [(&str, &[&str]); 5] = [
     (
         "A state, a path",
-        &["state", "path", "dispersion", "modes"],
-        &[],
+        &["state", "path", "dispersion", "modes", "simulate"],
     ),
+    ("A method", &["recommend", "compare", "tune", "verify"]),
+    ("A law", &["criteria", "card", "audit", "localize"]),
+    ("A study", &["check", "map", "plot", "boundary"]),
     (
-        "A method",
-        &["recommend", "compare", "tune"],
-        &["simulate", "verify"],
+        "Help and more",
+        &[
+            "list",
+            "schema",
+            "umat-utilities",
+            "completions",
+            "man",
+            "reproduce",
+        ],
     ),
-    (
-        "A law",
-        &["criteria", "card"],
-        &["audit", "localize", "umat-utilities"],
-    ),
-    (
-        "A study",
-        &["check", "map", "plot"],
-        &["boundary", "schema"],
-    ),
-    ("Help", &["list"], &["completions", "man", "reproduce"]),
 ];
 
 const EXAMPLES: &str = "Examples:
@@ -53,12 +50,15 @@ pub fn command(is_long: bool) -> Command {
         known.map_or_else(String::new, ToString::to_string)
     };
     let mut overview = String::new();
-    for (title, first, others) in GROUPS {
+    for (n, (title, names)) in GROUPS.iter().enumerate() {
         overview.push_str(&format!("{title}:\n"));
-        let shown = first.iter().chain(if is_long { others } else { &[] });
-        for name in shown {
+        let has_lines = is_long || n + 1 < GROUPS.len();
+        for name in names.iter().filter(|_| has_lines) {
             let about = about(name);
             overview.push_str(&format!("  {name:<15} {}\n", about.trim_end_matches('.')));
+        }
+        if !has_lines {
+            overview.push_str(&format!("  {}\n", names.join(", ")));
         }
     }
     let (options, end) = match is_long {
@@ -66,7 +66,7 @@ pub fn command(is_long: bool) -> Command {
         false => (
             "\n",
             format!(
-                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` lists all of them with the options."
+                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` tells the options of all."
             ),
         ),
     };
@@ -150,9 +150,7 @@ mod tests {
 
     #[test]
     fn every_command_is_in_the_overview_once() {
-        let listed = GROUPS
-            .iter()
-            .flat_map(|(_, first, others)| first.iter().chain(*others));
+        let listed = GROUPS.iter().flat_map(|(_, names)| names.iter());
         let listed: Vec<&str> = listed.copied().collect();
         let once: BTreeSet<&str> = listed.iter().copied().collect();
         assert_eq!(once.len(), listed.len());
@@ -174,5 +172,12 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.matches("\n  onset ").count(), 3);
+        // Every command has its place on it.
+        let words: BTreeSet<&str> = text
+            .split(|letter: char| letter.is_whitespace() || letter == ',')
+            .collect();
+        for name in GROUPS.iter().flat_map(|(_, names)| names.iter()) {
+            assert!(words.contains(name), "{name}: {text}");
+        }
     }
 }

@@ -11,6 +11,11 @@ use onset_study::store::{StoreError, ZarrStore};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
+
+/// How long tiles that have begun may go on after an interrupt, and how long a state that is being computed may.
+const GRACE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_secs(2);
 
 impl From<MapError> for Failure {
     fn from(error: MapError) -> Self {
@@ -47,8 +52,14 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| default_place(&arguments.file));
-    let told = "finishing the tiles that have begun; interrupt again to end at once";
-    interrupt::answer_with((!is_quiet()).then_some(told)).map_err(Failure::machine)?;
+    let again = format!("interrupted; resume with\n  {}", resuming(arguments, &path));
+    let told = "ending: tiles that have begun are given a second, those that are stored stay; interrupt again to end at once";
+    let answer = interrupt::Answer {
+        told: (!is_quiet()).then_some(told),
+        at_end: Some(again.clone()),
+        patience: Some(PATIENCE),
+    };
+    interrupt::answer_with(answer).map_err(Failure::machine)?;
     let store = if arguments.overwrite {
         ZarrStore::replace(&path, plan.layout())
     } else if arguments.resume || arguments.tiles.is_some() {
@@ -63,6 +74,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     let progress = Progress::new(states, is_quiet());
     let asked = tiles.len();
     let summary = plan.run(&store, tiles, &progress)?;
+    interrupt::is_ending();
     progress.0.finish_and_clear();
     let is_interrupted = summary.tiles_computed + summary.tiles_found < asked;
     let answer = Answer {
@@ -73,8 +85,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     let text = format!("{summary}\nstore: {}", path.display());
     print(&answer, &text, None)?;
     if is_interrupted {
-        let again = resuming(arguments, &path);
-        tell(format_args!("interrupted; resume with\n  {again}"));
+        tell(again);
         return Ok(ExitCode::from(interrupt::CODE));
     }
     Ok(match &arguments.failing.fail_on {
@@ -140,5 +151,9 @@ impl Watch for Progress {
 
     fn is_interrupted(&self) -> bool {
         interrupt::is_asked()
+    }
+
+    fn is_out_of_time(&self) -> bool {
+        interrupt::asked_for().is_some_and(|asked| asked >= GRACE)
     }
 }

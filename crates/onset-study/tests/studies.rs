@@ -235,3 +235,70 @@ fn the_book_has_every_law_as_the_library_describes_it() {
     let of_page = page.lines().filter(|line| line.starts_with("| `"));
     assert_eq!(of_page.count(), rows, "the page has a row too many");
 }
+
+/// Folders of what is built, and of tools.
+fn is_left_out(name: &str) -> bool {
+    let is_hidden = name.starts_with('.') && ![".github", ".ci", ".cargo"].contains(&name);
+    name == "target" || is_hidden
+}
+
+/// Links are lost where files are copied, and are texts on Windows.
+#[test]
+fn no_file_of_the_repository_is_a_link() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut open = vec![root];
+    let mut files = 0;
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let entry = entry.expect("an entry");
+            let (name, kind) = (entry.file_name(), entry.file_type().expect("a kind"));
+            if is_left_out(&name.to_string_lossy()) {
+                continue;
+            }
+            assert!(!kind.is_symlink(), "{} is a link", entry.path().display());
+            match kind.is_dir() {
+                true => open.push(entry.path()),
+                false => files += 1,
+            }
+        }
+    }
+    assert!(files > 500, "{files} files");
+}
+
+/// What is compiled in, and what each package needs of its own, is what stands in the folders that a reader looks into.
+#[test]
+fn copies_are_the_same_as_their_originals() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let read = |path: PathBuf| {
+        std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    };
+    let mut copies = 0;
+    for (own, shown) in [
+        ("compare/panels", "comparisons"),
+        ("reproduce/studies", "studies"),
+    ] {
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(own);
+        for entry in std::fs::read_dir(&own).expect("a folder") {
+            let entry = entry.expect("an entry");
+            let copy = root.join(shown).join(entry.file_name());
+            assert!(
+                read(entry.path()) == read(copy.clone()),
+                "{} is not {}",
+                copy.display(),
+                entry.path().display()
+            );
+            copies += 1;
+        }
+    }
+    for package in ["onset", "onset-cli", "onset-study", "onset-umat"] {
+        for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
+            let copy = root.join("crates").join(package).join(license);
+            assert!(
+                read(copy) == read(root.join(license)),
+                "{package}/{license}"
+            );
+            copies += 1;
+        }
+    }
+    assert_eq!(copies, 26);
+}

@@ -5,7 +5,8 @@ use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
 use crate::printing::print;
 use onset_study::criteria::Question;
 use onset_study::output::Output;
-use onset_study::settings::{MaterialSettings, law_from};
+use onset_study::settings::{MaterialSettings, Program, law_from};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Criteria side by side.
@@ -43,26 +44,58 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
 }
 
 fn question(arguments: &LawArguments) -> Result<Question, Failure> {
-    let (material, notes) = material(arguments)?;
+    let asked = material(arguments)?;
     let question =
-        Question::new(&material, arguments.range, &arguments.modes).map_err(Failure::input)?;
-    let question = question.with_notes(notes);
+        Question::new(&asked.law, arguments.range, &arguments.modes).map_err(Failure::input)?;
+    let question = question.with_notes(asked.notes).with_name(asked.name);
     match arguments.incompressible {
         true => question.incompressible().map_err(Failure::input),
         false => Ok(question),
     }
 }
 
+/// A law that is asked of.
+struct Asked {
+    law: MaterialSettings,
+    /// What it is called, where that is not its model.
+    name: Option<String>,
+    /// What there is to know of it.
+    notes: Vec<String>,
+}
+
 /// The law of a study, of a block of another program, or of the assignments alone, with what there is to know of it.
-fn material(arguments: &LawArguments) -> Result<(MaterialSettings, Vec<String>), Failure> {
+fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
     let mut assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
     let trust = arguments.trust.trust();
     let (Some(program), Some(file)) = (arguments.from, arguments.file.as_deref()) else {
-        let own = law(arguments.file.as_deref(), &assignments, &trust)?;
-        return Ok((own, Vec::new()));
+        let file = arguments.file.as_deref();
+        let own = law(file, &assignments, &trust);
+        let own = own.map_err(|failure| match file.and_then(program_of) {
+            Some(program) => Failure::input(format!(
+                "{} is no study, but a block of {program}\n  hint: add --from {program}",
+                file.unwrap_or(Path::new("-")).display()
+            )),
+            None => failure,
+        })?;
+        return Ok(Asked {
+            law: own,
+            name: None,
+            notes: Vec::new(),
+        });
     };
     let (name, text) = source(file)?;
     let read = law_from(program, &name, &text, &assignments).map_err(Failure::input)?;
     assignments.splice(0..0, read.assignments);
-    Ok((law(None, &assignments, &trust)?, read.notes))
+    Ok(Asked {
+        law: law(None, &assignments, &trust)?,
+        name: read.name,
+        notes: read.notes,
+    })
+}
+
+/// The program that a file is written for, where it is none of this program's studies; standard input is read but once.
+fn program_of(file: &Path) -> Option<&'static str> {
+    let is_file = file != Path::new("-");
+    let (_, text) = is_file.then(|| source(file).ok())??;
+    Program::of_text(&text).map(Program::name)
 }

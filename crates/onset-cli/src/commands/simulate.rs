@@ -61,7 +61,16 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         Some(_) => "writing a checkpoint; interrupt again to end at once",
         None => "ending; interrupt again to end at once",
     };
-    interrupt::answer_with((!is_quiet()).then_some(told)).map_err(Failure::machine)?;
+    let at_end = match place {
+        Some(_) => "interrupted; the same command with --resume goes on from the last checkpoint",
+        None => "interrupted; nothing was kept: give --out",
+    };
+    let answer = interrupt::Answer {
+        told: (!is_quiet()).then_some(told),
+        at_end: Some(at_end.to_owned()),
+        patience: None,
+    };
+    interrupt::answer_with(answer).map_err(Failure::machine)?;
     let progress = Progress::new(is_quiet());
     let answer = run(&problem, &question, place.as_ref(), &progress)?;
     progress.0.finish_and_clear();

@@ -118,5 +118,9 @@ fn a_loading_that_ends_early_says_where_and_why() {
     assert!(end > 0.99 * locked && end <= locked, "{end}, {locked}");
     assert!(answer["loading"]["ends_early"].is_string());
     let told = onset_line(line).stdout;
-    assert!(told.contains("where it ends"), "{told}");
+    let first = told.lines().next().unwrap_or_default();
+    assert!(first.contains("only, not to 40"), "{told}");
+    // Nothing is claimed of the part that was not followed.
+    assert!(!told.contains("along the whole path"), "{told}");
+    assert!(told.contains("up to stretch"), "{told}");
 }

@@ -169,7 +169,10 @@ fn every_law_follows_its_path_to_a_band_or_says_why_not() {
     let sentence = answer["sentence"].as_str().expect("a sentence");
     assert!(sentence.contains("localized neck forms"), "{sentence}");
     for (line, fact) in [
-        ("localize --model cam-clay", "within the yield surface"),
+        (
+            "localize --model cam-clay --set plasticity.confinement=0",
+            "the confinement 0 itself",
+        ),
         (
             "localize --model gurson --set plasticity.friction=1",
             "only with plasticity.model = drucker-prager",
@@ -186,5 +189,14 @@ fn every_law_follows_its_path_to_a_band_or_says_why_not() {
         let answer = onset_line(line);
         assert_eq!(answer.code, Some(2), "{line}");
         assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn every_model_answers_without_settings() {
+    for model in ["cam-clay", "cap"] {
+        let answer = onset_line(&format!("localize --model {model}"));
+        assert_eq!(answer.code, Some(0), "{model}: {}", answer.stderr);
+        assert!(!answer.stdout.contains("e0"), "{}", answer.stdout);
     }
 }

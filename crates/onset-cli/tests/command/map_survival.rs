@@ -86,7 +86,7 @@ fn stopped_by(signal: &str) {
     let told = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(130), "{told}");
     assert!(
-        told.contains("finishing the tiles that have begun"),
+        told.contains("tiles that have begun are given a second"),
         "{told}"
     );
     let again = format!(
@@ -107,6 +107,64 @@ fn stopped_by(signal: &str) {
         tree(&place.store("interrupted.zarr")),
         tree(&place.store("whole.zarr"))
     );
+}
+
+/// One tile of states that take a third of a second or four seconds each.
+fn slow(cells: usize, states: usize) -> String {
+    format!(
+        "[discretization]\nlattice = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\ncells = {cells}\nperturbation = 0.05\n\
+         [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = {states}\n\
+         [[axes]]\nquantity = \"stretch-2\"\nrange = [0.95, 1.05]\nstates = 4\n"
+    )
+}
+
+/// What an interrupted map of slow states tells, its exit code, and how long it has gone on after the first interrupt.
+fn interrupted_slow(place: &Place, times: usize) -> (String, Option<i32>, Duration) {
+    let child = started(place, "slow.zarr", "");
+    while !place.store("slow.zarr").is_dir() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    let begin = Instant::now();
+    for _ in 0..times {
+        let status = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(status.expect("kill").success());
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    let output = child.wait_with_output().expect("an end");
+    let told = String::from_utf8(output.stderr).expect("UTF-8");
+    (told, output.status.code(), begin.elapsed())
+}
+
+#[test]
+fn an_interrupt_gives_up_a_tile_of_slow_states_and_a_resumed_map_has_the_same_bytes() {
+    let place = Place::new(&slow(2, 4));
+    let (told, code, took) = interrupted_slow(&place, 1);
+    assert_eq!(code, Some(130), "{told}");
+    assert!(told.contains("--resume"), "{told}");
+    // A second and a state, on a machine that is busy; the tile takes longer.
+    assert!(took < Duration::from_secs(20), "{took:?}");
+    assert_eq!(done(&place, "slow.zarr"), 0);
+    place.computed("slow.zarr", "--resume");
+    place.computed("whole.zarr", "");
+    assert_eq!(
+        tree(&place.store("slow.zarr")),
+        tree(&place.store("whole.zarr"))
+    );
+}
+
+#[test]
+fn a_state_that_takes_too_long_and_a_second_interrupt_end_a_map_at_once_and_tell_how_to_resume() {
+    for times in [1, 2] {
+        let place = Place::new(&slow(3, 64));
+        let (told, code, took) = interrupted_slow(&place, times);
+        assert_eq!(code, Some(130), "{told}");
+        let again = format!("--out {} --resume", place.store("slow.zarr").display());
+        assert!(told.contains(&again), "{told}");
+        assert!(took < Duration::from_secs(20), "{took:?}");
+    }
 }
 
 /// The line that goes on, given back to a shell, goes on.

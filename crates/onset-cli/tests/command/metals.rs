@@ -1,6 +1,7 @@
 //! Metals beyond yield, crystals and fluids, as a user asks of them.
 
 use crate::{assert_close, document, fresh_place, number, onset_line};
+use std::time::{Duration, Instant};
 
 /// Steel in GPa with a slope of the flow stress.
 fn steel(modulus: f64) -> String {
@@ -58,6 +59,44 @@ fn a_map_of_rolled_sheet_is_made_like_any_other() {
     let answer = onset_line(&line);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(store.join("zarr.json").is_file(), "{}", answer.stdout);
+}
+
+/// Beyond yield the tangent of continued flow is not the derivative of the stress of states that are each reached along a path of their own.
+#[test]
+fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
+    let sheet = "--set material.model=hill-1948";
+    let answer = document(&format!("path --mode uniaxial --to 1.2 {sheet}"));
+    assert_close(number(&answer, "/loading/to"), 1.2, 1e-12);
+    assert!(
+        answer["loading"]["ends_early"].is_null(),
+        "{}",
+        answer["loading"]
+    );
+    let strain = |axis: usize| number(&answer, &format!("/to/{axis}/{axis}")).ln();
+    // Lankford's ratio, but for the elastic strain.
+    assert_close(strain(1) / strain(2), 1.8, 0.02);
+    let begin = Instant::now();
+    let card = document(&format!("card --mode uniaxial --range 0.8,1.25 {sheet}"));
+    assert!(card["symmetric_box"]["high"].as_f64() > Some(1.0));
+    assert!(begin.elapsed() < Duration::from_secs(90));
+}
+
+#[test]
+fn the_path_of_a_fluid_does_not_contradict_its_note() {
+    let fluid = "--set material.model=tait --set material.mu=0";
+    let answer = onset_line(&format!(
+        "path --mode hydrostatic --from 0.99 --to 0.9 {fluid} set method=updated-sph"
+    ));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(
+        answer.stdout.contains("strongly elliptic at no state")
+            && !answer.stdout.contains("llipticity is not lost"),
+        "{}",
+        answer.stdout
+    );
+    let free = onset_line(&format!("path --mode uniaxial --to 1.1 {fluid}"));
+    assert_eq!(free.code, Some(2), "{}", free.stdout);
+    assert!(free.stderr.contains("--lateral held"), "{}", free.stderr);
 }
 
 #[test]

@@ -444,3 +444,62 @@ fn a_range_without_any_method_asks_for_another() {
     let facts = ["from 0 to 1", "--range LOW,HIGH"];
     assert_line_refused("tune discretization.support --quiet", &facts);
 }
+
+#[test]
+fn words_that_are_almost_right_name_the_right_ones() {
+    for (line, meant) in [
+        ("path --mode uniaxal --to 2", "uniaxial"),
+        (
+            "path --mode uniaxial --lateral plane-stran --to 2",
+            "plane-strain",
+        ),
+        ("card block.inp --from abacus", "abaqus"),
+        ("list materails", "materials"),
+        ("state --stretch 1,1 --fail-on numeric", "numerical"),
+        (
+            "simulate --stretch 1,1 --integrator kick-drift",
+            "kick-drift-kick",
+        ),
+        (
+            "verify deck --code lammps-smd-tlsf --wave-vector 1,0 --out deck",
+            "lammps-smd-tlsph",
+        ),
+    ] {
+        assert_line_refused(line, &[&format!("did you mean `{meant}`?")]);
+    }
+}
+
+#[test]
+fn one_stretch_and_decimal_commas_are_told_what_to_write() {
+    for (line, fact) in [
+        (
+            "state --stretch 1.2",
+            "hint: --stretch 1.2,1 stretches along axis 1",
+        ),
+        (
+            "state --stretch 1.2 set lattice=face-centered-cubic",
+            "hint: --stretch 1.2,1,1 stretches along axis 1",
+        ),
+        (
+            "state --stretch 1,2,0,9",
+            "commas between them: --stretch 1.2,0.9",
+        ),
+        (
+            "state --deformation-gradient 1,1,0,2,0,0,0,9",
+            "--deformation-gradient 1.1,0.2,0.0,0.9",
+        ),
+        ("path --from 1 --to 1.2,1", "--from 1,1"),
+    ] {
+        assert_line_refused(line, &[fact]);
+    }
+    let other = onset_line("state --stretch 1.2,1,1,1");
+    assert!(!other.stderr.contains("hint"), "{}", other.stderr);
+}
+
+#[test]
+fn a_wrong_modulus_is_blamed_where_it_is_set() {
+    assert_line_refused(
+        "state --stretch 1,1 --set material.model=neo-hooke --set material.young=-2 --set material.poisson=0.3",
+        &["--set material.young=-2: material.young is -2"],
+    );
+}

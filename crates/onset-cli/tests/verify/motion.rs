@@ -628,3 +628,38 @@ fn damped_and_smoothed_waves_have_their_rates_in_discrete_time_with_every_integr
         }
     }
 }
+
+#[test]
+fn an_answer_says_material_and_units_in_numbers_of_six_digits() {
+    let line = "--stretch 1.1,1 --set material.model=neo-hooke --set material.mu=1MPa --set material.lambda=2MPa \
+                --set discretization.density=1000kg/m^3 --set discretization.spacing=1mm --set discretization.method=tlsph \
+                --set discretization.penalty=0.2 --cells 4 --turns 1,0";
+    let answer = simulate(line, &[]);
+    let told = &answer.stdout;
+    assert_eq!(answer.code, Some(0), "{told}{}", answer.stderr);
+    for fact in [
+        "material                neo-hooke",
+        "mu 1e6 Pa",
+        "discretization          total-lagrangian-sph",
+        "stretches (1.1, 1, 1)",
+        " rad/s",
+        " 1/m, branch 1",
+        " 1/s^2",
+        // A wave that travels does not grow, to rounding.
+        "growth rate 0 1/s",
+    ] {
+        assert!(told.contains(fact), "no `{fact}` in\n{told}");
+    }
+    for word in told.split([' ', '(', ')', ',', ';', '\n']) {
+        if word.parse::<f64>().is_err() {
+            continue;
+        }
+        let mantissa = word.split('e').next().unwrap_or_default();
+        let digits = mantissa
+            .trim_start_matches(['-', '+', '0', '.'])
+            .replace('.', "");
+        assert!(digits.len() <= 6, "{word} in\n{told}");
+        let size = word.parse::<f64>().unwrap_or_default().abs();
+        assert!(size == 0.0 || size > 1e-15, "{word} in\n{told}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Paths of deformation as asked for, straight ones and loadings with free faces, and what holds in states along them.
 
-use super::notes::notes_on_law;
+use super::notes::{is_fluid, notes_on_law};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::StateAnswer;
 use crate::criteria::EndAnswer;
@@ -8,7 +8,9 @@ use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::number::told;
 use crate::output::{Files, text};
 use crate::settings::Effective;
-use onset::criteria::{Lateral, Loading, LoadingPath, LoadingSection, Mode, Range, is_isotropic};
+use onset::criteria::{
+    Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, Range, is_isotropic,
+};
 use onset::kinematics::{DeformationGradient, DeformationPath, StraightPath};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
@@ -44,22 +46,27 @@ pub struct LoadingOfPath {
     pub from: f64,
     /// The imposed stretch at the end.
     pub to: f64,
+    /// The imposed stretch that was asked for as the end.
+    pub asked_to: f64,
     /// Why the path ends before the stretch that was asked for.
     pub ends_early: Option<String>,
 }
 
 impl fmt::Display for LoadingOfPath {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            formatter,
-            "Loading: {}, from stretch {} to {}",
-            self.title,
-            told(self.from),
-            told(self.to)
-        )?;
+        let (from, to) = (told(self.from), told(self.to));
         match &self.ends_early {
-            Some(why) => write!(formatter, ", where it ends: {why}."),
-            None => write!(formatter, "."),
+            Some(why) => write!(
+                formatter,
+                "Loading: {}, followed from stretch {from} to {to} only, not to {}: {why}.",
+                self.title,
+                told(self.asked_to)
+            ),
+            None => write!(
+                formatter,
+                "Loading: {}, from stretch {from} to {to}.",
+                self.title
+            ),
         }
     }
 }
@@ -112,8 +119,15 @@ impl Course {
         // The reference is where every branch begins.
         let range = Range::new(from.min(to).min(0.99), from.max(to).max(1.01))
             .map_err(|error| refused(error.to_string()))?;
-        let path = LoadingPath::new(material, is_isotropic(material), loading, &range)
-            .map_err(|error| refused(error.to_string()))?;
+        let path = LoadingPath::new(material, is_isotropic(material), loading, &range);
+        let path = path.map_err(|error| match (error, is_fluid(material)) {
+            (LoadingError::NoReference, true) => refused(
+                "a fluid has no such state: beside free faces it carries no stress, and its volume alone does not tell the lateral stretches\n  \
+                 hint: --lateral held, or --mode hydrostatic"
+                    .to_owned(),
+            ),
+            (error, _) => refused(error.to_string()),
+        })?;
         let (start, early) = reached(&path, from);
         if let Some(why) = early {
             return Err(refused(format!("the first stretch is not reached: {why}")));
@@ -126,6 +140,7 @@ impl Course {
             title: loading.title(),
             from: start,
             to: end,
+            asked_to: to,
             ends_early,
         };
         answer(&section, Some(told))

@@ -62,6 +62,7 @@ fn at_wave_vector(
     if components.len() != problem.dimension() {
         return Err(ProblemError::Numbers {
             what: "--wave-vector",
+            hint: String::new(),
             given: components.len(),
             expected: problem.dimension().to_string(),
         });

@@ -19,14 +19,20 @@ pub fn is_stressed(material: &dyn Hyperelastic) -> bool {
     stress_at_rest(material).is_some()
 }
 
-/// That a law is a fluid, where it is.
-fn fluid(material: &dyn Hyperelastic) -> Option<String> {
-    let response = material.response(&DeformationGradient::identity()).ok()?;
+/// Whether a law has no stiffness against shear at `F = 1`, but some against a change of volume.
+pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
+    let Ok(response) = material.response(&DeformationGradient::identity()) else {
+        return false;
+    };
     let stiffness = response.tangent.largest();
     let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
-    let is_fluid =
-        shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness);
-    (is_fluid && stiffness > 0.0).then(|| {
+    stiffness > 0.0
+        && shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness)
+}
+
+/// That a law is a fluid, where it is.
+fn fluid(material: &dyn Hyperelastic) -> Option<String> {
+    is_fluid(material).then(|| {
         "the law has no stiffness against shear at F = 1: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
          motions of the particles that keep all volumes cost nothing"
             .to_owned()

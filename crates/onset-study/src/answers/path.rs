@@ -2,7 +2,7 @@
 
 use super::course::{Course, LoadingOfPath};
 use super::mode::{critical_mode, finite_wave_vector};
-use super::notes::notes;
+use super::notes::{is_fluid, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
 use crate::number::{told, told_of, vector};
@@ -24,6 +24,9 @@ pub struct PathAnswer {
     /// Whether the smallest acoustic eigenvalue of the material is zero to rounding at an end.
     #[serde(skip)]
     pub is_marginal: bool,
+    /// Whether the law is a fluid, which is strongly elliptic nowhere.
+    #[serde(skip)]
+    pub is_fluid: bool,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// Every choice in effect.
@@ -205,6 +208,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     Ok(PathAnswer {
         dimension,
         is_marginal: is_marginal(from) || is_marginal(to),
+        is_fluid: is_fluid(&*problem.material),
         notes,
         settings: problem.settings.effective(),
         loading: None,
@@ -299,6 +303,12 @@ impl std::fmt::Display for PathAnswer {
         if let Some(loading) = &self.loading {
             writeln!(formatter, "{loading}\n")?;
         }
+        // Nothing is known of the part of a path that was not followed.
+        let early = self.loading.as_ref();
+        let way = match early.filter(|loading| loading.ends_early.is_some()) {
+            Some(loading) => format!("up to stretch {}, where the path ends", told(loading.to)),
+            None => "along the whole path".to_owned(),
+        };
         match &self.material_onset {
             Some(onset) => writeln!(
                 formatter,
@@ -306,14 +316,17 @@ impl std::fmt::Display for PathAnswer {
                 at(&onset.place, units),
                 vector(&onset.direction)
             )?,
+            None if self.is_fluid => writeln!(
+                formatter,
+                "The material is a fluid, which is strongly elliptic at no state: along the path it has no ellipticity to lose."
+            )?,
             None if self.is_marginal => writeln!(
                 formatter,
-                "Ellipticity is not lost along the path, but at an end the smallest acoustic eigenvalue of the material is zero to rounding, as that of a \
-                 fluid."
+                "Ellipticity is not lost {way}, but at an end the smallest acoustic eigenvalue of the material is zero to rounding."
             )?,
             None => writeln!(
                 formatter,
-                "The material stays strongly elliptic along the whole path{}.",
+                "The material stays strongly elliptic {way}{}.",
                 match self.dimension {
                     1 => ", for waves along the chain of particles",
                     2 => ", for in-plane perturbations",
@@ -339,10 +352,7 @@ impl std::fmt::Display for PathAnswer {
                 at(&onset.place, units),
                 units.of(vector(&onset.wave_vector), "1/m")
             )?,
-            None => writeln!(
-                formatter,
-                "The discretization is stable along the whole path."
-            )?,
+            None => writeln!(formatter, "The discretization is stable {way}.")?,
         }
         for (name, crossings) in [
             ("material", &self.material_crossings),

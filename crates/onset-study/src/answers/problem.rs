@@ -18,7 +18,7 @@ pub enum ProblemError {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The numbers of a deformation.
-    #[error("{what} has {}; expected {expected}", counted(*given, "number"))]
+    #[error("{what} has {}; expected {expected}{}", counted(*given, "number"), hint_lines(hint))]
     Numbers {
         /// Which argument.
         what: &'static str,
@@ -26,6 +26,8 @@ pub enum ProblemError {
         given: usize,
         /// How many are expected, in words.
         expected: String,
+        /// What may have been meant; empty where there is nothing to say.
+        hint: String,
     },
     /// A number that is none.
     #[error(
@@ -125,6 +127,42 @@ pub enum ProblemError {
     },
 }
 
+/// A hint as it follows a message.
+fn hint_lines(hint: &str) -> String {
+    match hint {
+        "" => String::new(),
+        hint => format!("\n  hint: {hint}"),
+    }
+}
+
+/// What may have been meant by a number of numbers that is not the expected one: commas in the place of decimal points, or a stretch along one axis
+/// alone.
+fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: bool) -> String {
+    let items: Vec<&str> = text.split(',').map(str::trim).collect();
+    let is_whole = |item: &&str| {
+        let digits = item.trim_start_matches('-');
+        !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    if items.len() % 2 == 0 && admitted(items.len() / 2) && items.iter().all(is_whole) {
+        let pairs: Vec<String> = items.chunks(2).map(|pair| pair.join(".")).collect();
+        return format!(
+            "numbers have a decimal point, and commas between them: {what} {}",
+            pairs.join(",")
+        );
+    }
+    match (is_stretch, &items[..]) {
+        (true, [only]) => {
+            let ones = |count: usize| ",1".repeat(count - 1);
+            let all = (2..=3).find(|count| admitted(*count)).unwrap_or(2);
+            format!(
+                "{what} {only}{} stretches along axis 1 and keeps the other lengths; with free faces it is `onset path --mode uniaxial --to {only}`",
+                ones(all)
+            )
+        }
+        _ => String::new(),
+    }
+}
+
 /// Notes as they follow a message.
 fn note_lines(notes: &[String]) -> String {
     notes
@@ -162,10 +200,12 @@ impl Strain {
         dimension: usize,
     ) -> Result<Self, ProblemError> {
         let numbers = numbers(what, text)?;
-        if !(dimension..=3).contains(&numbers.len()) {
+        let admitted = |count: usize| (dimension..=3).contains(&count);
+        if !admitted(numbers.len()) {
             return Err(ProblemError::Numbers {
                 what,
                 given: numbers.len(),
+                hint: meant(what, text, admitted, true),
                 expected: match dimension {
                     3 => "3 (one for each dimension of the lattice)".to_owned(),
                     _ => format!("{dimension} (one for each dimension of the lattice) to 3"),
@@ -196,10 +236,12 @@ impl Strain {
                     3 => "9 (F11,F12,F13,F21,...)".to_owned(),
                     other => format!("{} or 9", other * other),
                 };
+                let admitted = |count: usize| count == 9 || count == dimension * dimension;
                 return Err(ProblemError::Numbers {
                     what,
                     given,
                     expected,
+                    hint: meant(what, text, admitted, false),
                 });
             }
         };

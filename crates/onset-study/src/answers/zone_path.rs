@@ -211,6 +211,7 @@ impl<'a> SymmetryPoints<'a> {
             if stops.len() < 2 {
                 return Err(ProblemError::Numbers {
                     what: "--path",
+                    hint: String::new(),
                     given: stops.len(),
                     expected: "at least two points, for example G-M-K-G".to_owned(),
                 });
@@ -241,6 +242,7 @@ impl<'a> SymmetryPoints<'a> {
         if place.len() != dimension {
             return Err(ProblemError::Numbers {
                 what: "a point of --path",
+                hint: String::new(),
                 given: place.len(),
                 expected: dimension.to_string(),
             });

@@ -5,6 +5,7 @@ use super::difference::{derivative, steps};
 use super::reading::{Delivery, ratio, relative_to};
 use super::subject::{Sample, Subject, deformation};
 use super::{AuditError, TOLERANCE, TangentFinding, UNKNOWN, tolerance};
+use crate::number::{told, told_of};
 use nalgebra::{Matrix3, Matrix6, Rotation3};
 use onset::kinematics::DeformationGradient;
 use onset::material::FourthOrder;
@@ -274,8 +275,11 @@ fn moduli(reference: &Measured) -> Check {
     let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
     let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
     let values = format!(
-        "bulk modulus {bulk:.6}, shear modulus {shear:.6}, Young's modulus {young:.6}, Poisson's ratio {poisson:.6} \
-         (averages over directions)"
+        "bulk modulus {}, shear modulus {}, Young's modulus {}, Poisson's ratio {} (averages over directions)",
+        told(bulk),
+        told(shear),
+        told(young),
+        told_of(poisson, 1.0)
     );
     Check {
         name: "moduli",

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
+use crate::number::told;
 use crate::output::{Files, text};
 use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
@@ -183,9 +184,8 @@ impl BoxAnswer {
 
     fn end(&self, end: BoxEnd) -> String {
         let state = || {
-            let digits = |stretch: f64| format!("{stretch:.6}");
             let stretches = self.critical_stretches.unwrap_or([f64::NAN; 3]);
-            stretches.map(digits).join(", ")
+            stretches.map(told).join(", ")
         };
         match (end, &self.witness) {
             (BoxEnd::Range, _) => "end of the range that was looked at".to_owned(),
@@ -223,12 +223,12 @@ impl Limits {
     /// A limit in words.
     pub(super) fn cell(limit: Option<f64>, end: &EndAnswer) -> String {
         match (limit, &end.reason) {
-            (Some(limit), _) => format!("{limit:.6}"),
+            (Some(limit), _) => told(limit),
             (None, None) => format!("none {} {}", toward(end.stretch), end.stretch),
             (None, Some(_)) => format!(
-                "none {} {:.6}, where the path ends",
+                "none {} {}, where the path ends",
                 toward(end.stretch),
-                end.stretch
+                told(end.stretch)
             ),
         }
     }
@@ -264,9 +264,9 @@ impl CriterionLimits {
             Some(_) if !self.holds_in_reference => ["in the reference".to_owned(), none(), none()],
             Some(limit) if limit.stretch == 1.0 => ["at once".to_owned(), none(), none()],
             Some(limit) => [
-                format!("{:.6}", limit.stretch),
-                format!("{:.6}", limit.nominal_strain),
-                format!("{:.5e}", limit.nominal_stress),
+                told(limit.stretch),
+                told(limit.nominal_strain),
+                told(limit.nominal_stress),
             ],
         }
     }
@@ -372,8 +372,9 @@ impl Display for CardAnswer {
         for (name, found) in self.boxes() {
             writeln!(
                 formatter,
-                "{name:<30} {:.8} to {:.8}",
-                found.low, found.high
+                "{name:<30} {} to {}",
+                told(found.low),
+                told(found.high)
             )?;
             writeln!(formatter, "{:<30} {}", "", found.ends())?;
         }

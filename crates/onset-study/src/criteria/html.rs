@@ -4,6 +4,7 @@ use super::card::{CardAnswer, Limits};
 use super::kink;
 use super::sentence::{heading, witness};
 use crate::html::{embedded, escaped};
+use crate::number::told;
 use onset::criteria::Criterion;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
@@ -73,8 +74,8 @@ impl CardAnswer {
         for (name, found) in self.boxes() {
             page.push_str(&row(&[
                 escaped(name),
-                format!("{:.6}", found.low),
-                format!("{:.6}", found.high),
+                told(found.low),
+                told(found.high),
                 escaped(&found.ends()),
             ]));
         }

@@ -9,6 +9,7 @@ pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
 use crate::answers::{is_stressed, notes_on_law};
+use crate::number;
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
     Change, Criterion, Event, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
@@ -16,7 +17,7 @@ use onset::criteria::{
 };
 use onset::material::{Hyperelastic, MaterialError};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
@@ -72,8 +73,12 @@ fn told(notes: &[String]) -> String {
 pub struct LawAnswer {
     /// Its name.
     pub model: String,
-    /// Its parameters, and what else it is made of.
-    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// What it is called where its energy is a table's, too long to be told in a title.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Its parameters, and what else it is made of, in the order of its documentation.
+    #[serde(serialize_with = "as_map")]
+    pub parameters: Vec<(String, serde_json::Value)>,
     /// The units of those that have one.
     pub units: BTreeMap<String, &'static str>,
     /// Whether it is isotropic, found out by turning the reference.
@@ -248,6 +253,7 @@ impl Question {
         Ok(Self {
             law: LawAnswer {
                 model: settings.model.name().to_owned(),
+                name: None,
                 parameters: parameters
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
@@ -261,6 +267,12 @@ impl Question {
             range,
             loadings: Loading::ALL.into_iter().filter(asked).collect(),
         })
+    }
+
+    /// With a name of its own for the law.
+    pub fn with_name(mut self, name: Option<String>) -> Self {
+        self.law.name = name;
+        self
     }
 
     /// With more that a reader must know of the law.
@@ -346,7 +358,10 @@ impl Question {
         match (knowledge, refuted) {
             (Knowledge::Unknown, Some((title, stretch))) => PolyconvexityAnswer {
                 knowledge: Knowledge::NotPolyconvex,
-                reason: format!("it is not rank-one convex: {title}, stretch {stretch:.6}"),
+                reason: format!(
+                    "it is not rank-one convex: {title}, stretch {}",
+                    number::told(stretch)
+                ),
                 source: "computed".to_owned(),
             },
             _ if is_of_volume => PolyconvexityAnswer {
@@ -476,6 +491,14 @@ fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
     (is_isotropic(material) && !is_stressed(material)).then_some([shear, bulk])
 }
 
+/// Pairs as a map in their order.
+fn as_map<S: Serializer>(
+    pairs: &[(String, serde_json::Value)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
+}
+
 /// A setting as it is written in JSON.
 fn document(value: Value) -> serde_json::Value {
     match value {
@@ -506,8 +529,8 @@ fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
 /// A kink in words.
 fn kink(kink: &KinkAnswer) -> String {
     format!(
-        "kink at stretch {:.6}: the tangent jumps by {:.2} %; a limit there is that of one side",
-        kink.stretch,
+        "kink at stretch {}: the tangent jumps by {:.2} %; a limit there is that of one side",
+        number::told(kink.stretch),
         100.0 * kink.jump
     )
 }

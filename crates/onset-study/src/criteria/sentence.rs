@@ -16,15 +16,18 @@ impl Display for CriteriaAnswer {
         writeln!(formatter, "{}", polyconvexity(&self.polyconvexity))?;
         for loading in &self.loadings {
             writeln!(formatter, "\n{}", loading.title)?;
+            let names = loading.criteria.iter();
+            let names = names.map(|answer| answer.criterion.name().len());
+            let width = names.max().unwrap_or(0);
             writeln!(
                 formatter,
-                "  {:<22} {:>16} {:>16}   at the loss",
+                "  {:<width$} {:>16} {:>16}   at the loss",
                 "", "compression", "tension"
             )?;
             for answer in &loading.criteria {
                 writeln!(
                     formatter,
-                    "  {:<22} {:>16} {:>16}   {}",
+                    "  {:<width$} {:>16} {:>16}   {}",
                     answer.criterion.name(),
                     cell(answer, &answer.compression),
                     cell(answer, &answer.tension),
@@ -41,8 +44,8 @@ impl Display for CriteriaAnswer {
                 if let Some(reason) = &end.reason {
                     writeln!(
                         formatter,
-                        "  {name} ends at stretch {:.9}: {reason}",
-                        end.stretch
+                        "  {name} ends at stretch {}: {reason}",
+                        number::told(end.stretch)
                     )?;
                 }
             }
@@ -50,8 +53,11 @@ impl Display for CriteriaAnswer {
                 let f = &other.deformation_gradient;
                 writeln!(
                     formatter,
-                    "  not the only state: at stretch {:.6} the faces are also free of traction with F = diag({:.6}, {:.6}, {:.6})",
-                    other.stretch, f[0][0], f[1][1], f[2][2]
+                    "  not the only state: at stretch {} the faces are also free of traction with F = diag({}, {}, {})",
+                    number::told(other.stretch),
+                    number::told(f[0][0]),
+                    number::told(f[1][1]),
+                    number::told(f[2][2])
                 )?;
             }
         }
@@ -76,9 +82,12 @@ impl Display for CriteriaAnswer {
 
 /// The law in a line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
+    // What has a name of its own does not tell its energy too.
+    let told = |(name, _): &&(String, serde_json::Value)| law.name.is_none() || name != "energy";
     let parameters: Vec<String> = law
         .parameters
         .iter()
+        .filter(told)
         .map(|(name, value)| match value.as_f64() {
             Some(value) => match law.units.get(name) {
                 Some(unit) => format!("{name} = {} {unit}", number::told(value)),
@@ -94,7 +103,8 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
         (true, false) => "isotropic",
         (false, _) => "not isotropic",
     };
-    format!("{} ({}), {symmetry}", law.model, parameters.join(", "))
+    let name = law.name.as_ref().unwrap_or(&law.model);
+    format!("{name} ({}), {symmetry}", parameters.join(", "))
 }
 
 /// The heading with the notes on a law.
@@ -135,7 +145,7 @@ fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
                 .changes
                 .iter()
                 .any(|change| change.change == Change::Regained);
-            format!("{limit:.10}{}", if again { "*" } else { "" })
+            format!("{}{}", number::told(limit), if again { "*" } else { "" })
         }
     }
 }
@@ -152,7 +162,8 @@ fn witnesses(answer: &CriterionAnswer) -> String {
     ] {
         for change in &side.changes {
             if change.change == Change::Regained {
-                text.push_str(&format!("; *again in {name} at {:.10}", change.stretch));
+                let stretch = number::told(change.stretch);
+                text.push_str(&format!("; *again in {name} at {stretch}"));
             }
         }
     }
@@ -307,20 +318,24 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
         if tension { "tension" } else { "compression" }
     );
     let until = |limit: Option<f64>| {
-        limit.map_or("throughout".to_owned(), |limit| format!("to {limit:.6}"))
+        limit.map_or("throughout".to_owned(), |limit| {
+            format!("to {}", number::told(limit))
+        })
     };
     match own {
         Some(1.0) if criterion == Criterion::Hill => None,
         Some(own) if near < far * (1.0 - SAME) => Some(Comparison::Sooner(format!(
-            "{what} from {own:.6} (waves {})",
+            "{what} from {} (waves {})",
+            number::told(own),
             until(waves)
         ))),
         _ => {
             let waves = waves.filter(|_| near > far * (1.0 + SAME))?;
             Some(Comparison::Later(format!(
-                "{what} from {waves:.6} ({})",
+                "{what} from {} ({})",
+                number::told(waves),
                 match own {
-                    Some(own) => format!("lost at {own:.6}"),
+                    Some(own) => format!("lost at {}", number::told(own)),
                     None => "never lost".to_owned(),
                 }
             )))

@@ -376,8 +376,9 @@ impl std::fmt::Display for LocalizationAnswer {
             )?;
             writeln!(
                 formatter,
-                "  normal to axis of       largest stress {:.6} degrees, smallest stress {:.6} degrees",
-                point.band.angle_to_major, point.band.angle_to_minor
+                "  normal to axis of       largest stress {} degrees, smallest stress {} degrees",
+                number(point.band.angle_to_major),
+                number(point.band.angle_to_minor)
             )
         };
         point("first yield", &self.first_yield)?;

@@ -72,6 +72,7 @@ impl Parameter {
     }
 }
 
+const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
 
@@ -325,10 +326,10 @@ pub const PARAMETERS: &[Parameter] = &[
         "bands of any orientation, or necks across a thin sheet normal to axis 3",
     ),
     parameter(
-        "plasticity.confinement",
+        CONFINEMENT,
         Kind::Number("stress"),
         "0",
-        "initial pressure, kept by constant lateral stresses",
+        "initial pressure, kept by constant lateral stresses; with cam-clay half of plasticity.preconsolidation unless it is set",
     ),
     parameter(
         "plasticity.slip",
@@ -384,6 +385,7 @@ impl PlasticSettings {
             };
             settings.set(name.trim(), text.trim(), origin)?;
         }
+        settings.confine();
         settings.check()?;
         Ok(settings)
     }
@@ -411,6 +413,20 @@ impl PlasticSettings {
         self.origins[place] = Some(origin);
         self.with_units[place] = has_unit;
         Ok(())
+    }
+
+    /// Cam-clay has no strength without pressure: where none is set, it is confined by half of its preconsolidation, in the middle of its yield surface.
+    fn confine(&mut self) {
+        let place = |name: &str| PARAMETERS.iter().position(|known| known.name == name);
+        let places = (place(CONFINEMENT), place("plasticity.preconsolidation"));
+        let (Some(own), Some(of)) = places else {
+            return;
+        };
+        if self.is(MODEL, "cam-clay") && self.origins[own].is_none() {
+            let pressure = self.values[of].number().unwrap_or_default();
+            self.values[own] = Value::Number(0.5 * pressure);
+            self.with_units[own] = self.with_units[of];
+        }
     }
 
     /// Refuses parameters that were set and have no effect.
@@ -613,7 +629,7 @@ impl PlasticSettings {
             load: self.word::<Load>("plasticity.load"),
             strains: self.word::<Strains>("plasticity.strains"),
             bands: self.word::<Bands>("plasticity.bands"),
-            confinement: self.number("plasticity.confinement"),
+            confinement: self.number(CONFINEMENT),
             strain_ratio: self.number("plasticity.strain-ratio"),
             slip: self.number("plasticity.slip"),
         }
@@ -671,6 +687,20 @@ mod tests {
         );
         assert!(error("plasticity.strength=-1").contains("expected a positive number (stress)"));
         assert!(error("plasticity.strength").contains("not an assignment"));
+    }
+
+    #[test]
+    fn cam_clay_is_confined_within_its_yield_surface_unless_a_pressure_is_set() {
+        let confinement = |more: &[&str]| {
+            let all = [&["plasticity.model=cam-clay"], more].concat();
+            let settings = PlasticSettings::from_assignments(&all).expect("valid");
+            settings.loading().confinement
+        };
+        assert_eq!(confinement(&[]), 50.0);
+        assert_eq!(confinement(&["plasticity.preconsolidation=80"]), 40.0);
+        assert_eq!(confinement(&["plasticity.confinement=10"]), 10.0);
+        let other = PlasticSettings::from_assignments(&["plasticity.model=cap"]);
+        assert_eq!(other.expect("valid").loading().confinement, 0.0);
     }
 
     #[test]

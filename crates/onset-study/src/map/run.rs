@@ -39,6 +39,9 @@ pub enum MapError {
     /// The store.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// Who watches has no time left for a tile that has begun.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 impl MapError {
@@ -58,6 +61,11 @@ pub trait Watch: Sync {
 
     /// Whether no further tile is to be begun.
     fn is_interrupted(&self) -> bool;
+
+    /// Whether tiles that have begun are to be given up.
+    fn is_out_of_time(&self) -> bool {
+        false
+    }
 }
 
 /// Below this many tiles for each core, states are shared out instead of tiles.
@@ -119,7 +127,10 @@ impl Plan {
             if store.is_done(tile)? {
                 return self.checked(store, tile, watch).map(Some);
             }
-            let outcomes = self.outcomes(&self.tiling.at(tile), work)?;
+            let outcomes = match self.outcomes(&self.tiling.at(tile), work) {
+                Err(MapError::Interrupted) => return Ok(None),
+                outcomes => outcomes?,
+            };
             store.write(tile, self.columns(&outcomes))?;
             Ok(Some(Tally::computed(&outcomes)))
         })?;

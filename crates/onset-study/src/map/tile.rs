@@ -13,6 +13,8 @@ use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use rayon::prelude::*;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// States that are computed together: enough that what is shared among them costs little, and few enough to be shared out
 /// among cores.
@@ -79,12 +81,22 @@ impl Plan {
     /// What is known about every state of a tile, last dimension running fastest.
     pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Vec<Outcome>, MapError> {
         let states = States::new(self, tile);
+        let pace = Pace::default();
         let some = |part: &[usize]| {
-            let records = states.records(part);
-            if !self.study.map.adaptive {
-                work.watch.advance(part.len() as u64);
+            let mut records = Vec::with_capacity(part.len());
+            while let Some(rest) = part.get(records.len()..).filter(|rest| !rest.is_empty()) {
+                if work.watch.is_out_of_time() {
+                    return Err(MapError::Interrupted);
+                }
+                let begun = Instant::now();
+                let now = &rest[..pace.states().min(rest.len())];
+                records.extend(states.records(now)?);
+                pace.took(now.len(), begun.elapsed());
+                if !self.study.map.adaptive {
+                    work.watch.advance(now.len() as u64);
+                }
             }
-            records
+            Ok(records)
         };
         let evaluate = |batch: &[usize]| -> Result<Vec<Record>, MapError> {
             let parts: Result<Vec<Vec<Record>>, MapError> = if work.by_state {
@@ -109,6 +121,34 @@ impl Plan {
     /// The columns of a tile in the order of the layout.
     pub(super) fn columns(&self, outcomes: &[Outcome]) -> Vec<Column> {
         self.table.columns(outcomes, self.layout.components)
+    }
+}
+
+/// How many states are computed between two looks at whether the tile is given up: one at first, then as many as are soon done. What is found does
+/// not depend on it.
+struct Pace(AtomicUsize);
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self(AtomicUsize::new(1))
+    }
+}
+
+impl Pace {
+    /// States that take less are followed by more at once, states that take longer by fewer.
+    const SOON: Duration = Duration::from_millis(50);
+    const LONG: Duration = Duration::from_millis(250);
+
+    fn states(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    fn took(&self, states: usize, time: Duration) {
+        if time < Self::SOON {
+            self.0.fetch_max((4 * states).min(PART), Ordering::Relaxed);
+        } else if time > Self::LONG {
+            self.0.store((states / 4).max(1), Ordering::Relaxed);
+        }
     }
 }
 

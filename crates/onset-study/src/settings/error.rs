@@ -108,6 +108,19 @@ impl SettingError {
     }
 }
 
+/// The end of a sentence that lists names: which of them may have been meant, where one is similar to what was typed.
+///
+/// ```
+/// use onset_study::settings::did_you_mean;
+/// assert_eq!(did_you_mean("uniaxal", ["uniaxial", "planar"]), "; did you mean `uniaxial`?");
+/// assert_eq!(did_you_mean("torsion", ["uniaxial", "planar"]), "");
+/// ```
+pub fn did_you_mean<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let typed = typed.trim().to_ascii_lowercase();
+    nearest(&typed, names.into_iter())
+        .map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+}
+
 /// The most similar of some names, if any is similar.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known

@@ -173,9 +173,14 @@ impl MaterialSettings {
             .filter_map(|name| name.strip_prefix("material."))
             .any(moduli::is_modulus);
         if let (Err(told), false) = (self.derived(), is_open) {
-            let mut set = self.set.iter();
-            let first = set.find(|(name, _)| self.reads_modulus(name));
-            let origin = first.map_or(Origin::Combination, |(_, (_, origin))| origin.clone());
+            let set = self.set.iter();
+            let moduli: Vec<_> = set.filter(|(name, _)| self.reads_modulus(name)).collect();
+            // The one that the message begins with, where it blames one.
+            let blamed = moduli
+                .iter()
+                .find(|(name, _)| told.starts_with(&format!("material.{name} is ")));
+            let blamed = blamed.or(moduli.first());
+            let origin = blamed.map_or(Origin::Combination, |(_, (_, origin))| origin.clone());
             return Err(SettingError::new(origin, told).hint(
                 "give two of young, poisson, bulk and shear, or the law's own parameters (`onset list materials`)",
             ));

@@ -30,7 +30,7 @@ pub(crate) use aliases::all as aliases;
 pub use axis::{Axis, Quantity};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use effective::{Choice, Effective};
-pub use error::{Origin, SettingError};
+pub use error::{Origin, SettingError, did_you_mean};
 pub use foreign::{Program, Reading, law_from};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};

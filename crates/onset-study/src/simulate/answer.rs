@@ -3,8 +3,9 @@
 use super::checkpoint::Progress;
 use super::plan::Plan;
 use super::{Question, Seeded};
-use crate::answers::Problem;
-use crate::number::{counted, exact, told, vector};
+use crate::answers::{Problem, notes};
+use crate::number::{counted, told, told_of, vector};
+use crate::settings::{Effective, Units};
 use crate::verify::{Rate, compared, fitted};
 use nalgebra::{Matrix3, Vector3};
 use onset::motion::PatchMotion;
@@ -76,6 +77,10 @@ pub struct SimulateAnswer {
     pub energy_drift: f64,
     /// The largest displacement of a particle from the homogeneous state in the history; length.
     pub largest_displacement: f64,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
     /// Files that were written.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
@@ -147,6 +152,8 @@ impl SimulateAnswer {
             tolerance: plan.tolerance,
             energy_drift: if size > 0.0 { changed / size } else { 0.0 },
             largest_displacement: displacement,
+            notes: notes(&problem.settings, &*problem.material),
+            settings: problem.settings.effective(),
             files: Vec::new(),
         }
     }
@@ -287,22 +294,56 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
     (outcome, reason, Some(measured))
 }
 
+/// A rate in words; growth below a share of the rate is rounding, or not told apart from none.
+fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
+    let size = rate.growth.hypot(rate.frequency);
+    let growth = || {
+        let growth = match rate.growth.abs() <= share * size {
+            true => 0.0,
+            false => rate.growth,
+        };
+        units.of(told_of(growth, size), "1/s")
+    };
+    match rate.is_growth() {
+        _ if *rate == Rate::default() => "zero".to_owned(),
+        true => format!("growth rate {}", growth()),
+        false => format!(
+            "frequency {}, growth rate {}",
+            units.of(told(rate.frequency), "rad/s"),
+            growth()
+        ),
+    }
+}
+
+/// A relative error by its size; what only rounding makes is zero.
+fn size(error: f64) -> String {
+    match error <= 4.0 * f64::EPSILON {
+        true => "0".to_owned(),
+        false => format!("{error:.1e}"),
+    }
+}
+
+/// A deformation gradient: its stretches, or its rows.
+fn state(f: &[[f64; 3]; 3]) -> String {
+    let is_diagonal = (0..3).all(|i| (0..3).all(|j| i == j || f[i][j] == 0.0));
+    match is_diagonal {
+        true => format!("stretches {}", vector(&[f[0][0], f[1][1], f[2][2]])),
+        false => format!("F = [{}]", f.map(|row| vector(&row)).join(", ")),
+    }
+}
+
 impl fmt::Display for SimulateAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rate = |rate: &Rate| match rate.is_growth() {
-            _ if *rate == Rate::default() => "zero".to_owned(),
-            true => format!("growth rate {:.9}", rate.growth),
-            false => format!(
-                "frequency {:.9}, growth rate {:+.3e}",
-                rate.frequency,
-                // Zero has no sign.
-                rate.growth + 0.0
-            ),
-        };
+        let units = self.settings.units();
         writeln!(formatter, "outcome      {}", self.outcome.name())?;
         if !self.reason.is_empty() {
             writeln!(formatter, "             {}", self.reason)?;
         }
+        writeln!(
+            formatter,
+            "state        {}",
+            state(&self.deformation_gradient)
+        )?;
         let cells: Vec<String> = self.cells.iter().map(usize::to_string).collect();
         writeln!(
             formatter,
@@ -311,54 +352,76 @@ impl fmt::Display for SimulateAnswer {
             counted(self.particles, "particle"),
             self.mode
         )?;
+        let [real, imaginary] = match self.has_zero_energy {
+            true => [0.0; 2],
+            false => self.omega_squared,
+        };
+        let imaginary = match told_of(imaginary, real) {
+            zero if zero == "0" => String::new(),
+            _ => format!(
+                " {} {} i",
+                if imaginary < 0.0 { "-" } else { "+" },
+                told(imaginary.abs())
+            ),
+        };
         writeln!(
             formatter,
-            "wave         k = {}, branch {}, omega^2 = {}{}",
-            vector(&self.wave_vector),
+            "wave         k = {}, branch {}, omega^2 = {}",
+            units.of(vector(&self.wave_vector), "1/m"),
             self.branch,
-            told(self.omega_squared[0]),
-            match self.omega_squared[1] {
-                0.0 => String::new(),
-                own => format!(
-                    " {}{} i",
-                    if own < 0.0 { "- " } else { "+ " },
-                    told(own.abs())
-                ),
-            }
+            units.of(format!("{}{imaginary}", told(real)), "1/s^2")
         )?;
         writeln!(
             formatter,
             "run          {} of {} steps of {} ({} of the largest stable one), {}",
             self.steps_taken,
             self.steps,
-            exact(self.time_step),
+            units.of(told(self.time_step), "s"),
             told(self.time_step / self.critical_time_step),
             self.integrator
         )?;
-        writeln!(formatter, "linearized   {}", rate(&self.continuous))?;
+        writeln!(
+            formatter,
+            "linearized   {}",
+            rate_in_words(&self.continuous, 0.0, units)
+        )?;
         writeln!(
             formatter,
             "predicted    {}, in discrete time",
-            rate(&self.predicted)
+            rate_in_words(&self.predicted, 0.0, units)
         )?;
         if let Some(measured) = &self.measured {
-            writeln!(formatter, "measured     {}", rate(&measured.rate))?;
+            let is_standing = self.has_zero_energy && measured.difference <= measured.uncertainty;
             writeln!(
                 formatter,
-                "difference   {:.1e} of the {}, uncertain by {:.1e}; tolerance {:.1e}",
-                measured.difference,
+                "measured     {}",
+                match (is_standing, self.has_zero_energy) {
+                    (true, _) => "zero".to_owned(),
+                    (_, true) => rate_in_words(&measured.rate, 0.0, units),
+                    (_, false) => rate_in_words(&measured.rate, measured.uncertainty, units),
+                }
+            )?;
+            writeln!(
+                formatter,
+                "difference   {} of the {}, uncertain by {}; tolerance {}",
+                size(measured.difference),
                 match self.has_zero_energy {
                     true => "largest frequency",
                     false => "rate",
                 },
-                measured.uncertainty,
-                self.tolerance
+                size(measured.uncertainty),
+                size(self.tolerance)
             )?;
         }
-        write!(
+        writeln!(
             formatter,
-            "energy       changes by {:.1e} of itself; largest displacement {:.3e}",
-            self.energy_drift, self.largest_displacement
-        )
+            "energy       changes by {} of itself; largest displacement {}",
+            size(self.energy_drift),
+            units.of(told(self.largest_displacement), "m")
+        )?;
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
     }
 }

@@ -107,6 +107,7 @@ impl Case {
         if question.wave_vector.len() != dimension {
             return Err(VerifyError::Problem(ProblemError::Numbers {
                 what: "--wave-vector",
+                hint: String::new(),
                 given: question.wave_vector.len(),
                 expected: dimension.to_string(),
             }));

@@ -2,7 +2,7 @@
 
 use super::fit::FitError;
 use crate::answers::ProblemError;
-use crate::settings::SettingError;
+use crate::settings::{SettingError, did_you_mean};
 use onset::kinematics::KinematicsError;
 use onset::method::MethodError;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub enum VerifyError {
         hint: String,
     },
     /// A code that nobody knows.
-    #[error("no code is called `{name}`\n  hint: available are {}", known.join(", "))]
+    #[error("no code is called `{name}`\n  hint: available are {}{}", known.join(", "), did_you_mean(name, known.iter().copied()))]
     Unknown {
         /// What was typed.
         name: String,

@@ -72,6 +72,8 @@ const SHRINKS: usize = 16;
 const LOWEST: usize = 8;
 /// Descents from a grid, at most.
 const STARTS: usize = 24;
+/// Descents stop at a state that is the lowest of all beside it and above zero by so many times the most that these are above it.
+const FLAT: f64 = 8.0;
 /// Descents within a box stop at this step, in units of the box.
 const SMALLEST_STEP: f64 = 1e-7;
 /// Skews that are tried for the widest box, before the best is refined in so many steps.
@@ -311,16 +313,20 @@ impl<'a> Field<'a> {
                 return None;
             }
             let mut lower = None;
+            let mut rise: f64 = 0.0;
             for direction in 0..27 {
                 let trial = [1, 3, 9].map(|digit| f64::from(direction / digit % 3 - 1) * step);
                 let trial = [0, 1, 2].map(|axis| (place[axis] + trial[axis]).clamp(0.0, 1.0));
                 let found = self.value(shape.inside(trial, size));
+                rise = rise.max(found - value);
                 if found < lower.map_or(value, |(value, _)| value) {
                     lower = Some((found, trial));
                 }
             }
             match lower {
                 Some(found) => (value, place) = found,
+                // A smooth measure falls between states by less than it rises around them.
+                None if value > FLAT * rise => return None,
                 None => step *= 0.5,
             }
         }

@@ -682,13 +682,21 @@ fn solve(
     let (imposed, imposed_rate) = loading.imposed(s);
     let mut lateral = guess;
     let mut last = f64::INFINITY;
+    // Derivatives that took differences are kept as long as they lead on.
+    let mut known = None;
     for _ in 0..ITERATIONS {
         let mut f = imposed;
         for (n, axis) in free.iter().enumerate() {
             f[(*axis, *axis)] = lateral[n].exp();
         }
         let response = respond(material, &f)?;
-        let linear = Linear::of(&response, free, &imposed_rate);
+        let tangent = Linear::of(&response, free, &imposed_rate);
+        let linear = match (material.is_path_dependent(), known) {
+            (false, _) => tangent,
+            (true, Some(matrix)) => Linear { matrix, ..tangent },
+            (true, None) => tangent.differenced(material, loading, s, &lateral),
+        };
+        known = Some(linear.matrix);
         let Some(correction) = linear.solve(&-linear.traction) else {
             return Err(Missing::Equilibrium);
         };
@@ -696,10 +704,17 @@ fn solve(
         // The corrections of a converged iteration are rounding, and so are its tractions; they stop to shrink.
         let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
         if size <= 4.0 * f64::EPSILON || settled {
-            let slope = linear.solve(&-linear.imposed).ok_or(Missing::Equilibrium)?;
+            let imposed = match material.is_path_dependent() {
+                true => linear.imposed_difference(material, loading, s, &lateral),
+                false => linear.imposed,
+            };
+            let slope = linear.solve(&-imposed).ok_or(Missing::Equilibrium)?;
+            // Criteria ask of loading that goes on from this state, which is what the tangent is of.
+            let on = tangent.solve(&-tangent.imposed);
+            let on = on.ok_or(Missing::Equilibrium)?;
             let mut rate = imposed_rate;
             for (n, axis) in free.iter().enumerate() {
-                rate[(*axis, *axis)] = slope[n] * f[(*axis, *axis)];
+                rate[(*axis, *axis)] = on[n] * f[(*axis, *axis)];
             }
             return Ok(PathState {
                 parameter: s,
@@ -708,6 +723,9 @@ fn solve(
                 lateral,
                 slope,
             });
+        }
+        if size > LEADS_ON * last {
+            known = None;
         }
         last = size;
         lateral += correction * (0.5 / size).min(1.0);
@@ -742,7 +760,27 @@ fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Mi
     material.response(&f).map_err(Missing::Law)
 }
 
+/// The tractions `tau_kk` on free faces.
+fn traction(
+    material: &dyn Hyperelastic,
+    loading: Loading,
+    s: f64,
+    lateral: &Vector2<f64>,
+) -> Option<Vector2<f64>> {
+    let mut f = loading.imposed(s).0;
+    for (n, axis) in loading.free().iter().enumerate() {
+        f[(*axis, *axis)] = lateral[n].exp();
+    }
+    let stress = respond(material, &f).ok()?.first_piola;
+    let mut traction = Vector2::zeros();
+    for (n, axis) in loading.free().iter().enumerate() {
+        traction[n] = stress[(*axis, *axis)] * f[(*axis, *axis)];
+    }
+    Some(traction)
+}
+
 /// The tractions on free faces to first order in the logarithms of the free stretches.
+#[derive(Clone, Copy)]
 struct Linear {
     count: usize,
     /// `tau_kk`.
@@ -755,6 +793,11 @@ struct Linear {
     magnitude: f64,
 }
 
+/// Derivatives of an earlier iteration lead on while each correction is smaller than this part of the one before.
+const LEADS_ON: f64 = 0.1;
+/// The step of differences by logarithms of stretches: beside it rounding of the stress, and over it the bend of a flow stress, are less than 1e-3
+/// of the difference, which Newton's method and the guess of the next state bear.
+const DIFFERENCE: f64 = 1e-6;
 /// Tractions smaller than this, in units of the numbers that they are differences of, are rounding.
 const BALANCED: f64 = 1e-12;
 
@@ -784,6 +827,42 @@ impl Linear {
         }
         linear.magnitude = largest + response.first_piola.amax() * f[0][0].max(f[1][1]);
         linear
+    }
+
+    /// The same with derivatives by the free stretches from differences, of a law whose tangent is not the derivative of its stress; where a neighbor
+    /// has no state, as at the end of the law, the tangent stands in for it.
+    fn differenced(
+        mut self,
+        material: &dyn Hyperelastic,
+        loading: Loading,
+        s: f64,
+        lateral: &Vector2<f64>,
+    ) -> Self {
+        for m in 0..self.count {
+            let mut beside = *lateral;
+            beside[m] += DIFFERENCE;
+            if let Some(there) = traction(material, loading, s, &beside) {
+                let column = (there - self.traction) / DIFFERENCE;
+                (0..self.count).for_each(|k| self.matrix[k][m] = column[k]);
+            }
+        }
+        self
+    }
+
+    /// The derivative by `s` likewise, from the side of the reference, where the law has a state.
+    fn imposed_difference(
+        &self,
+        material: &dyn Hyperelastic,
+        loading: Loading,
+        s: f64,
+        lateral: &Vector2<f64>,
+    ) -> Vector2<f64> {
+        let step = if s > 0.0 { -DIFFERENCE } else { DIFFERENCE };
+        let there = match self.count {
+            0 => None,
+            _ => traction(material, loading, s + step, lateral),
+        };
+        there.map_or(self.imposed, |there| (there - self.traction) / step)
     }
 
     /// Whether the tractions vanish to rounding.

@@ -224,6 +224,12 @@ pub trait Hyperelastic: Send + Sync {
         })
     }
 
+    /// Whether every state is reached along a path of its own, so that the tangent, that of loading which goes on from a state, is not the derivative
+    /// of the stress by the state: metals that flow.
+    fn is_path_dependent(&self) -> bool {
+        false
+    }
+
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.
     ///
     /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.

@@ -301,6 +301,30 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
     }))
 }
 
+/// Whether a symmetric tensor has its principal axes along the fixed ones, to the last digit.
+fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
+    [(0, 1), (0, 2), (1, 2)]
+        .into_iter()
+        .all(|at| tensor[at] == 0.0)
+}
+
+/// Why a metal cannot be brought to a state.
+fn no_path(stop: Stop<()>) -> MaterialError {
+    MaterialError::OutsideDomain {
+        what: "the path to the state",
+        value: 1.0,
+        expected: match stop {
+            Stop::Rates(()) => {
+                "on it the metal must flow on with a positive flow stress".to_owned()
+            }
+            Stop::TooManySteps => {
+                "it has too short steps; a smaller strain or less softening may have none"
+                    .to_owned()
+            }
+        },
+    }
+}
+
 impl Hill {
     /// A lower bound of `|N|^2` over all stresses: `N = A M/phi` with `phi^2 = M : A M`, so that `|N|^2` is at least the smallest eigenvalue of `A`
     /// on deviators.
@@ -350,8 +374,12 @@ impl Metal {
             let inverse = Spectral::of(&(normal * -slip)).map(|flow| flow.map(f64::exp));
             return Ok(inverse.map(|inverse| (inverse, slip)));
         }
-        self.integrated(logarithm, self.flow_stress.first / trial)
-            .map(Some)
+        let first = self.flow_stress.first / trial;
+        let end = match is_diagonal(&strain) {
+            true => self.coaxial(&strain.diagonal(), first)?,
+            false => self.integrated(logarithm, first)?,
+        };
+        Ok(Some(end))
     }
 
     /// `e` with `trial - 3 mu e = sigma_y(e)`, whose left side falls faster.
@@ -385,6 +413,34 @@ impl Metal {
         })
     }
 
+    /// Flow along `U^t` from first yield to the end, where the principal axes of `U` are those of the metal: all tensors are diagonal, and the
+    /// logarithms of the elastic and the plastic stretches add up.
+    fn coaxial(
+        &self,
+        logarithm: &Vector3<f64>,
+        first: f64,
+    ) -> Result<(Matrix3<f64>, f64), MaterialError> {
+        let rates = |y: &SVector<f64, 4>, t: f64| {
+            let elastic = logarithm * t - y.fixed_rows::<3>(0);
+            let mandel = self.stiff(&Matrix3::from_diagonal(&elastic));
+            let normal = self.hill.yield_stress(&mandel).1.diagonal();
+            // The normal is a deviator, so that the bulk modulus does no work on it.
+            let driving = 2.0 * self.mu * normal.dot(logarithm);
+            let stiffness = 2.0 * self.mu * normal.norm_squared();
+            let rate = driving / (stiffness + self.flow_stress.slope(y[3]));
+            if !(rate >= 0.0 && rate.is_finite()) || self.flow_stress.at(y[3]) <= 0.0 {
+                return Err(());
+            }
+            Ok((normal * rate).push(rate))
+        };
+        let size = SVector::repeat(self.flow_stress.first / self.mu);
+        let start = SVector::zeros();
+        let end = integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(no_path)?;
+        self.has_strength(end[3])?;
+        let inverse = end.fixed_rows::<3>(0).map(|plastic| (-plastic).exp());
+        Ok((Matrix3::from_diagonal(&inverse), end[3]))
+    }
+
     /// Flow along `U^t` from first yield to the end.
     fn integrated(
         &self,
@@ -414,22 +470,7 @@ impl Metal {
         let mut start = SVector::<f64, 10>::zeros();
         start.as_mut_slice()[..9].copy_from_slice(Matrix3::<f64>::identity().as_slice());
         let size = SVector::repeat(self.flow_stress.first / self.mu);
-        let end =
-            integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(|stop: Stop<()>| {
-                MaterialError::OutsideDomain {
-                what: "the path to the state",
-                value: 1.0,
-                expected: match stop {
-                    Stop::Rates(()) => {
-                        "on it the metal must flow on with a positive flow stress".to_owned()
-                    }
-                    Stop::TooManySteps => {
-                        "it has too short steps; a smaller strain or less softening may have none"
-                            .to_owned()
-                    }
-                },
-            }
-            })?;
+        let end = integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(no_path)?;
         self.has_strength(end[9])?;
         Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))
     }
@@ -489,6 +530,10 @@ impl Metal {
 }
 
 impl Hyperelastic for Metal {
+    fn is_path_dependent(&self) -> bool {
+        true
+    }
+
     /// The energy is what is stored elastically: stress and tangent of a flowing metal have no potential.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         if self.frame == Matrix3::identity() {

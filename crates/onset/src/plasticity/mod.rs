@@ -105,7 +105,7 @@ pub enum PlasticityError {
     NotFinite,
     /// The initial stress is at or beyond the yield surface.
     #[error(
-        "the confinement {confinement:e} itself makes the material yield; expected a pressure within the yield surface"
+        "the confinement {confinement} itself makes the material yield; expected a pressure within the yield surface"
     )]
     Confinement {
         /// The pressure.

@@ -87,6 +87,51 @@ fn the_load_maximum_is_where_the_load_is_largest() {
     }
 }
 
+/// The tangent of a metal is that of continued flow, not the derivative of the stress by the state, each reached along a path of its own: free
+/// faces are found all the same, and the branch goes on beyond yield to the end.
+#[test]
+fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
+    let mut metals = onset::plasticity::library().iter();
+    let sheet = metals.find(|law| law.name == "hill-1948");
+    let sheet = sheet.expect("a law").build(&[]).expect("admissible");
+    let range = Range::new(0.8, 1.3).expect("a range");
+    for (mode, lateral) in [
+        (Mode::Uniaxial, Lateral::Free),
+        (Mode::Uniaxial, Lateral::PlaneStrain),
+        (Mode::Planar, Lateral::PlaneStress),
+    ] {
+        let loading = Loading { mode, lateral };
+        let path = LoadingPath::new(&*sheet, false, loading, &range).expect("a path");
+        assert_eq!(
+            [&path.tension_end, &path.compression_end],
+            [&PathEnd::Range, &PathEnd::Range],
+            "{}",
+            loading.title()
+        );
+        for state in path.tension.iter().chain(&path.compression) {
+            let p = &state.response.first_piola;
+            let free: &[usize] = match (mode, lateral) {
+                (Mode::Planar, _) => &[2],
+                (_, Lateral::Free) => &[1, 2],
+                _ => &[1],
+            };
+            for axis in free {
+                // Of moduli of about 200.
+                assert!(p[(*axis, *axis)].abs() < 1e-9, "{}", loading.title());
+            }
+        }
+    }
+    // Lankford's ratio r0 = 1.8 of width to thickness strain, at large plastic strain.
+    let loading = Loading {
+        mode: Mode::Uniaxial,
+        lateral: Lateral::Free,
+    };
+    let bar = LoadingPath::new(&*sheet, false, loading, &range).expect("a path");
+    let end = bar.tension.last().expect("states").response.deformation;
+    let strains = [1, 2].map(|axis: usize| end.components()[axis][axis].ln());
+    assert_close(strains[0] / strains[1], 1.8, 1e-2);
+}
+
 /// `P33 = sin(x - 1) - (lambda - 1)` with the free stretch `x`: no state beyond `lambda = 2`.
 struct Folding;
 

@@ -266,6 +266,31 @@ fn hill_with_equal_ratios_is_j2_and_turns_with_its_axes_and_with_the_body() {
     }
 }
 
+/// Stretches along the axes of a metal are integrated in three numbers; turned by a right angle, which rounding keeps from being one, in nine.
+#[test]
+fn stretches_along_the_axes_of_a_metal_and_a_little_beside_have_the_same_response() {
+    let along = law("hill-1948", &[]);
+    let turned = law("hill-1948", &[("angle", 90.0)]);
+    let quarter = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    for stretches in [[1.02, 0.97, 1.01], [1.4, 0.8, 0.95], [0.5, 1.1, 1.6]] {
+        let f = Matrix3::from_diagonal(&Vector3::from(stretches));
+        let one = at(&*along, &f);
+        let other = at(&*turned, &(quarter * f * quarter.transpose()));
+        let back = quarter.transpose() * other.first_piola * quarter;
+        assert!((one.first_piola - back).amax() < 1e-9, "{stretches:?}");
+        // A right angle takes the first axis to the second, and the second to the first.
+        let places = [1, 0, 2];
+        for (i, k) in (0..9).map(|n| (n / 3, n % 3)) {
+            let own = one.tangent[(i, i, k, k)];
+            let [i, k] = [places[i], places[k]];
+            assert!(
+                (own - other.tangent[(i, i, k, k)]).abs() < 1e-7 * MU,
+                "{stretches:?} {i}{k}"
+            );
+        }
+    }
+}
+
 /// Tension of a sheet by Lankford's definition: the strain ratios of stress along an axis, found by the free stretches.
 #[test]
 fn the_ratios_of_hill_are_those_of_plastic_strain_in_tension() {

@@ -377,6 +377,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         incompressible: false,
         needed: Vec::new(),
         notes: Vec::new(),
+        name: None,
     })
 }
 

@@ -19,6 +19,8 @@ pub(super) struct ForeignLaw {
     pub needed: Vec<&'static str>,
     /// What else there is to know.
     pub notes: Vec<String>,
+    /// What the law is called where its energy is a table's.
+    pub name: Option<String>,
 }
 
 /// What the constants belong to.
@@ -50,6 +52,7 @@ impl ForeignLaw {
             incompressible: false,
             needed: Vec::new(),
             notes: Vec::new(),
+            name: None,
         };
         let first = compressibilities.first().copied().unwrap_or(0.0);
         law.incompressible = compressibilities.iter().all(|d| *d == 0.0);
@@ -202,7 +205,11 @@ impl ForeignLaw {
             ));
         }
         notes.extend(self.notes);
-        Reading { assignments, notes }
+        Reading {
+            assignments,
+            notes,
+            name: self.name,
+        }
     }
 }
 

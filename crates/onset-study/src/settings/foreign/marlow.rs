@@ -8,6 +8,7 @@
 
 use super::law::{Energy, ForeignLaw, powers_of_volume};
 use super::{Trouble, number};
+use crate::number::counted;
 
 /// The test of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,14 @@ impl Test {
             "BIAXIALTESTDATA" => Some(Self::Biaxial),
             "PLANARTESTDATA" => Some(Self::Planar),
             _ => None,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Uniaxial => "uniaxial",
+            Self::Biaxial => "biaxial",
+            Self::Planar => "planar",
         }
     }
 
@@ -80,6 +89,11 @@ pub(super) fn law(
         Vec::new(),
         (shear, &[compressibility]),
     );
+    law.name = Some(format!(
+        "Marlow, {} of a {} test",
+        counted(data.len(), "point"),
+        test.name()
+    ));
     law.notes.push(format!(
         "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {:.4} it goes on along its tangent, as no test says",
         data.len(),

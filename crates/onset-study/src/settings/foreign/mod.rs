@@ -9,7 +9,7 @@ mod law;
 mod marlow;
 mod python;
 
-use super::{Origin, SettingError};
+use super::{Origin, SettingError, did_you_mean};
 use std::str::FromStr;
 
 /// A program whose blocks can be read.
@@ -34,8 +34,48 @@ impl FromStr for Program {
             "ansys" => Ok(Self::Ansys),
             "felupe" => Ok(Self::Felupe),
             "hyperelastic" => Ok(Self::Hyperelastic),
-            _ => Err("expected abaqus, ansys, felupe or hyperelastic".to_owned()),
+            other => Err(format!(
+                "expected abaqus, ansys, felupe or hyperelastic{}",
+                did_you_mean(other, ["abaqus", "ansys", "felupe", "hyperelastic"])
+            )),
         }
+    }
+}
+
+impl Program {
+    /// Its name, as it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Abaqus => "abaqus",
+            Self::Ansys => "ansys",
+            Self::Felupe => "felupe",
+            Self::Hyperelastic => "hyperelastic",
+        }
+    }
+
+    /// The program that a text is written for, by what its blocks of hyperelastic laws begin with; nothing of a text that has none.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let plain: String = text
+            .chars()
+            .filter(|letter| !letter.is_whitespace())
+            .collect();
+        let plain = plain.to_ascii_uppercase();
+        let begins: [(Self, &[&str]); 4] = [
+            (Self::Abaqus, &["*HYPER", "*ANISOTROPICHYPERELASTIC"]),
+            (Self::Ansys, &["TB,HYPER"]),
+            (Self::Felupe, &["FEM.", "FELUPE"]),
+            (
+                Self::Hyperelastic,
+                &[
+                    "ORDERDEFORMATION(",
+                    "HYPERELASTIC.MODELS",
+                    "HYPERELASTIC.FRAMEWORKS",
+                ],
+            ),
+        ];
+        let mut known = begins.into_iter();
+        let found = known.find(|(_, words)| words.iter().any(|word| plain.contains(word)));
+        found.map(|(program, _)| program)
     }
 }
 
@@ -46,6 +86,8 @@ pub struct Reading {
     pub assignments: Vec<String>,
     /// What a reader of an answer must know.
     pub notes: Vec<String>,
+    /// What the law is called where its energy is too long to be: a table that has become one.
+    pub name: Option<String>,
 }
 
 /// Reads the first block of a hyperelastic law in a text; `set` are assignments that the user makes beside it, which override those of the
