@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from . import _onset
-from ._arrays import Complexes, Floats, received
+from ._arrays import Complexes, Floats, place, received
 from ._errors import asks
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ class Answer(Record):
     @asks
     def save(self, folder: str | os.PathLike[str]) -> list[str]:
         """Writes the files of ``--out`` into a folder; their paths."""
-        return self._answer.save(os.fspath(folder))
+        return self._answer.save(place(folder, "folder"))
 
     def _picture(self) -> str | None:
         """The figure as SVG, where there is one."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,6 +70,36 @@ def whole(value: object, what: str, low: int, high: int) -> int:
     if not (low <= single <= high and single == int(single)):
         raise InputError(f"{what} is {single!r}; expected a whole number from {low} to {high}")
     return int(single)
+
+
+def switch(value: object, what: str) -> bool:
+    """True or False."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise TypeError(f"{what} is {type(value).__name__}; expected True or False")
+
+
+def place(value: object, what: str) -> str:
+    """A file or a folder."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{what} is {type(value).__name__}; expected a path")
+    try:
+        path = os.fspath(value)
+    except Exception as error:
+        raise InputError(f"{what} cannot be read as a path: {error}") from error
+    if not isinstance(path, str):
+        raise TypeError(f"{what} is a path of {type(path).__name__}; expected a text")
+    return path
+
+
+def listed(value: object, what: str) -> list[Any]:
+    """The items of a list."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise TypeError(f"{what} is {type(value).__name__}; expected a list")
+    try:
+        return list(value)
+    except Exception as error:
+        raise InputError(f"{what} cannot be read as a list: {error}") from error
 
 
 def typed(array: Floats) -> str:

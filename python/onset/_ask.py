@@ -30,7 +30,7 @@ from ._answers import (
     Waves,
 )
 from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
-from ._arrays import between
+from ._arrays import between, listed, place, switch
 from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
 from ._settings import (
@@ -74,7 +74,7 @@ def state(
     problem = problem_of(material, method)
     proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
     given, gradient = state_as_typed(F, stretch)
-    answer = State(problem.state(given, gradient, proof if certify else None))
+    answer = State(problem.state(given, gradient, proof if switch(certify, "certify") else None))
     here = np.ascontiguousarray(answer.deformation_gradient, dtype=np.float64).reshape(1, 9)
     return answer._with_spectrum(lambda k: _waves_at(problem, here, k))
 
@@ -281,15 +281,15 @@ def simulate(
             None if time is None else positive(time, "time"),
             None if fraction is None else positive(fraction, "fraction"),
             None if time_step is None else positive(time_step, "time_step"),
-            supercritical,
+            switch(supercritical, "supercritical"),
             integrator,
             share(tolerance, "tolerance"),
-            None if out is None else os.fspath(out),
+            None if out is None else place(out, "out"),
             None if every is None else whole(every, "every", 1, MOST),
             whole(fields, "fields", 0, 10_000),
             None if checkpoint is None else whole(checkpoint, "checkpoint", 1, MOST),
-            resume,
-            overwrite,
+            switch(resume, "resume"),
+            switch(overwrite, "overwrite"),
         )
     )
 
@@ -307,7 +307,7 @@ def criteria(
     `range` are the smallest and the largest stretch, `modes` the modes of loading, all when left out. `incompressible` asks the incompressible response
     of an isotropic law.
     """
-    return Criteria(material_of(material)._law().criteria(_two(range, "range"), _names(modes, "modes"), incompressible))
+    return Criteria(material_of(material)._law().criteria(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
 @asks
@@ -319,7 +319,7 @@ def card(
     incompressible: bool = False,
 ) -> Card:
     """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``."""
-    return Card(material_of(material)._law().card(_two(range, "range"), _names(modes, "modes"), incompressible))
+    return Card(material_of(material)._law().card(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
 def _two(given: ArrayLike, what: str) -> tuple[float, float]:
@@ -330,7 +330,7 @@ def _two(given: ArrayLike, what: str) -> tuple[float, float]:
 
 
 def _names(given: Iterable[str], what: str) -> list[str]:
-    names = [given] if isinstance(given, str) else list(given)
+    names = [given] if isinstance(given, str) else listed(given, what)
     if not all(isinstance(name, str) for name in names):
         raise TypeError(f"{what} expects names")
     return names
@@ -351,8 +351,8 @@ def audit(
     the tangent of a law of onset's own as if delivered in it.
     """
     size = between(strain, "strain", 0.0, 0.8, "a number above 0 and at most 0.8, for example 0.05")
-    stretches = [typed(numbers(one, "stretch")) for one in stretch]
-    return Audit(material_of(material)._law().audit(size, stretches, [components(one) for one in F], convention))
+    stretches = [typed(numbers(one, "stretch")) for one in listed(stretch, "stretch")]
+    return Audit(material_of(material)._law().audit(size, stretches, [components(one) for one in listed(F, "F")], convention))
 
 
 @asks
@@ -412,7 +412,7 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
         if material is not None or options:
             raise InputError("a file says all of a comparison\n  hint: use `set` to change it")
         return source(methods)
-    named = methods.items() if isinstance(methods, Mapping) else ((None, method) for method in methods)
+    named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
     text = f"[material]\n{material_of(material)._section_text()}"
     if options:
         text += "\n[compare]\n" + "".join(f"{_key('compare', key).partition('.')[2]} = {toml(value, key)}\n" for key, value in options.items())
@@ -436,7 +436,7 @@ def compare(
     `methods` are a list, a dictionary with names, or a file. Options are the keys of ``[compare]``, ``stretches=(0.7, 1.5)``; `set` are assignments as
     after ``--set``.
     """
-    libraries = [os.fspath(path) for path in allow_library]
+    libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     return Comparison(_onset.compare(_comparison(methods, material, options), _names(set, "set"), libraries))
 
 
@@ -471,7 +471,7 @@ def recommend(
         file = _comparison(methods, material, {})
     else:
         assignments = [*material_of(material).assignments, *assignments]
-    libraries = [os.fspath(path) for path in allow_library]
+    libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     return Recommendation(_onset.recommend(file, whole(dimension, "dimension", 1, 3), assignments, libraries, limits))
 
 
@@ -481,7 +481,7 @@ def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) ->
 
     `flutter` tells flutter from divergence, and traces the boundary between them too.
     """
-    return Boundary(study_of(study)._study.boundary(flutter))
+    return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
 
 
 @asks
@@ -502,9 +502,10 @@ def map_into(
     if tiles is not None:
         first, last = _two(tiles, "tiles")
         part = (whole(first, "tiles", 0, MOST), whole(last, "tiles", 0, MOST))
-    if overwrite and (resume or part is not None):
+    anew, again = switch(overwrite, "overwrite"), switch(resume, "resume")
+    if anew and (again or part is not None):
         raise InputError("`overwrite` begins a store anew; leave out `resume` and `tiles`")
-    return Mapped(study_of(study)._study.map(os.fspath(out), part, resume, overwrite))
+    return Mapped(study_of(study)._study.map(place(out, "out"), part, again, anew))
 
 
 @asks
@@ -526,12 +527,16 @@ def map(
 @asks
 def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
     """The dataset of a store that ``onset map`` has written."""
+    folder = place(store, "store")
     try:
         import xarray
         import zarr  # noqa: F401
     except ImportError as error:
         raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install 'onset-mechanics[maps]'") from error
-    dataset: xarray.Dataset = xarray.open_zarr(os.fspath(store))
+    try:
+        dataset: xarray.Dataset = xarray.open_zarr(folder)
+    except Exception as error:
+        raise InputError(f"cannot open {folder}: {error}\n  hint: expected a store that `onset map` has written") from error
     return dataset
 
 

@@ -6,6 +6,24 @@ from typing import final
 from numpy import float64
 from numpy.typing import NDArray
 
+__all__ = [
+    "Answer",
+    "Law",
+    "Problem",
+    "Study",
+    "compare",
+    "keys",
+    "localize",
+    "models",
+    "modes",
+    "notes",
+    "read_law",
+    "recommend",
+    "tune",
+    "verdict_names",
+    "version",
+]
+
 _Path = str | os.PathLike[str]
 _Source = tuple[str, str]
 _Buffer = NDArray[float64]

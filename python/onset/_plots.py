@@ -152,12 +152,18 @@ def checks(answer: Answer, ax: Axes | None) -> Axes:
 
 
 def rates(answer: Answer, ax: Axes | None) -> Axes:
-    """Measured and predicted rates."""
+    """Growth rate and frequency: of continuous time, predicted in discrete time, and measured."""
+    ax = _axes(ax)
     told = answer.to_dict()
-    values = {name: told[name] for name in told if name.endswith("rate") and isinstance(told[name], float)}
-    measured = told.get("measured") or {}
-    values |= {f"measured {name}": value for name, value in measured.items() if name.endswith("rate") and isinstance(value, float)}
-    return bars(list(values), list(values.values()), "1/time", ax)
+    rates = {"continuous": told["continuous"], "predicted": told["predicted"]}
+    if told["measured"] is not None:
+        rates["measured"] = told["measured"]["rate"]
+    for part, marker in (("growth", "^"), ("frequency", "o")):
+        values = [np.nan if rate is None else rate[part] for rate in rates.values()]
+        ax.plot(list(rates), values, marker, color=PARTICLES, fillstyle="none" if part == "growth" else "full", label=part)
+    ax.set_ylabel("1/time")
+    ax.legend()
+    return ax
 
 
 def shares(answer: Answer, ax: Axes | None) -> Axes:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, deformations, received
+from ._arrays import Floats, deformations, listed, numbers, place, received
 from ._errors import InputError, SettingError, asks
 
 #: What a key can be set to. A text may have a unit: ``"1 mm"``.
@@ -30,6 +30,8 @@ def _key(section: str, name: str) -> str:
 
     Parameters that a formula names itself keep their underscores.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"a key of [{section}] is {type(name).__name__}; expected its name")
     bare = name.rstrip("_")
     hyphened = f"{section}.{bare.replace('_', '-')}"
     if section != "material" or hyphened in _keys():
@@ -49,14 +51,9 @@ def _typed(value: object, key: str) -> str:
         except Exception as error:
             raise InputError(f"{key} cannot be read as a number: {error}") from error
     if isinstance(value, os.PathLike):
-        path = os.fspath(value)
-        if isinstance(path, str):
-            return path
+        return place(value, key)
     if isinstance(value, np.ndarray) or isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
-        try:
-            items = list(value)
-        except Exception as error:
-            raise InputError(f"{key} cannot be read as a list: {error}") from error
+        items = listed(value, key)
         if not any(isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, str) for item in items):
             return ",".join(_typed(item, key) for item in items)
     raise TypeError(f"{key} is {type(value).__name__}; expected a number, a text, True or False, or a list of numbers")
@@ -201,7 +198,8 @@ class Material(_Settings):
 
 def _leading(x: Sequence[ArrayLike]) -> Floats:
     """F with its trailing axes first."""
-    F = np.asarray(x[0], dtype=np.float64)
+    given = listed(x, "x")
+    F = numbers(given[0] if given else [], "F")
     if F.ndim < 2:
         raise InputError(f"F has the shape {F.shape}; expected (3, 3, ...)")
     return np.moveaxis(F, (0, 1), (-2, -1))
@@ -285,7 +283,7 @@ class Study:
     def __init__(self, text: str, *, name: str = "study", set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> None:
         if not isinstance(text, str):
             raise TypeError(f"a study is {type(text).__name__}; expected its text, see Study.read and Study.of")
-        self._study = _onset.Study((name, text), list(set), [os.fspath(path) for path in allow_library])
+        self._study = _onset.Study((name, text), listed(set, "set"), [place(path, "allow_library") for path in listed(allow_library, "allow_library")])
 
     @classmethod
     @asks
@@ -310,10 +308,14 @@ class Study:
         and number of states; `state` what is held fixed of the deformation, `map` how a map is made."""
         if not isinstance(axes, Mapping):
             raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
+        if not isinstance(title, str):
+            raise TypeError(f"title is {type(title).__name__}; expected a text")
         text = f"title = {toml(title, 'title')}\n" if title else ""
         text += f"\n[material]\n{material_of(material)._section_text()}"
         text += f"\n[discretization]\n{method_of(method)._section_text()}"
         for section, settings in (("state", state), ("map", map)):
+            if settings is not None and not isinstance(settings, Mapping):
+                raise TypeError(f"{section} is {type(settings).__name__}; expected keys with values")
             if settings:
                 text += f"\n[{section}]\n"
                 text += "".join(f"{_key(section, key).partition('.')[2]} = {toml(value, key)}\n" for key, value in settings.items())
@@ -351,10 +353,11 @@ def _states(count: object) -> str:
 
 def source(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Name and text of a file."""
+    name = place(path, "a study")
     try:
-        return os.fspath(path), Path(path).read_text(encoding="utf-8")
+        return name, Path(name).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot read {os.fspath(path)}: {error}\n  hint: expected a study file") from error
+        raise InputError(f"cannot read {name}: {error}\n  hint: expected a study file") from error
 
 
 def study_of(study: Study | str | os.PathLike[str]) -> Study:

@@ -282,9 +282,11 @@ def test_boundaries_and_maps_are_those_of_the_command(tmp_path: Path) -> None:
     assert onset.boundary(file).json == command("boundary", str(file)).document
     there = command("map", str(file), "--out", str(tmp_path / "there.zarr"))
     here = onset.map_into(tmp_path / "here.zarr", file)
+
     def without_time(document: str) -> str:
         told = re.sub(r'"(seconds|states_per_second)": [^,\n]*', r'"\1": 0', document)
-        return told.replace("here.zarr", "there.zarr")
+        return re.sub(r"(here|there)\.zarr", "zarr", told)
+
     assert without_time(here.json) == without_time(there.document)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
 
@@ -304,7 +306,7 @@ def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
     onset.map_into(tmp_path / "here.zarr", study, tiles=(1, 3))
     dataset = onset.map(study, out=tmp_path / "here.zarr", resume=True)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
-    assert dataset.verdict.dims == ("stretch_2", "stretch_1")
+    assert dataset.verdict.dims == ("stretch-2", "stretch-1")
     assert dataset.growth_rate.attrs["units"]
     with pytest.raises(onset.InputError) as refused:
         onset.map(study, out=tmp_path / "here.zarr")

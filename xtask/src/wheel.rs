@@ -58,8 +58,9 @@ pub fn test() -> Result<(), String> {
     eprintln!("== Python: pytest");
     succeed(
         Command::new(&interpreter)
-            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"])
-            .current_dir("python")
+            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+            // Not in the folder of the package, which is found there without its compiled part.
+            .current_dir("python/tests")
             .env("ONSET_COMMAND", &command)
             .env("ONSET_UMAT_HOST", &command),
     )
