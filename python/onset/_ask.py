@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
+from uuid import uuid4
+import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -484,6 +486,23 @@ def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) ->
     return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
 
 
+class Future(Protocol):
+    """What an executor returns."""
+
+    def result(self) -> Any:
+        """Waits for the end."""
+
+    def cancel(self) -> Any:
+        """Does not begin what has not begun."""
+
+
+class Executor(Protocol):
+    """Whatever begins a function with arguments elsewhere: an executor of ``concurrent.futures`` with processes, a Dask client."""
+
+    def submit(self, function: Callable[..., int], /, *arguments: Any) -> Future:
+        """Begins it."""
+
+
 @asks
 def map_into(
     out: str | os.PathLike[str],
@@ -492,11 +511,13 @@ def map_into(
     tiles: tuple[int, int] | None = None,
     resume: bool = False,
     overwrite: bool = False,
+    executor: Executor | None = None,
 ) -> Mapped:
     """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
 
     `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
-    Ctrl-C ends with the tiles that have begun, a second one at once; with `resume` the map goes on.
+    Ctrl-C ends with the tiles that have begun, a second one at once; with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose
+    workers see `out`, each tile is a task; what lost workers leave is computed here in the end.
     """
     part = None
     if tiles is not None:
@@ -505,7 +526,40 @@ def map_into(
     anew, again = switch(overwrite, "overwrite"), switch(resume, "resume")
     if anew and (again or part is not None):
         raise InputError("`overwrite` begins a store anew; leave out `resume` and `tiles`")
-    return Mapped(study_of(study)._study.map(place(out, "out"), part, again, anew))
+    folder, own = place(out, "out"), study_of(study)
+    if executor is None:
+        return Mapped(own._study.map(folder, part, again, anew))
+    if not callable(getattr(executor, "submit", None)):
+        raise TypeError(f"executor is {type(executor).__name__}; expected something with `submit`")
+    if part is not None:
+        raise InputError("an executor computes all tiles; leave out `tiles`")
+    _elsewhere(executor, own, os.path.abspath(folder), own._study.begin(folder, again, anew))
+    return Mapped(own._study.map(folder, None, True, False))
+
+
+def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> None:
+    """Lets an executor compute all tiles."""
+    # Of one run: a scheduler that remembers results must not take those of an earlier store.
+    run = uuid4().hex
+    futures = [executor.submit(_tile, study, folder, tile, run) for tile in range(tiles)]
+    try:
+        for future in futures:
+            try:
+                future.result()
+            except OnsetError:
+                raise
+            except Exception as error:
+                warnings.warn(f"a worker was lost ({type(error).__name__}); its tiles are computed here", RuntimeWarning, stacklevel=4)
+    except BaseException:
+        for future in futures:
+            future.cancel()
+        raise
+
+
+def _tile(study: Study, folder: str, tile: int, run: str) -> int:
+    """Computes one tile of a store, in a process of an executor; it may be repeated. `run` tells tasks of different runs apart."""
+    study._study.map(folder, (tile, tile + 1), True, False)
+    return tile
 
 
 @asks
@@ -516,11 +570,12 @@ def map(
     tiles: tuple[int, int] | None = None,
     resume: bool = False,
     overwrite: bool = False,
+    executor: Executor | None = None,
 ) -> xarray.Dataset:
     """Computes the map of a study into the store `out`, and opens it: the dataset of ``xarray.open_zarr(out)``, with coordinates, units and
     attributes. Arguments as of `map_into`.
     """
-    map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite)
+    map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite, executor=executor)
     return open_map(out)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 import numbers as abstract
 import os
@@ -283,7 +283,8 @@ class Study:
     def __init__(self, text: str, *, name: str = "study", set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> None:
         if not isinstance(text, str):
             raise TypeError(f"a study is {type(text).__name__}; expected its text, see Study.read and Study.of")
-        self._study = _onset.Study((name, text), listed(set, "set"), [place(path, "allow_library") for path in listed(allow_library, "allow_library")])
+        self._libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
+        self._study = _onset.Study((name, text), listed(set, "set"), self._libraries)
 
     @classmethod
     @asks
@@ -341,8 +342,16 @@ class Study:
         """Writes the study file, for ``onset map`` and all other commands."""
         Path(path).write_text(self.text, encoding="utf-8")
 
+    def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:
+        return _restored, (self.text, self._libraries)
+
     def __repr__(self) -> str:
         return f"<onset.Study of {' x '.join(map(str, self.shape))} states>"
+
+
+def _restored(text: str, libraries: list[str]) -> Study:
+    """A study in another process."""
+    return Study(text, allow_library=libraries)
 
 
 def _states(count: object) -> str:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+import multiprocessing
 import os
 from pathlib import Path
+import pickle
 import random
 import re
+import signal
+from threading import Timer
+import warnings
 
 import onset
 import pytest
@@ -311,3 +316,45 @@ def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
     with pytest.raises(onset.InputError) as refused:
         onset.map(study, out=tmp_path / "here.zarr")
     assert refused.value.hint
+
+
+def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset.Mapped:
+    """A map whose tiles are computed by processes, of which one may be killed in the middle."""
+    # Forked processes would have the threads of this one only by name.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as executor:
+        if kill:
+            executor.submit(os.getpid).result()
+            victim = next(iter(executor._processes))
+            Timer(0.2, os.kill, (victim, signal.SIGKILL)).start()
+        return onset.map_into(here, study, executor=executor)
+
+
+@pytest.mark.parametrize("kill", [False, True])
+def test_an_executor_makes_the_same_store(tmp_path: Path, kill: bool) -> None:
+    study = onset.Study.of(
+        "neo-hooke",
+        onset.Method("updated-sph", lattice="square", support=2.6),
+        {"stretch-1": (0.7, 1.5, 96), "stretch-2": (0.7, 1.5, 96)},
+        map={"tile": 16},
+    )
+    assert pickle.loads(pickle.dumps(study)).text == study.text
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore" if kill else "error", RuntimeWarning)
+        summary = mapped(study, tmp_path / "here.zarr", 2, kill=kill)
+    assert summary.tiles_done == summary.tiles == 36
+    # What the lost worker left was computed here, and nothing else.
+    assert (0 < summary.tiles_computed < 36) if kill else summary.tiles_found == 36
+    onset.map_into(tmp_path / "there.zarr", study)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
+
+
+def test_a_dask_client_makes_the_same_store(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    study = onset.Study.of("neo-hooke", None, {"stretch-1": (0.7, 1.5, 32), "stretch-2": (0.7, 1.5, 32)}, map={"tile": 16})
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        dataset = onset.map(study, out=tmp_path / "here.zarr", executor=client)
+        assert dataset.sizes == {"stretch-1": 32, "stretch-2": 32, "component": 2}
+    onset.map_into(tmp_path / "there.zarr", study)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")

@@ -11,7 +11,7 @@ use onset_study::store::ZarrStore;
 use pyo3::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A study of two or three axes.
 #[pyclass(frozen, module = "onset._onset")]
@@ -103,6 +103,22 @@ impl Study {
         })
     }
 
+    /// Makes the store of the map, or finds it, without computing anything; how many tiles it has.
+    fn begin(
+        &self,
+        py: Python<'_>,
+        out: PathBuf,
+        resume: bool,
+        overwrite: bool,
+    ) -> PyResult<usize> {
+        let study = self.0.clone();
+        interrupt::answer(py, move || {
+            let plan = Plan::new(&study)?;
+            store(&plan, &out, resume, overwrite)?;
+            Ok(plan.tiling().tiles())
+        })
+    }
+
     /// Computes tiles of the map, all unless a range is given, into a store.
     fn map(
         &self,
@@ -118,13 +134,7 @@ impl Study {
             let asked = tiles.map(|(start, end)| Range { start, end });
             let is_part = asked.is_some();
             let tiles = plan.tiles(asked)?;
-            let store = if overwrite {
-                ZarrStore::replace(&out, plan.layout())
-            } else if resume || is_part {
-                ZarrStore::resume(&out, plan.layout())
-            } else {
-                ZarrStore::create(&out, plan.layout())
-            }?;
+            let store = store(&plan, &out, resume || is_part, overwrite)?;
             let asked = tiles.len();
             let summary = plan.run(&store, tiles, &interrupt)?;
             let mapped = Mapped {
@@ -135,4 +145,16 @@ impl Study {
             Answer::of(&mapped, format!("{summary}\nstore: {}", out.display()))
         })
     }
+}
+
+/// The store of a map: a new one, in the place of another, or one that is there.
+fn store(plan: &Plan, out: &Path, resume: bool, overwrite: bool) -> Result<ZarrStore, Failure> {
+    let store = if overwrite {
+        ZarrStore::replace(out, plan.layout())
+    } else if resume {
+        ZarrStore::resume(out, plan.layout())
+    } else {
+        ZarrStore::create(out, plan.layout())
+    };
+    Ok(store?)
 }
