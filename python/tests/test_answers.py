@@ -11,7 +11,8 @@ import pickle
 import random
 import re
 import signal
-from threading import Timer
+from threading import Thread
+import time
 import warnings
 
 import onset
@@ -318,6 +319,13 @@ def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
     assert refused.value.hint
 
 
+def kill_when_begun(process: int, store: Path) -> None:
+    """Kills a process when the first tile is done."""
+    while not any((store / "verdict").glob("c/*/*")):
+        time.sleep(0.002)
+    os.kill(process, signal.SIGKILL)
+
+
 def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset.Mapped:
     """A map whose tiles are computed by processes, of which one may be killed in the middle."""
     # Forked processes would have the threads of this one only by name.
@@ -326,7 +334,7 @@ def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset
         if kill:
             executor.submit(os.getpid).result()
             victim = next(iter(executor._processes))
-            Timer(0.2, os.kill, (victim, signal.SIGKILL)).start()
+            Thread(target=kill_when_begun, args=(victim, here)).start()
         return onset.map_into(here, study, executor=executor)
 
 
