@@ -41,6 +41,9 @@ class Record(Mapping[str, Any]):
         return len(self._fields)
 
     def __getattr__(self, name: str) -> Any:
+        # What notebooks and copies look for is none of the document.
+        if name.startswith("_"):
+            raise AttributeError(name)
         fields = self._fields
         if name in fields:
             return _value(fields[name])
@@ -63,6 +66,9 @@ class Record(Mapping[str, Any]):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(_attribute(name) for name in self._fields)})"
+
+    def __reduce__(self) -> tuple[type[Record], tuple[Mapping[str, Any]]]:
+        return Record, (self._fields,)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain dictionaries, lists and numbers."""
@@ -118,6 +124,12 @@ class Answer(Record):
     def __init__(self, answer: _onset.Answer) -> None:
         super().__init__(json.loads(answer.json))
         object.__setattr__(self, "_answer", answer)
+
+    def __copy__(self) -> Answer:
+        return self
+
+    def __deepcopy__(self, _: object) -> Answer:
+        return self
 
     @property
     def json(self) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
+import pickle
 import re
 import subprocess
 import sys
@@ -70,6 +72,16 @@ def test_attributes_are_those_of_the_document() -> None:
     assert answer.settings.discretization_support.value == 2.6
     path = onset.path(RUBBER, SPH, from_=(1, 1), to=(1.2, 1))
     assert path.from_.shape == (3, 3)
+
+
+def test_answers_are_copied_and_their_documents_sent() -> None:
+    answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+    assert copy.copy(answer) is answer and copy.deepcopy(answer.discretization) == answer.discretization
+    # To another process the document goes, without what computes figures and files.
+    sent = pickle.loads(pickle.dumps(answer))
+    assert type(sent) is onset.Record and sent.to_dict() == answer.to_dict()
+    assert pickle.loads(pickle.dumps((RUBBER, SPH))) == (RUBBER, SPH)
+    assert not hasattr(answer, "_no_such_name")
 
 
 def test_settings_are_compared_shown_and_replaced() -> None:

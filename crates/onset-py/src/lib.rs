@@ -6,9 +6,6 @@
 //!
 //! Every question is answered in a thread of its own while the interpreter's lock is released, and signals are looked for meanwhile.
 
-// Names of arguments are those of the package, which documents them.
-#![allow(missing_docs)]
-
 mod answer;
 mod arrays;
 mod failure;
