@@ -110,7 +110,7 @@ def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_types(tmp_path: Path) -> None:
     """The stubs are those of the compiled part; the package and the examples check strictly."""
-    package = Path(onset.__file__).parent
+    package = REPOSITORY / "python" / "onset"
     stubtest = subprocess.run([sys.executable, "-m", "mypy.stubtest", "onset._onset"], capture_output=True, text=True, cwd=tmp_path, check=False)
     assert stubtest.returncode == 0, stubtest.stdout + stubtest.stderr
     examples = []

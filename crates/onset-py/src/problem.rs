@@ -302,7 +302,6 @@ impl Problem {
     /// The particles of a patch, step by step.
     #[pyo3(signature = (stretch, components, cells, mode, wave_vector, turns, branch, amplitude, seed, steps, time, fraction, time_step,
         supercritical, integrator, tolerance, out, every, fields, checkpoint, resume, overwrite))]
-    #[allow(clippy::too_many_arguments)]
     fn simulate(
         &self,
         py: Python<'_>,
