@@ -1,4 +1,5 @@
-//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `bench` and `timings`.
+//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `bench`
+//! and `timings`.
 
 mod bench;
 mod fortran;
@@ -8,6 +9,7 @@ mod readme;
 mod simulate;
 mod timings;
 mod verify;
+mod wheel;
 
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
@@ -100,6 +102,8 @@ fn main() -> ExitCode {
             std::env::args().nth(2).as_deref() == Some("--all"),
         )),
         Some("simulate") => reported(simulate::run()),
+        Some("wheel") => reported(wheel::run()),
+        Some("python") => reported(wheel::test()),
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -109,7 +113,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -146,7 +150,7 @@ fn test() -> bool {
         Err(_) => without_fortran(),
     };
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
-    let done = run(&steps, &tools);
+    let done = run(&steps, &tools) && reported(wheel::test());
     if let Err(error) = fortran {
         eprintln!("== NOT TESTED: user materials. {error}");
     }

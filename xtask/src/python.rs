@@ -44,7 +44,10 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
 }
 
 /// Runs a command and waits for its end.
-fn succeed(command: &mut Command) -> Result<(), String> {
+///
+/// # Errors
+/// That it cannot be run, or how it failed.
+pub fn succeed(command: &mut Command) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let status = command
         .status()

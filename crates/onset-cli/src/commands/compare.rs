@@ -75,12 +75,8 @@ fn evaluated(comparison: &Comparison) -> Result<Table, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let first = table.rows.first();
-    let failed = first.and_then(|row| Some((&row.name, row.measured.as_ref().err()?)));
-    match failed.filter(|_| table.rows.iter().all(|row| row.measured.is_err())) {
-        Some((name, why)) => Err(Failure::input(format!(
-            "none of the methods can be evaluated; \"{name}\": {why}"
-        ))),
+    match table.failure() {
+        Some(why) => Err(Failure::input(why)),
         None => Ok(table),
     }
 }

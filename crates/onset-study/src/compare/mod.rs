@@ -84,6 +84,19 @@ impl Table {
 }
 
 impl Table {
+    /// Why no method of the table can be evaluated; `None` where one can.
+    pub fn failure(&self) -> Option<String> {
+        let first = self.rows.first()?;
+        let why = first.measured.as_ref().err()?;
+        let is_none = self.rows.iter().all(|row| row.measured.is_err());
+        is_none.then(|| {
+            format!(
+                "none of the methods can be evaluated; \"{}\": {why}",
+                first.name
+            )
+        })
+    }
+
     /// The table as `compare.html`, `compare.csv`, `compare.svg` and `compare.png`.
     ///
     /// # Errors

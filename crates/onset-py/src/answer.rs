@@ -1,0 +1,84 @@
+//! An answer: its document, its text, its table, its files.
+
+use crate::failure::Failure;
+use crate::interrupt;
+use onset_study::json;
+use onset_study::output::{Files, write};
+use onset_umat::readable;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::Serialize;
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Makes the files of an answer.
+type Draw = dyn Fn() -> Result<Files, Failure> + Send + Sync;
+
+/// What the command prints and writes.
+#[pyclass(frozen, module = "onset._onset")]
+pub struct Answer {
+    /// The document of `--json`.
+    #[pyo3(get)]
+    json: String,
+    /// The text.
+    #[pyo3(get)]
+    text: String,
+    /// The table of `--format csv`.
+    #[pyo3(get)]
+    csv: String,
+    draw: Option<Arc<Draw>>,
+}
+
+impl Answer {
+    /// Of an answer of the study crate; without files.
+    ///
+    /// # Errors
+    /// [`Failure`] when it cannot be written as JSON.
+    pub fn of<T: Serialize>(answer: &T, text: impl Display) -> Result<Self, Failure> {
+        Ok(Self {
+            json: json::document(answer).map_err(Failure::machine)?,
+            text: readable(text.to_string().trim_end()),
+            csv: json::csv(answer).map_err(Failure::machine)?,
+            draw: None,
+        })
+    }
+
+    /// With a table of its own.
+    pub fn with_table(mut self, table: &str) -> Self {
+        self.csv = table.trim_end().to_owned();
+        self
+    }
+
+    /// With the files that the command writes with `--out`, made when they are asked for.
+    pub fn with_files(
+        mut self,
+        draw: impl Fn() -> Result<Files, Failure> + Send + Sync + 'static,
+    ) -> Self {
+        self.draw = Some(Arc::new(draw));
+        self
+    }
+}
+
+#[pymethods]
+impl Answer {
+    /// Writes the files into a folder, all or none; their paths.
+    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+        let Some(draw) = self.draw.clone() else {
+            return Ok(Vec::new());
+        };
+        interrupt::answer(py, move || Ok(write(&folder, &draw()?)?))
+    }
+
+    /// The files by name; none where the command writes none.
+    fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let files = PyDict::new(py);
+        if let Some(draw) = self.draw.clone() {
+            for (name, bytes) in interrupt::answer(py, move || draw())? {
+                let name = name.to_string_lossy().into_owned();
+                files.set_item(name, PyBytes::new(py, &bytes))?;
+            }
+        }
+        Ok(files)
+    }
+}

@@ -1,0 +1,38 @@
+//! Arrays: buffers of doubles come in, bytes go out.
+
+use crate::failure::Failure;
+use onset::kinematics::DeformationGradient;
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+/// The numbers of a buffer, last index running fastest.
+pub fn numbers(py: Python<'_>, buffer: &PyBuffer<f64>) -> PyResult<Vec<f64>> {
+    buffer.to_vec(py)
+}
+
+/// Numbers as an array that NumPy reads.
+pub fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes> {
+    let bytes: Vec<u8> = numbers
+        .iter()
+        .flat_map(|number| number.to_ne_bytes())
+        .collect();
+    PyBytes::new(py, &bytes)
+}
+
+/// Deformation gradients from nine components each.
+///
+/// # Errors
+/// [`Failure`] with the number of the first that is none.
+pub fn deformations(components: &[f64]) -> Result<Vec<DeformationGradient>, Failure> {
+    let gradient = |(n, part): (usize, &[f64])| {
+        let rows = [0, 3, 6].map(|row| [part[row], part[row + 1], part[row + 2]]);
+        DeformationGradient::new(rows)
+            .map_err(|error| Failure::Input(format!("state {n}: {error}")))
+    };
+    components
+        .chunks_exact(9)
+        .enumerate()
+        .map(gradient)
+        .collect()
+}

@@ -1,0 +1,138 @@
+//! Why there is no answer, as an exception of the package.
+
+use onset_study::answers::ProblemError;
+use onset_study::map::MapError;
+use onset_study::output::OutputError;
+use onset_study::settings::{Origin, SettingError};
+use onset_study::simulate::SimulateError;
+use onset_study::store::StoreError;
+use onset_umat::readable;
+use pyo3::prelude::*;
+use std::fmt::Display;
+
+/// Why there is no answer. Texts are those of the command, with their hints.
+#[derive(Debug)]
+pub enum Failure {
+    /// A setting: `onset.SettingError`.
+    Setting(Box<SettingError>),
+    /// What was asked otherwise: `onset.InputError`.
+    Input(String),
+    /// The machine, or a motion that breaks down: `onset.MachineError`.
+    Machine(String),
+    /// A defect of the program: `onset.OnsetError`.
+    Defect(String),
+    /// The question was given up.
+    Ended,
+}
+
+/// The file, line and column of a setting.
+type Place = (String, usize, usize);
+
+impl Failure {
+    /// What was asked is wrong.
+    pub fn input(error: impl Display) -> Self {
+        Self::Input(error.to_string())
+    }
+
+    /// What was asked is right, and cannot be done.
+    pub fn machine(error: impl Display) -> Self {
+        Self::Machine(error.to_string())
+    }
+
+    /// The exception; an error where it cannot be made.
+    fn raised(self, py: Python<'_>) -> PyResult<PyErr> {
+        let (class, text, key, place) = match self {
+            Self::Setting(error) => {
+                let (key, place) = origin(&error);
+                ("SettingError", error.to_string(), key, place)
+            }
+            Self::Input(text) => ("InputError", text, None, None),
+            Self::Machine(text) => ("MachineError", text, None, None),
+            Self::Defect(text) => ("OnsetError", text, None, None),
+            Self::Ended => (
+                "OnsetError",
+                "the question was given up".to_owned(),
+                None,
+                None,
+            ),
+        };
+        let class = py.import("onset._errors")?.getattr(class)?;
+        let text = readable(&text);
+        let exception = match (key, place) {
+            (None, None) => class.call1((text,))?,
+            (key, place) => class.call1((text, key, place))?,
+        };
+        Ok(PyErr::from_value(exception))
+    }
+}
+
+/// The key of an assignment, and the place in a file.
+fn origin(error: &SettingError) -> (Option<String>, Option<Place>) {
+    match &error.origin {
+        Origin::CommandLine(argument) => {
+            let assignment = argument.strip_prefix("--set ").unwrap_or(argument);
+            let key = assignment.split('=').next().unwrap_or_default();
+            (Some(key.trim().to_owned()), None)
+        }
+        Origin::File { name, line, column } => {
+            // Messages of files name the key first, as `section.key`.
+            let named = error.message.split('`').nth(1);
+            let key = named.filter(|key| key.contains('.') && !key.contains(' '));
+            (key.map(str::to_owned), Some((name.clone(), *line, *column)))
+        }
+        Origin::Combination => (None, None),
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        Python::attach(|py| failure.raised(py).unwrap_or_else(|error| error))
+    }
+}
+
+impl From<SettingError> for Failure {
+    fn from(error: SettingError) -> Self {
+        Self::Setting(Box::new(error))
+    }
+}
+
+impl From<ProblemError> for Failure {
+    fn from(error: ProblemError) -> Self {
+        match error {
+            ProblemError::Setting(error) => error.into(),
+            other => Self::input(other),
+        }
+    }
+}
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Problem(error) => error.into(),
+            other if other.is_input() => Self::input(other),
+            other => Self::machine(other),
+        }
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        MapError::from(error).into()
+    }
+}
+
+impl From<SimulateError> for Failure {
+    fn from(error: SimulateError) -> Self {
+        match error {
+            SimulateError::Problem(error) => error.into(),
+            other if other.is_input() => Self::input(other),
+            other => Self::machine(other),
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::machine(error)
+    }
+}

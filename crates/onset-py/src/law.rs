@@ -1,0 +1,197 @@
+//! A law alone: criteria, card, audit, stress and tangent.
+
+use crate::answer::Answer;
+use crate::arrays::{bytes, deformations, numbers};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::problem::{Source, mode_named, unknown};
+use onset::material::Hyperelastic;
+use onset_study::answers::Strain;
+use onset_study::audit::{Audit, Convention, states};
+use onset_study::criteria::{Question, Range};
+use onset_study::settings::{MaterialSettings, Program, Trust, law_from};
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// States that a thread computes together.
+const PART: usize = 256;
+
+/// A law as set.
+#[pyclass(frozen, module = "onset._onset")]
+pub struct Law {
+    settings: MaterialSettings,
+    /// What there is to know of it where it was read from a block of another program.
+    notes: Vec<String>,
+}
+
+/// The assignments that a block of another program stands for, and what there is to know of it.
+#[pyfunction]
+pub fn read_law(
+    program: &str,
+    name: &str,
+    text: &str,
+    assignments: Vec<String>,
+) -> PyResult<(Vec<String>, Vec<String>)> {
+    let program: Program = program.parse().map_err(Failure::Input)?;
+    let read = law_from(program, name, text, &assignments).map_err(Failure::from)?;
+    Ok((read.assignments, read.notes))
+}
+
+#[pymethods]
+impl Law {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        assignments: Vec<String>,
+        file: Option<Source>,
+        libraries: Vec<PathBuf>,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        interrupt::answer(py, move || {
+            let (name, text) = file.unwrap_or_default();
+            let mut settings = MaterialSettings::of_file(&name, &text, &assignments)?;
+            settings.allow(&Trust::of_user(&libraries));
+            settings.permitted()?;
+            Ok(Self { settings, notes })
+        })
+    }
+
+    fn criteria(
+        &self,
+        py: Python<'_>,
+        range: (f64, f64),
+        modes: Vec<String>,
+        incompressible: bool,
+    ) -> PyResult<Answer> {
+        let question = self.question(py, range, &modes, incompressible)?;
+        interrupt::answer(py, move || {
+            let criteria = question.answer().map_err(Failure::input)?;
+            let answer = Answer::of(&criteria, &criteria)?;
+            Ok(answer.with_files(move || {
+                let files = criteria.figure().files("criteria");
+                files.map_err(Failure::machine)
+            }))
+        })
+    }
+
+    fn card(
+        &self,
+        py: Python<'_>,
+        range: (f64, f64),
+        modes: Vec<String>,
+        incompressible: bool,
+    ) -> PyResult<Answer> {
+        let question = self.question(py, range, &modes, incompressible)?;
+        interrupt::answer(py, move || {
+            let card = question.card().map_err(Failure::input)?;
+            let answer = Answer::of(&card, &card)?;
+            Ok(answer.with_files(move || card.files().map_err(Failure::machine)))
+        })
+    }
+
+    /// Whether it is what its author believes; states are stretches and components of `F` as they are typed.
+    fn audit(
+        &self,
+        py: Python<'_>,
+        strain: f64,
+        stretches: Vec<String>,
+        components: Vec<String>,
+        convention: Option<&str>,
+    ) -> PyResult<Answer> {
+        let convention = convention.map(convention_named).transpose()?;
+        let material = self.settings.clone();
+        interrupt::answer(py, move || {
+            let mut deformations = Vec::new();
+            for stretches in &stretches {
+                deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);
+            }
+            for components in &components {
+                let strain = Strain::of_components("--deformation-gradient", components, 2)?;
+                deformations.push(strain.0);
+            }
+            if deformations.is_empty() {
+                deformations = states(strain).map_err(Failure::input)?;
+            }
+            let audit = Audit::of_material(&material, convention, &deformations);
+            let audit = audit.map_err(Failure::input)?;
+            Answer::of(&audit, &audit)
+        })
+    }
+
+    /// Energy, first Piola-Kirchhoff stress and tangent at states of nine components each: 91 numbers a state.
+    fn responses<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let components = numbers(py, &components)?;
+        let settings = self.settings.clone();
+        let responses = interrupt::ending(py, move |interrupt| {
+            let law = settings.build().map_err(Failure::input)?;
+            let states = deformations(&components)?;
+            let mut all = vec![0.0; states.len() * 91];
+            all.par_chunks_mut(91 * PART)
+                .zip(states.par_chunks(PART))
+                .enumerate()
+                .try_for_each(|(n, (out, states))| {
+                    interrupt.end_if_asked();
+                    for (i, (out, f)) in out.chunks_exact_mut(91).zip(states).enumerate() {
+                        let state = n * PART + i;
+                        respond(&*law, f, out)
+                            .map_err(|error| Failure::Input(format!("state {state}: {error}")))?;
+                    }
+                    Ok::<(), Failure>(())
+                })?;
+            Ok(all)
+        })?;
+        Ok(bytes(py, &responses))
+    }
+}
+
+impl Law {
+    fn question(
+        &self,
+        py: Python<'_>,
+        (low, high): (f64, f64),
+        modes: &[String],
+        incompressible: bool,
+    ) -> PyResult<Question> {
+        let range = Range::new(low, high).map_err(Failure::input)?;
+        let modes = modes.iter().map(|name| mode_named(name));
+        let modes = modes.collect::<Result<Vec<_>, _>>()?;
+        let (material, notes) = (self.settings.clone(), self.notes.clone());
+        interrupt::answer(py, move || {
+            let question = Question::new(&material, range, &modes).map_err(Failure::input)?;
+            let question = question.with_notes(notes);
+            match incompressible {
+                true => question.incompressible().map_err(Failure::input),
+                false => Ok(question),
+            }
+        })
+    }
+}
+
+/// `W`, `P_iJ` and `A_iJkL` in the order of their indices.
+fn respond(
+    law: &dyn Hyperelastic,
+    f: &onset::kinematics::DeformationGradient,
+    out: &mut [f64],
+) -> Result<(), onset::material::MaterialError> {
+    let response = law.response(f)?.finite()?;
+    out[0] = response.energy;
+    for (n, place) in out[1..10].iter_mut().enumerate() {
+        *place = response.first_piola[(n / 3, n % 3)];
+    }
+    for (n, place) in out[10..].iter_mut().enumerate() {
+        *place = response.tangent[(n / 27, n / 9 % 3, n / 3 % 3, n % 3)];
+    }
+    Ok(())
+}
+
+fn convention_named(name: &str) -> Result<Convention, Failure> {
+    Convention::of_name(name)
+        .ok_or_else(|| unknown("convention", name, Convention::ALL.map(Convention::name)))
+}

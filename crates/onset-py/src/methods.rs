@@ -1,0 +1,138 @@
+//! Methods: compared, recommended, tuned, and what they do not resist.
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::interrupt::{self, Interrupt};
+use crate::problem::{Source, settings};
+use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
+use onset_study::modes::{ModesAnswer, ModesQuestion};
+use onset_study::settings::{Comparison, Trust};
+use onset_study::tune::{TuneAnswer, TuneQuestion};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// Methods side by side.
+#[pyfunction]
+pub fn compare(
+    py: Python<'_>,
+    file: Source,
+    assignments: Vec<String>,
+    libraries: Vec<PathBuf>,
+) -> PyResult<Answer> {
+    interrupt::ending(py, move |interrupt| {
+        let comparison = comparison(&file, &assignments, &libraries)?;
+        let table = evaluated(&comparison, &interrupt)?;
+        let answer = Answer::of(&table, &table)?.with_table(&table.csv());
+        Ok(answer.with_files(move || table.files().map_err(Failure::machine)))
+    })
+}
+
+/// The methods of a file, or those that the program knows for a dimension, ranked. `limits` are weak, wrong, long waves and wavelength.
+#[pyfunction]
+pub fn recommend(
+    py: Python<'_>,
+    file: Option<Source>,
+    dimension: usize,
+    assignments: Vec<String>,
+    libraries: Vec<PathBuf>,
+    limits: (f64, f64, f64, f64),
+) -> PyResult<Answer> {
+    interrupt::ending(py, move |interrupt| {
+        let comparison = match file {
+            Some(file) => comparison(&file, &assignments, &libraries)?,
+            None => {
+                let panel = dimension.checked_sub(1).and_then(|n| PANELS.get(n));
+                let (name, text) = panel.ok_or_else(|| {
+                    Failure::Input(format!(
+                        "dimension cannot be {dimension}\n  hint: expected 1, 2 or 3"
+                    ))
+                })?;
+                Comparison::parse(name, text, &assignments)?
+            }
+        };
+        let mut table = evaluated(&comparison, &interrupt)?;
+        let (weak, wrong, long_waves, wavelength) = limits;
+        table.thresholds = Thresholds {
+            weak,
+            wrong,
+            long_waves,
+            wavelength,
+            ..Thresholds::default()
+        };
+        let whole = table.clone();
+        let recommendation = Recommendation::new(table);
+        let answer = Answer::of(&recommendation, &recommendation)?;
+        let answer = answer.with_table(&recommendation.csv());
+        Ok(answer.with_files(move || whole.files().map_err(Failure::machine)))
+    })
+}
+
+/// The smallest coefficient that is sufficient and masks nothing. `limits` are weak, wrong and later.
+#[pyfunction]
+pub fn tune(
+    py: Python<'_>,
+    key: String,
+    assignments: Vec<String>,
+    file: Option<Source>,
+    libraries: Vec<PathBuf>,
+    range: (f64, f64),
+    stretches: (f64, f64),
+    limits: (f64, f64, f64),
+) -> PyResult<Answer> {
+    interrupt::ending(py, move |interrupt| {
+        let (weak, wrong, later) = limits;
+        let question = TuneQuestion::new(&key, range, stretches)?.with_thresholds(Thresholds {
+            weak,
+            wrong,
+            later,
+            ..Thresholds::default()
+        });
+        let settings = settings(file.as_ref(), &assignments, &libraries, &[question.key()])?;
+        let tuned = TuneAnswer::new(&settings, &question, |_| interrupt.end_if_asked())?;
+        let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
+        Ok(answer.with_files(move || tuned.files().map_err(Failure::machine)))
+    })
+}
+
+/// The waves that a method does not resist, or too little.
+#[pyfunction]
+pub fn modes(
+    py: Python<'_>,
+    assignments: Vec<String>,
+    file: Option<Source>,
+    libraries: Vec<PathBuf>,
+    weak: f64,
+    cells: usize,
+    amplitude: f64,
+) -> PyResult<Answer> {
+    interrupt::answer(py, move || {
+        let settings = settings(file.as_ref(), &assignments, &libraries, &[])?;
+        let question = ModesQuestion {
+            weak,
+            cells,
+            amplitude,
+        };
+        let modes = ModesAnswer::new(&settings, &question)?;
+        let answer = Answer::of(&modes, &modes)?;
+        Ok(answer.with_files(move || modes.files().map_err(Failure::machine)))
+    })
+}
+
+fn comparison(
+    (name, text): &Source,
+    assignments: &[String],
+    libraries: &[PathBuf],
+) -> Result<Comparison, Failure> {
+    let comparison = Comparison::parse(name, text, assignments)?;
+    let comparison = comparison.allowing(&Trust::of_user(libraries));
+    comparison.common.material.permitted()?;
+    Ok(comparison)
+}
+
+fn evaluated(comparison: &Comparison, interrupt: &Interrupt) -> Result<Table, Failure> {
+    let table = Table::of(comparison, |_| interrupt.end_if_asked())?;
+    match table.failure() {
+        Some(why) => Err(Failure::Input(why)),
+        None => Ok(table),
+    }
+}

@@ -1,0 +1,552 @@
+//! A material with a method, asked about states, waves and paths.
+
+use crate::answer::Answer;
+use crate::arrays::{bytes, deformations, numbers};
+use crate::failure::Failure;
+use crate::interrupt::{self, Interrupt};
+use onset::analysis::PlaneWaves;
+use onset::kinematics::DeformationGradient;
+use onset_study::Verdict;
+use onset_study::answers::{
+    self, Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, StateAnswer, Strain, Waves,
+};
+use onset_study::criteria::{Lateral, Mode};
+use onset_study::map::{Evaluator, Record};
+use onset_study::output::text;
+use onset_study::settings::{MapSettings, Settings, Trust};
+use onset_study::simulate::{self, Duration, Place, Question, Seeded, Stepper};
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// States that are computed together, as in a map.
+const PART: usize = 512;
+/// From so many states on it pays to prepare for many.
+const MANY: usize = 64;
+/// The most numbers of an answer in arrays.
+const MOST: usize = 1 << 28;
+/// Phases beyond are not told in double precision.
+const LARGEST: f64 = 1e6;
+
+/// Name and text of a study.
+pub type Source = (String, String);
+
+/// Settings of a study, or of the defaults, changed by assignments; `open` are keys that are about to be varied.
+///
+/// # Errors
+/// [`Failure`] for a setting that is wrong, and for a library that a file may not load.
+pub fn settings(
+    file: Option<&Source>,
+    assignments: &[String],
+    libraries: &[PathBuf],
+    open: &[&str],
+) -> Result<Settings, Failure> {
+    let (name, text) = file.map_or(("", ""), |(name, text)| (name, text));
+    let mut settings = Settings::of_file(name, text, assignments, open)?;
+    settings.material.allow(&Trust::of_user(libraries));
+    settings.material.permitted()?;
+    Ok(settings)
+}
+
+/// A material with a method.
+#[pyclass(frozen, module = "onset._onset")]
+pub struct Problem(Arc<answers::Problem>);
+
+/// A state as it is given: stretches, or components of `F`, as numbers separated by commas.
+fn strain(
+    problem: &answers::Problem,
+    stretch: Option<&str>,
+    components: Option<&str>,
+) -> Result<Strain, Failure> {
+    let dimension = problem.dimension();
+    Ok(match (stretch, components) {
+        (Some(text), None) => Strain::of_stretches("--stretch", text, dimension)?,
+        (None, Some(text)) => Strain::of_components("--deformation-gradient", text, dimension)?,
+        _ => {
+            return Err(Failure::input(
+                "a state has `stretch` or `F`; give one of them",
+            ));
+        }
+    })
+}
+
+#[pymethods]
+impl Problem {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        assignments: Vec<String>,
+        file: Option<Source>,
+        libraries: Vec<PathBuf>,
+    ) -> PyResult<Self> {
+        let problem = interrupt::answer(py, move || {
+            let settings = settings(file.as_ref(), &assignments, &libraries, &[])?;
+            Ok(answers::Problem::new(settings)?)
+        })?;
+        Ok(Self(Arc::new(problem)))
+    }
+
+    /// The number of space dimensions.
+    #[getter]
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
+    /// The reciprocal vectors of the reference lattice, as many as there are dimensions; 1/length.
+    #[getter]
+    fn reciprocal(&self) -> Vec<Vec<f64>> {
+        let dimension = self.0.dimension();
+        let vectors = self.0.analysis.reciprocal();
+        vectors
+            .iter()
+            .map(|vector| vector.iter().take(dimension).copied().collect())
+            .collect()
+    }
+
+    fn state(
+        &self,
+        py: Python<'_>,
+        stretch: Option<String>,
+        components: Option<String>,
+        certify: Option<f64>,
+    ) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
+            let answer = match certify {
+                Some(tolerance) => StateAnswer::certified(&problem, &strain, tolerance)?,
+                None => StateAnswer::new(&problem, &strain)?,
+            };
+            Answer::of(&answer, &answer)
+        })
+    }
+
+    fn waves(
+        &self,
+        py: Python<'_>,
+        stretch: Option<String>,
+        components: Option<String>,
+        wave_vector: String,
+    ) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
+            let waves = Waves::new(&problem, &strain, &wave_vector)?;
+            Answer::of(&waves, &waves)
+        })
+    }
+
+    fn bands(
+        &self,
+        py: Python<'_>,
+        stretch: Option<String>,
+        components: Option<String>,
+        path: Option<String>,
+    ) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
+            let diagram = Diagram::new(&problem, &strain, path.as_deref())?;
+            let answer = Answer::of(&diagram, diagram.told())?.with_table(&diagram.csv());
+            Ok(answer.with_files(move || {
+                let title = "Dispersion of the discretization and of the continuum";
+                let figure = diagram.figure(title).files("dispersion");
+                let mut files = figure.map_err(Failure::machine)?;
+                files.push(text("dispersion.csv", diagram.csv()));
+                files.push(text("density-of-states.csv", diagram.density_csv()));
+                Ok(files)
+            }))
+        })
+    }
+
+    /// Along a straight path between two states as they are typed.
+    fn straight_path(&self, py: Python<'_>, from: String, to: String) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let dimension = problem.dimension();
+            let from = Strain::of_either("--from", &from, dimension)?;
+            let to = Strain::of_either("--to", &to, dimension)?;
+            along(problem, Course::Straight(from, to))
+        })
+    }
+
+    /// Along a loading between two imposed stretches.
+    fn loading_path(
+        &self,
+        py: Python<'_>,
+        mode: &str,
+        lateral: Option<&str>,
+        from: f64,
+        to: f64,
+    ) -> PyResult<Answer> {
+        let mode = mode_named(mode)?;
+        let lateral = lateral.map(lateral_named).transpose()?;
+        for (name, stretch) in [("from_", from), ("to", to)] {
+            if !(stretch > 0.0 && stretch.is_finite()) {
+                return Err(Failure::Input(format!(
+                    "{name} is {stretch}; with mode expected one imposed stretch, a positive number"
+                ))
+                .into());
+            }
+        }
+        let course = Course::of_mode(mode, lateral, from, to).map_err(|known| {
+            Failure::Input(format!(
+                "lateral=\"{}\" is nothing that {} loading has\n  hint: it has {known}",
+                lateral.map_or("", Lateral::name),
+                mode.name()
+            ))
+        })?;
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || along(problem, course))
+    }
+
+    /// Verdicts on states, of nine components each, as a map has them: a column of bytes for each quantity.
+    fn verdicts<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let components = numbers(py, &components)?;
+        let problem = Arc::clone(&self.0);
+        let records = interrupt::ending(py, move |interrupt| {
+            records(&problem, &components, &interrupt)
+        })?;
+        let columns = PyDict::new(py);
+        let flags: Vec<f64> = records.iter().map(flag).collect();
+        columns.set_item("verdict", bytes(py, &flags))?;
+        let number = |take: fn(&Record) -> f64| -> Vec<f64> { records.iter().map(take).collect() };
+        for (name, take) in NUMBERS {
+            columns.set_item(name, bytes(py, &number(*take)))?;
+        }
+        let dimension = self.0.dimension();
+        for (name, take) in VECTORS {
+            let vectors: Vec<f64> = records
+                .iter()
+                .flat_map(|record| take(record).into_iter().take(dimension))
+                .collect();
+            columns.set_item(name, bytes(py, &vectors))?;
+        }
+        Ok(columns)
+    }
+
+    /// All `omega^2` at reference wave vectors of some states, real and imaginary parts: for each state, each wave vector, each branch.
+    fn omega_squared<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+        wave_vectors: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.spectra(
+            py,
+            &components,
+            &wave_vectors,
+            self.branches() * 2,
+            |waves, k, out| {
+                for (place, omega_squared) in out.chunks_exact_mut(2).zip(waves.omega_squared(k)) {
+                    place.copy_from_slice(&[omega_squared.re, omega_squared.im]);
+                }
+            },
+        )
+    }
+
+    /// The `omega^2` of the continuum, likewise.
+    fn continuum_omega_squared<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+        wave_vectors: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.spectra(
+            py,
+            &components,
+            &wave_vectors,
+            self.0.dimension(),
+            |waves, k, out| {
+                out.copy_from_slice(&waves.continuum_omega_squared(k));
+            },
+        )
+    }
+
+    /// The dynamical matrices, real and imaginary parts, row by row, likewise.
+    fn dynamical_matrices<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+        wave_vectors: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let branches = self.branches();
+        self.spectra(
+            py,
+            &components,
+            &wave_vectors,
+            2 * branches * branches,
+            move |waves, k, out| {
+                let matrix = waves.dynamical_matrix_at(k);
+                for (n, place) in out.chunks_exact_mut(2).enumerate() {
+                    let entry = matrix[(n / branches, n % branches)];
+                    place.copy_from_slice(&[entry.re, entry.im]);
+                }
+            },
+        )
+    }
+
+    /// How many waves there are with a wave vector.
+    #[getter]
+    fn branches(&self) -> usize {
+        self.0.analysis.sites() * self.0.dimension()
+    }
+
+    /// The particles of a patch, step by step.
+    #[pyo3(signature = (stretch, components, cells, mode, wave_vector, turns, branch, amplitude, seed, steps, time, fraction, time_step,
+        supercritical, integrator, tolerance, out, every, fields, checkpoint, resume, overwrite))]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        stretch: Option<String>,
+        components: Option<String>,
+        cells: Vec<usize>,
+        mode: &str,
+        wave_vector: Option<Vec<f64>>,
+        turns: Option<Vec<i64>>,
+        branch: usize,
+        amplitude: f64,
+        seed: u64,
+        steps: Option<u64>,
+        time: Option<f64>,
+        fraction: Option<f64>,
+        time_step: Option<f64>,
+        supercritical: bool,
+        integrator: &str,
+        tolerance: f64,
+        out: Option<PathBuf>,
+        every: Option<u64>,
+        fields: u64,
+        checkpoint: Option<u64>,
+        resume: bool,
+        overwrite: bool,
+    ) -> PyResult<Answer> {
+        let seeded = match (wave_vector, turns, mode) {
+            (Some(wave_vector), None, _) => Seeded::Wave(wave_vector),
+            (None, Some(turns), _) => Seeded::Turns(turns),
+            (None, None, "critical") => Seeded::Critical,
+            (None, None, "noise") => Seeded::Noise,
+            (None, None, other) => {
+                return Err(unknown("mode", other, ["critical", "noise"]).into());
+            }
+            _ => {
+                return Err(Failure::input("a wave has `wave_vector` or `turns`, not both").into());
+            }
+        };
+        let duration = match (steps, time) {
+            (Some(steps), None) => Duration::Steps(steps),
+            (None, Some(time)) => Duration::Time(time),
+            (None, None) => Duration::Natural,
+            _ => return Err(Failure::input("a run has `steps` or `time`, not both").into()),
+        };
+        let stepper = Stepper::named(integrator)
+            .ok_or_else(|| unknown("integrator", integrator, Stepper::ALL.map(Stepper::name)))?;
+        let place = out.map(|folder| Place {
+            folder,
+            is_resumed: resume,
+            is_overwritten: overwrite,
+            checkpoint,
+        });
+        let problem = Arc::clone(&self.0);
+        interrupt::ending(py, move |interrupt| {
+            let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
+            let question = Question {
+                f: strain.0,
+                cells,
+                seeded,
+                branch,
+                amplitude,
+                seed,
+                duration,
+                fraction,
+                time_step,
+                is_supercritical: supercritical,
+                stepper,
+                every,
+                fields,
+                tolerance,
+            };
+            let answer = simulate::simulate(&problem, &question, place.as_ref(), &interrupt)?;
+            Answer::of(&answer, &answer)
+        })
+    }
+}
+
+impl simulate::Watch for Interrupt {
+    fn advance(&self, _done: u64, _all: u64) {
+        self.end_if_asked_twice();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_asked()
+    }
+}
+
+impl Problem {
+    /// Numbers of waves, on all cores: `width` for each wave vector of each state, as bytes.
+    fn spectra<'py>(
+        &self,
+        py: Python<'py>,
+        components: &PyBuffer<f64>,
+        wave_vectors: &PyBuffer<f64>,
+        width: usize,
+        take: impl Fn(&dyn PlaneWaves, &[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = numbers(py, components)?;
+        let wave_vectors = numbers(py, wave_vectors)?;
+        let problem = Arc::clone(&self.0);
+        let spectra = interrupt::ending(py, move |interrupt| {
+            let states = deformations(&components)?;
+            let dimension = problem.dimension();
+            check(&wave_vectors, problem.settings.discretization.spacing)?;
+            let vectors = wave_vectors.len() / dimension;
+            let count = states.len().checked_mul(vectors * width);
+            if count.is_none_or(|count| count > MOST) {
+                return Err(Failure::Input(format!(
+                    "{} states and {vectors} wave vectors are too many at once\n  hint: ask for parts",
+                    states.len()
+                )));
+            }
+            let mut all = vec![0.0; states.len() * vectors * width];
+            if all.is_empty() {
+                return Ok(all);
+            }
+            for (f, out) in states.iter().zip(all.chunks_exact_mut(vectors * width)) {
+                let waves = problem
+                    .analysis
+                    .waves(f)
+                    .map_err(answers::ProblemError::from)?;
+                out.par_chunks_exact_mut(width)
+                    .zip(wave_vectors.par_chunks_exact(dimension))
+                    .with_min_len(PART)
+                    .for_each(|(out, k)| take(&*waves, k, out));
+                interrupt.end_if_asked();
+            }
+            Ok(all)
+        })?;
+        Ok(bytes(py, &spectra).into_any())
+    }
+}
+
+/// That phases are told in double precision.
+fn check(wave_vectors: &[f64], spacing: f64) -> Result<(), Failure> {
+    if let Some(value) = wave_vectors.iter().find(|value| !value.is_finite()) {
+        return Err(Failure::Input(format!(
+            "k holds {value}; all its numbers must be finite"
+        )));
+    }
+    let largest = wave_vectors
+        .iter()
+        .fold(0.0, |most: f64, x| most.max(x.abs()));
+    let value = largest * spacing;
+    if value > LARGEST {
+        return Err(answers::ProblemError::WaveVector { value }.into());
+    }
+    Ok(())
+}
+
+/// What is stored of a state as a number.
+type Taken<T> = (&'static str, fn(&Record) -> T);
+
+const NUMBERS: &[Taken<f64>] = &[
+    ("scaled_minimum", |record| record.scaled_minimum),
+    ("lowest_omega_squared", |record| record.lowest_omega_squared),
+    ("growth_rate", |record| record.growth_rate),
+    ("critical_time_step", |record| record.critical_time_step),
+    ("acoustic_minimum", |record| record.acoustic_minimum),
+];
+
+const VECTORS: &[Taken<[f64; 3]>] = &[
+    ("wave_vector", |record| record.wave_vector),
+    ("acoustic_direction", |record| record.acoustic_direction),
+];
+
+/// The number of a verdict among all; the one after the last where there is none.
+fn flag(record: &Record) -> f64 {
+    let place = |verdict| Verdict::ALL.iter().position(|other| *other == verdict);
+    let place = record.finding.verdict.and_then(place);
+    place.unwrap_or(Verdict::ALL.len()) as f64
+}
+
+/// States as a map computes them, on all cores.
+fn records(
+    problem: &answers::Problem,
+    components: &[f64],
+    interrupt: &Interrupt,
+) -> Result<Vec<Record>, Failure> {
+    let states = deformations(components)?;
+    let map = MapSettings::default();
+    let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY)?;
+    let shares = 4 * rayon::current_num_threads();
+    let part = states.len().div_ceil(shares).clamp(1, PART);
+    let of_part = |(n, states): (usize, &[DeformationGradient])| {
+        interrupt.end_if_asked();
+        let records = evaluator.records(states).into_iter().enumerate();
+        records
+            .map(|(i, record)| {
+                let at = |error| Failure::Input(format!("state {}: {error}", n * part + i));
+                record.map_err(at)
+            })
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let parts: Result<Vec<Vec<Record>>, Failure> =
+        states.par_chunks(part).enumerate().map(of_part).collect();
+    Ok(parts?.concat())
+}
+
+/// The answer along a path.
+fn along(problem: Arc<answers::Problem>, course: Course) -> Result<Answer, Failure> {
+    let path = PathAnswer::along(&problem, &course)?;
+    let answer = Answer::of(&path, &path)?;
+    Ok(answer.with_files(move || {
+        let samples = PathSamples::new(&problem, &course)?;
+        let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
+            let parameters = crossings.iter().map(|crossing| crossing.parameter);
+            parameters.collect()
+        };
+        let particles = parameters(&path.discretization_crossings);
+        let material = parameters(&path.material_crossings);
+        let title = match &path.loading {
+            Some(loading) => format!("Stability under loading: {}", loading.title),
+            None => "Stability along a path".to_owned(),
+        };
+        let files = samples.files(&title, [&particles, &material]);
+        files.map_err(Failure::machine)
+    }))
+}
+
+/// A mode of loading by its name.
+///
+/// # Errors
+/// [`Failure`] with all names.
+pub fn mode_named(name: &str) -> Result<Mode, Failure> {
+    let named = Mode::ALL.into_iter().find(|mode| mode.name() == name);
+    named.ok_or_else(|| unknown("mode", name, Mode::ALL.map(Mode::name)))
+}
+
+/// What holds the other directions, by its name.
+fn lateral_named(name: &str) -> Result<Lateral, Failure> {
+    let all = [
+        Lateral::Free,
+        Lateral::PlaneStress,
+        Lateral::PlaneStrain,
+        Lateral::Held,
+    ];
+    let named = all.into_iter().find(|lateral| lateral.name() == name);
+    named.ok_or_else(|| unknown("lateral", name, all.map(Lateral::name)))
+}
+
+/// A word that an argument does not take.
+pub fn unknown<const N: usize>(argument: &str, word: &str, known: [&str; N]) -> Failure {
+    Failure::Input(format!(
+        "{argument} cannot be \"{word}\"\n  hint: expected one of {}",
+        known.join(", ")
+    ))
+}

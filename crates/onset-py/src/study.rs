@@ -1,0 +1,160 @@
+//! A study: its boundaries, and its map.
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::interrupt::{self, Interrupt};
+use crate::problem::Source;
+use onset_study::boundary::{self, Boundaries, Tracing, files};
+use onset_study::map::{self, Plan, Summary};
+use onset_study::settings::{self, Trust};
+use onset_study::store::ZarrStore;
+use pyo3::prelude::*;
+use serde::Serialize;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// A study of two or three axes.
+#[pyclass(frozen, module = "onset._onset")]
+pub struct Study(settings::Study);
+
+/// What the command prints of boundaries.
+#[derive(Serialize)]
+struct Traced {
+    #[serde(flatten)]
+    summary: boundary::Summary,
+    files: Vec<String>,
+}
+
+/// What the command prints of a map.
+#[derive(Serialize)]
+struct Mapped<'a> {
+    store: String,
+    #[serde(flatten)]
+    summary: &'a Summary,
+    interrupted: bool,
+}
+
+impl boundary::Watch for Interrupt {
+    fn asked(&self, _states: u64) {
+        self.end_if_asked();
+    }
+}
+
+impl map::Watch for Interrupt {
+    fn advance(&self, _states: u64) {
+        self.end_if_asked_twice();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_asked()
+    }
+}
+
+#[pymethods]
+impl Study {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        file: Source,
+        assignments: Vec<String>,
+        libraries: Vec<PathBuf>,
+    ) -> PyResult<Self> {
+        interrupt::answer(py, move || {
+            let (name, text) = file;
+            let study = settings::Study::parse(&name, &text)?;
+            let mut study = study.override_with(&assignments)?;
+            study.settings.material.allow(&Trust::of_user(&libraries));
+            study.settings.material.permitted()?;
+            Ok(Self(study))
+        })
+    }
+
+    /// The file as read; after an override the study written out in full.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.0.text
+    }
+
+    /// Numbers of states along the axes, slowest first.
+    #[getter]
+    fn shape(&self) -> Vec<usize> {
+        self.0.shape()
+    }
+
+    fn boundary(&self, py: Python<'_>, flutter: bool) -> PyResult<Answer> {
+        let study = self.0.clone();
+        interrupt::ending(py, move |interrupt| {
+            let tracing = Tracing {
+                flutter,
+                fidelity: true,
+                until: None,
+            };
+            let boundaries = Boundaries::of(&study, tracing, &interrupt).map_err(Failure::input)?;
+            let made = files(&boundaries).map_err(Failure::machine)?;
+            let table = made.iter().find(|(name, _)| name == "boundary.csv");
+            let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
+            let text = boundaries.summary().to_string();
+            let traced = Traced {
+                summary: boundaries.summary(),
+                files: Vec::new(),
+            };
+            let answer = Answer::of(&traced, text)?.with_table(&table.unwrap_or_default());
+            Ok(answer.with_files(move || Ok(made.clone())))
+        })
+    }
+
+    /// Makes the store of the map, or finds it, without computing anything; how many tiles it has.
+    fn begin(
+        &self,
+        py: Python<'_>,
+        out: PathBuf,
+        resume: bool,
+        overwrite: bool,
+    ) -> PyResult<usize> {
+        let study = self.0.clone();
+        interrupt::answer(py, move || {
+            let plan = Plan::new(&study)?;
+            store(&plan, &out, resume, overwrite)?;
+            Ok(plan.tiling().tiles())
+        })
+    }
+
+    /// Computes tiles of the map, all unless a range is given, into a store.
+    fn map(
+        &self,
+        py: Python<'_>,
+        out: PathBuf,
+        tiles: Option<(usize, usize)>,
+        resume: bool,
+        overwrite: bool,
+    ) -> PyResult<Answer> {
+        let study = self.0.clone();
+        interrupt::ending(py, move |interrupt| {
+            let plan = Plan::new(&study)?;
+            let asked = tiles.map(|(start, end)| Range { start, end });
+            let is_part = asked.is_some();
+            let tiles = plan.tiles(asked)?;
+            let store = store(&plan, &out, resume || is_part, overwrite)?;
+            let asked = tiles.len();
+            let summary = plan.run(&store, tiles, &interrupt)?;
+            let mapped = Mapped {
+                store: out.display().to_string(),
+                summary: &summary,
+                interrupted: summary.tiles_computed + summary.tiles_found < asked,
+            };
+            Answer::of(&mapped, format!("{summary}\nstore: {}", out.display()))
+        })
+    }
+}
+
+/// The store of a map: a new one, in the place of another, or one that is there.
+fn store(plan: &Plan, out: &Path, resume: bool, overwrite: bool) -> Result<ZarrStore, Failure> {
+    let store = if overwrite {
+        ZarrStore::replace(out, plan.layout())
+    } else if resume {
+        ZarrStore::resume(out, plan.layout())
+    } else {
+        ZarrStore::create(out, plan.layout())
+    };
+    Ok(store?)
+}

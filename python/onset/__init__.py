@@ -1,0 +1,118 @@
+"""Is this instability physical or numerical?
+
+``onset`` takes a material and a particle method (SPH, total-Lagrangian SPH, RKPM, peridynamics, MPM and their relatives) and answers for every
+state of deformation, with the evidence. What the command ``onset`` answers is a function here::
+
+    import onset
+    sph = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+    rubber = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
+    answer = onset.state(rubber, sph, stretch=(1.1, 1.0))
+    print(answer.verdict, answer.growth_rate, answer.wave_vector)
+
+Answers have named attributes, ``print`` as the command prints, and are drawn by ``plot()``. Settings are keyword arguments with the names of the keys of
+study files. What is wrong is an ``onset.OnsetError`` with the text and the hint of the command.
+"""
+
+from ._answers import (
+    Answer,
+    Audit,
+    Bands,
+    Boundary,
+    Card,
+    Comparison,
+    Criteria,
+    Dispersion,
+    Localization,
+    Mapped,
+    Modes,
+    Path,
+    Recommendation,
+    Record,
+    Simulation,
+    State,
+    Tuning,
+    Verdicts,
+    Waves,
+)
+from ._ask import (
+    audit,
+    bands,
+    boundary,
+    card,
+    compare,
+    criteria,
+    dispersion,
+    dynamical_matrix,
+    keys,
+    localize,
+    map,
+    map_into,
+    models,
+    modes,
+    omega_squared,
+    open_map,
+    path,
+    recommend,
+    simulate,
+    state,
+    tune,
+    verdicts,
+    waves,
+)
+from ._errors import InputError, MachineError, OnsetError, SettingError
+from ._onset import version as _version
+from ._settings import Material, Method, Study
+
+__version__ = _version()
+
+__all__ = [
+    "Answer",
+    "Audit",
+    "Bands",
+    "Boundary",
+    "Card",
+    "Comparison",
+    "Criteria",
+    "Dispersion",
+    "InputError",
+    "Localization",
+    "MachineError",
+    "Mapped",
+    "Material",
+    "Method",
+    "Modes",
+    "OnsetError",
+    "Path",
+    "Recommendation",
+    "Record",
+    "SettingError",
+    "Simulation",
+    "State",
+    "Study",
+    "Tuning",
+    "Verdicts",
+    "Waves",
+    "audit",
+    "bands",
+    "boundary",
+    "card",
+    "compare",
+    "criteria",
+    "dispersion",
+    "dynamical_matrix",
+    "keys",
+    "localize",
+    "map",
+    "map_into",
+    "models",
+    "modes",
+    "omega_squared",
+    "open_map",
+    "path",
+    "recommend",
+    "simulate",
+    "state",
+    "tune",
+    "verdicts",
+    "waves",
+]

@@ -1,0 +1,546 @@
+"""Answers: the documents that the command prints with ``--json``, as objects with named attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+import html
+import json
+import os
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from . import _onset
+from ._arrays import Complexes, Floats, place, received
+from ._errors import asks
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class Record(Mapping[str, Any]):
+    """A part of an answer, frozen: ``part.growth_rate`` is ``part["growth_rate"]``.
+
+    Numbers that do not exist are NaN in arrays and ``None`` alone. Names with hyphens or dots are attributes with underscores; those
+    that Python has taken get one behind (``crossing.from_``).
+    """
+
+    __slots__ = ("_fields",)
+    _fields: Mapping[str, Any]
+
+    def __init__(self, fields: Mapping[str, Any]) -> None:
+        object.__setattr__(self, "_fields", fields)
+
+    def __getitem__(self, name: str) -> Any:
+        return _value(self._fields[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+    def __getattr__(self, name: str) -> Any:
+        # What notebooks and copies look for is none of the document.
+        if name.startswith("_"):
+            raise AttributeError(name)
+        fields = self._fields
+        if name in fields:
+            return _value(fields[name])
+        for own, value in fields.items():
+            if _attribute(own) == name.rstrip("_"):
+                return _value(value)
+        raise AttributeError(f"this answer has no {name!r}; it has {', '.join(_attribute(own) for own in fields)}")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("answers are frozen")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(_attribute(name) for name in self._fields)]
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and other._fields == self._fields
+
+    def __hash__(self) -> int:
+        return hash(json.dumps(self._fields, sort_keys=True))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(_attribute(name) for name in self._fields)})"
+
+    def __reduce__(self) -> tuple[type[Record], tuple[Mapping[str, Any]]]:
+        return Record, (self._fields,)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain dictionaries, lists and numbers."""
+        return cast("dict[str, Any]", json.loads(json.dumps(self._fields)))
+
+
+def _attribute(name: str) -> str:
+    return name.replace("-", "_").replace(".", "_")
+
+
+def _is_complex(value: object) -> bool:
+    return isinstance(value, dict) and value.keys() == {"re", "im"}
+
+
+def _value(value: Any) -> Any:
+    """A value of a document: arrays of numbers, complex numbers, parts."""
+    if isinstance(value, dict):
+        return complex(value["re"], value["im"]) if _is_complex(value) else Record(value)
+    if isinstance(value, list):
+        array = _array(value)
+        return tuple(_value(item) for item in value) if array is None else array
+    return value
+
+
+def _array(items: list[Any]) -> Any:
+    """An array where all items are numbers, or lists of one length of them; otherwise nothing."""
+    flat: list[Any] = items
+    shape = [len(items)]
+    while flat and all(isinstance(item, list) for item in flat):
+        lengths = {len(item) for item in flat}
+        if len(lengths) != 1:
+            return None
+        shape.append(lengths.pop())
+        flat = [inner for item in flat for inner in item]
+    is_number = [isinstance(item, (int, float)) and not isinstance(item, bool) for item in flat]
+    if any(is_number) and all(known or item is None for known, item in zip(is_number, flat, strict=True)):
+        return np.array([np.nan if item is None else item for item in flat]).reshape(shape)
+    if flat and all(_is_complex(item) for item in flat):
+        return np.array([complex(item["re"], item["im"]) for item in flat]).reshape(shape)
+    return None
+
+
+class Answer(Record):
+    """An answer of a command.
+
+    ``str(answer)`` is the text that the command prints, ``answer.json`` its document of ``--json`` to the last byte, ``answer.csv`` its
+    table; ``answer.save(folder)`` writes the files of ``--out``.
+    """
+
+    __slots__ = ("_answer",)
+    _answer: _onset.Answer
+
+    def __init__(self, answer: _onset.Answer) -> None:
+        super().__init__(json.loads(answer.json))
+        object.__setattr__(self, "_answer", answer)
+
+    def __copy__(self) -> Answer:
+        return self
+
+    def __deepcopy__(self, _: object) -> Answer:
+        return self
+
+    @property
+    def json(self) -> str:
+        """The document that the command prints with ``--json``."""
+        return self._answer.json
+
+    @property
+    def csv(self) -> str:
+        """The table that the command prints with ``--format csv``."""
+        return self._answer.csv
+
+    def __str__(self) -> str:
+        return self._answer.text
+
+    def __repr__(self) -> str:
+        return f"<onset.{type(self).__name__}: {self._answer.text.partition(chr(10))[0]}>"
+
+    @asks
+    def files(self) -> dict[str, bytes]:
+        """The files that the command writes with ``--out``, by name."""
+        return self._answer.files()
+
+    @asks
+    def save(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Writes the files of ``--out`` into a folder; their paths."""
+        return self._answer.save(place(folder, "folder"))
+
+    def _picture(self) -> str | None:
+        """The figure as SVG, where there is one."""
+        pictures = [data for name, data in self.files().items() if name.endswith(".svg")]
+        return pictures[0].decode() if pictures else None
+
+    def _repr_html_(self) -> str:
+        first, _, rest = self._answer.text.partition("\n")
+        picture = self._picture() or ""
+        return (
+            f"<div><p><strong>{html.escape(first)}</strong></p>{picture}"
+            f"<details{'' if picture else ' open'}><summary>all of it</summary><pre>{html.escape(rest.strip())}</pre></details></div>"
+        )
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the figure of the answer with matplotlib; into `ax`, where it is given."""
+        from . import _plots
+
+        return _plots.picture(self.files(), ax)
+
+
+class State(Answer):
+    """The verdict on a state with its evidence."""
+
+    __slots__ = ("_spectrum",)
+    _spectrum: Callable[[Floats], tuple[Complexes, Floats]]
+
+    @property
+    def verdict(self) -> str:
+        """``stable``, ``physical``, ``numerical``, ``zero-energy`` or ``suppressed``."""
+        return cast(str, self._fields["verdict"])
+
+    @property
+    def mechanism(self) -> str | None:
+        """Of a numerical instability: ``tensile``, ``compressive``, ``flutter`` or ``long-wave``."""
+        return cast("str | None", self._fields["mechanism"])
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in plain English."""
+        return cast(str, self._fields["sentence"])
+
+    @property
+    def stable(self) -> bool:
+        """Whether no wave of the particles grows."""
+        return cast(bool, self._fields["discretization"]["stable"])
+
+    @property
+    def growth_rate(self) -> float:
+        """That of the fastest growing wave, 0 where none grows; 1/time."""
+        return cast(float, self._fields["discretization"]["growth_rate"])
+
+    @property
+    def wave_vector(self) -> Floats:
+        """The reference wave vector of the softest or fastest growing wave, shape (D,); 1/length."""
+        return np.array(self._fields["discretization"]["wave_vector"], dtype=np.float64)
+
+    @property
+    def critical_time_step(self) -> float | None:
+        """The largest stable time step of central differences; time."""
+        return cast("float | None", self._fields["discretization"]["critical_time_step"])
+
+    @property
+    def cauchy(self) -> Floats:
+        """The Cauchy stress, shape (3, 3); stress."""
+        return np.array(self._fields["material"]["cauchy"], dtype=np.float64)
+
+    @property
+    def minimum_acoustic_eigenvalue(self) -> float:
+        """The smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; stress."""
+        return cast(float, self._fields["material"]["minimum_acoustic_eigenvalue"])
+
+    @property
+    def elliptic(self) -> bool:
+        """Whether the material is strongly elliptic for waves in the dimensions of the lattice."""
+        return cast(bool, self._fields["material"]["elliptic"])
+
+    def _with_spectrum(self, spectrum: Callable[[Floats], tuple[Complexes, Floats]]) -> State:
+        object.__setattr__(self, "_spectrum", spectrum)
+        return self
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws ``omega^2`` of particles and continuum along the wave vector of the softest wave, and beyond it."""
+        from . import _plots
+
+        return _plots.along_wave(self.wave_vector, self._spectrum, ax)
+
+
+class Waves(Answer):
+    """The waves of one wave vector."""
+
+    __slots__ = ()
+
+    @property
+    def omega_squared(self) -> Complexes:
+        """``omega^2`` of the particles by increasing real part, shape (branches,); 1/time^2."""
+        return np.asarray(_value(self._fields["omega_squared"]), dtype=np.complex128)
+
+    @property
+    def continuum_omega_squared(self) -> Floats:
+        """``omega^2`` of the continuum, shape (D,); 1/time^2."""
+        return np.array(self._fields["continuum_omega_squared"], dtype=np.float64)
+
+    @property
+    def dynamical_matrix(self) -> Complexes:
+        """``D(k)``, shape (branches, branches); 1/time^2."""
+        return np.asarray(_value(self._fields["dynamical_matrix"]), dtype=np.complex128)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws ``omega^2`` of the particles beside those of the continuum."""
+        from . import _plots
+
+        return _plots.levels(self.omega_squared, self.continuum_omega_squared, ax)
+
+
+class Bands(Answer):
+    """Frequencies along a path through the zone, and the density of states."""
+
+    __slots__ = ()
+
+    @property
+    def k(self) -> Floats:
+        """The reference wave vectors of the samples, shape (n, D); 1/length."""
+        return np.array([sample["wave_vector"] for sample in self._fields["samples"]], dtype=np.float64)
+
+    @property
+    def lengths(self) -> Floats:
+        """Length along the path of each sample, shape (n,); 1/length."""
+        return np.array(self._fields["lengths"], dtype=np.float64)
+
+    @property
+    def omega_squared(self) -> Complexes:
+        """``omega^2`` of the particles, shape (n, branches); 1/time^2."""
+        return np.asarray(_value([sample["omega_squared"] for sample in self._fields["samples"]]), dtype=np.complex128)
+
+    @property
+    def continuum_omega_squared(self) -> Floats:
+        """``omega^2`` of the continuum, shape (n, D); 1/time^2."""
+        return np.array([sample["continuum_omega_squared"] for sample in self._fields["samples"]], dtype=np.float64)
+
+    @property
+    def dynamical_matrices(self) -> Complexes:
+        """``D(k)`` of the samples, shape (n, branches, branches); 1/time^2."""
+        return np.asarray(_value([sample["dynamical_matrix"] for sample in self._fields["samples"]]), dtype=np.complex128)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The names of the corners."""
+        return tuple(corner["name"] for corner in self._fields["corners"])
+
+    @property
+    def corners(self) -> Floats:
+        """The lengths of the corners along the path, shape (corners,); 1/length."""
+        return np.array([corner["length"] for corner in self._fields["corners"]], dtype=np.float64)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws frequencies along the path; waves that grow stand below zero, by their growth rate."""
+        from . import _plots
+
+        return _plots.bands(self, ax)
+
+
+class Path(Answer):
+    """Where along a path stability is lost and regained."""
+
+    __slots__ = ()
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path, each over its
+        largest value."""
+        from . import _plots
+
+        return _plots.path(self.files()["path.csv"].decode(), self, ax)
+
+
+class Boundary(Answer):
+    """Where in the plane of a study material and particles lose stability."""
+
+    __slots__ = ()
+
+    def geojson(self) -> dict[str, Any]:
+        """The curves in the coordinates of the axes, as a FeatureCollection."""
+        return cast("dict[str, Any]", json.loads(self.files()["boundary.geojson"]))
+
+    def curves(self) -> list[tuple[str, Floats]]:
+        """Whose boundary each curve is, ``material`` or ``discretization``, and its points, shape (n, 2)."""
+        told = []
+        for feature in self.geojson()["features"]:
+            points = feature["geometry"]["coordinates"]
+            points = points[0] if feature["geometry"]["type"] == "Polygon" else points
+            told.append((cast(str, feature["properties"]["of"]), np.array(points, dtype=np.float64)))
+        return told
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the curves over the axes of the study."""
+        from . import _plots
+
+        return _plots.curves(self, ax)
+
+
+class Modes(Answer):
+    """The waves that a method does not resist, or too little."""
+
+    __slots__ = ()
+
+
+class Criteria(Answer):
+    """Where along loadings each criterion of stability is lost."""
+
+    __slots__ = ()
+
+
+class Card(Answer):
+    """The safe range of a law."""
+
+    __slots__ = ()
+
+
+class Localization(Answer):
+    """Where along a loading a plastic material localizes, in which band."""
+
+    __slots__ = ()
+
+
+class Comparison(Answer):
+    """Methods side by side."""
+
+    __slots__ = ()
+
+
+class Recommendation(Answer):
+    """Methods ranked by rules that are told."""
+
+    __slots__ = ()
+
+
+class Tuning(Answer):
+    """The smallest coefficient that is sufficient."""
+
+    __slots__ = ()
+
+    @property
+    def recommended(self) -> float | None:
+        """The smallest value found that removes the spurious modes and masks nothing."""
+        return cast("float | None", self._fields["recommended"])
+
+
+class Audit(Answer):
+    """Whether a law has an energy, and a consistent tangent."""
+
+    __slots__ = ()
+
+    @property
+    def consistent(self) -> bool:
+        """Whether no check fails."""
+        return cast(bool, self._fields["consistent"])
+
+    def raise_for_error(self) -> Audit:
+        """The audit itself; an ``InputError`` with its text where a check fails."""
+        from ._errors import InputError
+
+        if not self.consistent:
+            raise InputError(str(self))
+        return self
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the error of each check on a logarithmic axis."""
+        from . import _plots
+
+        return _plots.checks(self, ax)
+
+
+class Simulation(Answer):
+    """A patch of particles in motion beside its prediction."""
+
+    __slots__ = ()
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the measured rate beside the predicted one."""
+        from . import _plots
+
+        return _plots.rates(self, ax)
+
+
+class Mapped(Answer):
+    """What came of a map: shares of the verdicts, and the store."""
+
+    __slots__ = ()
+
+    @property
+    def store(self) -> str:
+        """The folder of the store."""
+        return cast(str, self._fields["store"])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws how many states have which verdict."""
+        from . import _plots
+
+        return _plots.shares(self, ax)
+
+
+class Verdicts:
+    """Verdicts on many states: arrays of the shape of the states, vectors with one more index."""
+
+    #: The words of the verdicts; ``codes`` are their numbers.
+    names: tuple[str, ...] = tuple(_onset.verdict_names())
+
+    def __init__(self, columns: Mapping[str, bytes], shape: tuple[int, ...], dimension: int) -> None:
+        def of(name: str) -> Floats:
+            return received(columns[name], shape)
+
+        #: Numbers of the words in `names`.
+        self.codes = of("verdict").astype(np.int8)
+        #: The smallest ``Re omega^2 / (c^2 |k|_h^2)`` over the zone; without dimension.
+        self.scaled_minimum = of("scaled_minimum")
+        #: The smallest ``Re omega^2`` over the zone; 1/time^2.
+        self.lowest_omega_squared = of("lowest_omega_squared")
+        #: Of the fastest growing wave, zero where none grows; 1/time.
+        self.growth_rate = of("growth_rate")
+        #: The largest stable time step of central differences; time.
+        self.critical_time_step = of("critical_time_step")
+        #: The smallest acoustic eigenvalue of the continuum; stress.
+        self.acoustic_minimum = of("acoustic_minimum")
+        #: The reference wave vector of `scaled_minimum`, shape (..., D); 1/length.
+        self.wave_vector = received(columns["wave_vector"], (*shape, dimension))
+        #: The reference direction of `acoustic_minimum`, shape (..., D).
+        self.acoustic_direction = received(columns["acoustic_direction"], (*shape, dimension))
+
+    @property
+    def verdict(self) -> np.ndarray[Any, np.dtype[np.str_]]:
+        """The words, shape (...)."""
+        return np.array(self.names)[self.codes]
+
+    def count(self) -> dict[str, int]:
+        """How many states have which verdict."""
+        counts = np.bincount(self.codes.ravel(), minlength=len(self.names))
+        return {name: int(count) for name, count in zip(self.names, counts, strict=True)}
+
+    def __len__(self) -> int:
+        return self.codes.size
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{count} {name}" for name, count in self.count().items() if count)
+        return f"<onset.Verdicts on {self.codes.size} states: {told}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{count}</td></tr>" for name, count in self.count().items())
+        return f"<table>{rows}</table>"
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws how many states have which verdict."""
+        from . import _plots
+
+        return _plots.bars(list(self.count()), list(self.count().values()), "states", ax)
+
+
+class Dispersion:
+    """Waves of many wave vectors."""
+
+    def __init__(self, k: Floats, omega_squared: Complexes, continuum: Floats) -> None:
+        #: The reference wave vectors, shape (..., D); 1/length.
+        self.k = k
+        #: ``omega^2`` of the particles by increasing real part, shape (..., branches); 1/time^2.
+        self.omega_squared = omega_squared
+        #: ``omega^2`` of the continuum, shape (..., D); 1/time^2.
+        self.continuum_omega_squared = continuum
+
+    @property
+    def frequencies(self) -> Floats:
+        """The real part of ``omega``, shape (..., branches); 1/time."""
+        return np.asarray(np.sqrt(self.omega_squared).real, dtype=np.float64)
+
+    @property
+    def growth_rates(self) -> Floats:
+        """How fast waves grow, zero where they do not, shape (..., branches); 1/time."""
+        return np.asarray(np.abs(np.sqrt(self.omega_squared).imag), dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return f"<onset.Dispersion of {self.k[..., 0].size} wave vectors, {self.omega_squared.shape[-1]} branches>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>"
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws ``omega^2`` against the length of the wave vector."""
+        from . import _plots
+
+        return _plots.scatter(self, ax)

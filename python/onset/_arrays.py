@@ -1,0 +1,161 @@
+"""Numbers as they are given, made into arrays of doubles, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._errors import InputError
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+
+def numbers(value: ArrayLike, what: str) -> Floats:
+    """An array of doubles in the order of its indices; `what` is the argument, for messages."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind == "O":
+            array = array.astype(np.float64)
+    except TypeError:
+        raise
+    except Exception as error:
+        raise InputError(f"{what} cannot be read as numbers: {error}") from error
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{what} holds {array.dtype}; expected numbers")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def number(value: object, what: str) -> float:
+    """One number."""
+    array = numbers(value, what)  # type: ignore[arg-type]
+    if array.size != 1:
+        raise InputError(f"{what} has {array.size} numbers; expected one")
+    return float(array.reshape(()))
+
+
+def between(value: object, what: str, low: float, high: float, expected: str) -> float:
+    """One number above `low` and at most `high`."""
+    single = number(value, what)
+    if not low < single <= high:
+        raise InputError(f"{what} is {single!r}; expected {expected}")
+    return single
+
+
+def share(value: object, what: str) -> float:
+    """A number above 0 and at most 1."""
+    return between(value, what, 0.0, 1.0, "a number above 0 and at most 1, for example 0.5")
+
+
+def positive(value: object, what: str) -> float:
+    """A positive finite number."""
+    return between(value, what, 0.0, np.finfo(np.float64).max, "a positive number, for example 0.05")
+
+
+def pair(value: object, what: str) -> tuple[float, float]:
+    """Two finite numbers, the smaller one first."""
+    array = numbers(value, what)  # type: ignore[arg-type]
+    if array.shape != (2,) or not np.all(np.isfinite(array)) or not array[0] < array[1]:
+        raise InputError(f"{what} expects two numbers, the smaller one first, for example (0.5, 2)")
+    return float(array[0]), float(array[1])
+
+
+def whole(value: object, what: str, low: int, high: int) -> int:
+    """A whole number between two limits."""
+    single = number(value, what)
+    if not (low <= single <= high and single == int(single)):
+        raise InputError(f"{what} is {single!r}; expected a whole number from {low} to {high}")
+    return int(single)
+
+
+def switch(value: object, what: str) -> bool:
+    """True or False."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise TypeError(f"{what} is {type(value).__name__}; expected True or False")
+
+
+def place(value: object, what: str) -> str:
+    """A file or a folder."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{what} is {type(value).__name__}; expected a path")
+    try:
+        path = os.fspath(value)
+    except Exception as error:
+        raise InputError(f"{what} cannot be read as a path: {error}") from error
+    if not isinstance(path, str):
+        raise TypeError(f"{what} is a path of {type(path).__name__}; expected a text")
+    return path
+
+
+def listed(value: object, what: str) -> list[Any]:
+    """The items of a list."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise TypeError(f"{what} is {type(value).__name__}; expected a list")
+    try:
+        return list(value)
+    except Exception as error:
+        raise InputError(f"{what} cannot be read as a list: {error}") from error
+
+
+def typed(array: Floats) -> str:
+    """Numbers separated by commas, so that they are read back exactly."""
+    return ",".join(repr(float(x)) for x in array.ravel())
+
+
+def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int) -> tuple[Floats, tuple[int, ...]]:
+    """Deformation gradients as rows of nine components, and the shape of the states.
+
+    `F` has the shape (..., 3, 3), or (..., D, D) with no strain out of the D dimensions; `stretch` has principal stretches along the
+    axes, shape (..., D) to (..., 3), those that are missing being 1.
+    """
+    if (F is None) == (stretch is None):
+        raise InputError("a state has `stretch` or `F`; give one of them")
+    if F is not None:
+        given = numbers(F, "F")
+        side = given.shape[-1] if given.ndim >= 2 else 0
+        if given.ndim < 2 or given.shape[-2] != side or side not in (3, dimension):
+            expected = "(..., 3, 3)" if dimension == 3 else f"(..., 3, 3) or (..., {dimension}, {dimension})"
+            raise InputError(f"F has the shape {given.shape}; expected {expected}")
+        full = np.zeros((*given.shape[:-2], 3, 3))
+        full[...] = np.eye(3)
+        full[..., :side, :side] = given
+        return np.ascontiguousarray(full.reshape(-1, 9)), given.shape[:-2]
+    given = numbers(stretch if stretch is not None else [], "stretch")
+    count = given.shape[-1] if given.ndim else 0
+    if not dimension <= count <= 3:
+        raise InputError(f"stretch has the shape {given.shape}; expected (..., {dimension}) to (..., 3)")
+    full = np.zeros((*given.shape[:-1], 3, 3))
+    full[...] = np.eye(3)
+    for axis in range(count):
+        full[..., axis, axis] = given[..., axis]
+    return np.ascontiguousarray(full.reshape(-1, 9)), given.shape[:-1]
+
+
+def state(F: ArrayLike | None, stretch: ArrayLike | None) -> tuple[str | None, str | None]:
+    """One state as it is typed on the command line: its stretches, or the components of `F`."""
+    if (F is None) == (stretch is None):
+        raise InputError("a state has `stretch` or `F`; give one of them")
+    if stretch is not None:
+        given = numbers(stretch, "stretch")
+        if given.ndim > 1:
+            raise InputError(f"stretch has the shape {given.shape}; expected one number for each dimension")
+        return typed(given), None
+    return None, components(F if F is not None else [])
+
+
+def components(F: ArrayLike) -> str:
+    """One deformation gradient as it is typed."""
+    given = numbers(F, "F")
+    if given.ndim not in (0, 2) or given.ndim == 2 and given.shape[0] != given.shape[1]:
+        raise InputError(f"F has the shape {given.shape}; expected (D, D) or (3, 3)")
+    return typed(given)
+
+
+def received(data: bytes, shape: Sequence[int]) -> Floats:
+    """An array of what the compiled part returns."""
+    return np.frombuffer(data, dtype=np.float64).reshape(tuple(shape))

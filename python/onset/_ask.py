@@ -1,0 +1,609 @@
+"""The questions of the command, each a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+import os
+from typing import TYPE_CHECKING, Any, Protocol
+from uuid import uuid4
+import warnings
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _onset
+from ._answers import (
+    Audit,
+    Bands,
+    Boundary,
+    Card,
+    Comparison,
+    Criteria,
+    Dispersion,
+    Localization,
+    Mapped,
+    Modes,
+    Path,
+    Recommendation,
+    Simulation,
+    State,
+    Tuning,
+    Verdicts,
+    Waves,
+)
+from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
+from ._arrays import between, listed, place, switch
+from ._arrays import state as state_as_typed
+from ._errors import InputError, OnsetError, asks
+from ._settings import (
+    MaterialLike,
+    MethodLike,
+    Study,
+    Value,
+    _key,
+    _typed,
+    material_of,
+    method_of,
+    problem_of,
+    source,
+    study_of,
+    toml,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Larger counts are no counts.
+MOST = 2**53
+
+
+@asks
+def state(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+    certify: bool = False,
+    tolerance: float = 1e-3,
+) -> State:
+    """Is a state stable, and if not, is it physical or numerical? ``onset state``.
+
+    The state has principal stretches along the axes (`stretch`, as many as dimensions or three), or a deformation gradient `F` of
+    shape (3, 3), or (D, D). With `certify` stability or instability is proved, with a bound or a witness; `tolerance` is from where
+    on the measure of an undecided state counts as away from zero.
+    """
+    problem = problem_of(material, method)
+    proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
+    given, gradient = state_as_typed(F, stretch)
+    answer = State(problem.state(given, gradient, proof if switch(certify, "certify") else None))
+    here = np.ascontiguousarray(answer.deformation_gradient, dtype=np.float64).reshape(1, 9)
+    return answer._with_spectrum(lambda k: _waves_at(problem, here, k))
+
+
+def _waves_at(problem: _onset.Problem, states: Floats, k: Floats) -> tuple[Complexes, Floats]:
+    """Waves of particles and continuum of one state at wave vectors of shape (n, D)."""
+    k = np.ascontiguousarray(k)
+    particles = received(problem.omega_squared(states, k), (len(k), problem.branches * 2)).view(np.complex128)
+    continuum = received(problem.continuum_omega_squared(states, k), (len(k), problem.dimension))
+    return particles, continuum
+
+
+def _wave_vectors(k: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
+    """Wave vectors as rows, and the shape of what is around them."""
+    given = numbers(k, "k")
+    if given.ndim == 0 or given.shape[-1] != dimension:
+        raise InputError(f"k has the shape {given.shape}; expected (..., {dimension})")
+    return given.reshape(-1, dimension), given.shape[:-1]
+
+
+@asks
+def dispersion(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    k: ArrayLike,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+) -> Dispersion:
+    """Frequencies of plane waves at reference wave vectors `k` of shape (..., D), in 1/length, of one state."""
+    problem = problem_of(material, method)
+    states, shape = deformations(F, stretch, problem.dimension)
+    if shape:
+        raise InputError(f"dispersion is of one state, not of {shape}\n  hint: onset.omega_squared takes many")
+    vectors, around = _wave_vectors(k, problem.dimension)
+    particles, continuum = _waves_at(problem, states, vectors)
+    branches = problem.branches
+    return Dispersion(
+        vectors.reshape(*around, problem.dimension), particles.reshape(*around, branches), continuum.reshape(*around, problem.dimension)
+    )
+
+
+@asks
+def omega_squared(
+    material: MaterialLike = None, method: MethodLike = None, *, k: ArrayLike, stretch: ArrayLike | None = None, F: ArrayLike | None = None
+) -> Complexes:
+    """``omega^2`` of the particles by increasing real part at `k` of shape (n, D) or (D,) for states of shape (...).
+
+    `F` has the shape (..., 3, 3) or `stretch` (..., D); the result (..., n, branches) or (..., branches), in 1/time^2.
+    """
+    problem = problem_of(material, method)
+    states, shape = deformations(F, stretch, problem.dimension)
+    vectors, around = _wave_vectors(k, problem.dimension)
+    all_waves = received(problem.omega_squared(states, vectors), (*shape, *around, problem.branches * 2))
+    return all_waves.view(np.complex128)
+
+
+@asks
+def dynamical_matrix(
+    material: MaterialLike = None, method: MethodLike = None, *, k: ArrayLike, stretch: ArrayLike | None = None, F: ArrayLike | None = None
+) -> Complexes:
+    """``D(k)``, whose eigenvalues are ``omega^2`` and whose eigenvectors are the polarizations of the particles of a cell.
+
+    Shapes as of `omega_squared`: (..., n, branches, branches); 1/time^2.
+    """
+    problem = problem_of(material, method)
+    states, shape = deformations(F, stretch, problem.dimension)
+    vectors, around = _wave_vectors(k, problem.dimension)
+    branches = problem.branches
+    matrices = received(problem.dynamical_matrices(states, vectors), (*shape, *around, branches, branches * 2))
+    return matrices.view(np.complex128)
+
+
+@asks
+def waves(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    wave_vector: ArrayLike,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+) -> Waves:
+    """The waves of one reference wave vector of shape (D,), in 1/length: ``onset dispersion --wave-vector``."""
+    given, gradient = state_as_typed(F, stretch)
+    return Waves(problem_of(material, method).waves(given, gradient, typed(numbers(wave_vector, "wave_vector"))))
+
+
+@asks
+def bands(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+    path: str | None = None,
+) -> Bands:
+    """Frequencies along a path through the zone, with the density of states: ``onset dispersion --path``.
+
+    `path` are names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); along
+    all that the state tells apart when left out.
+    """
+    given, gradient = state_as_typed(F, stretch)
+    return Bands(problem_of(material, method).bands(given, gradient, path))
+
+
+@asks
+def path(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    to: ArrayLike,
+    from_: ArrayLike | None = None,
+    mode: str | None = None,
+    lateral: str | None = None,
+) -> Path:
+    """Where along a path of deformations is stability lost, and regained? ``onset path``.
+
+    `from_` and `to` are stretches, or deformation gradients of shape (D, D) or (3, 3). With `mode` (``uniaxial``, ``equibiaxial``, ``planar``,
+    ``simple-shear``, ``hydrostatic``) they are its imposed stretches, `from_` being 1 when left out, and `lateral` is what holds the other directions:
+    ``free``, ``plane-stress``, ``plane-strain`` or ``held``.
+    """
+    problem = problem_of(material, method)
+    if mode is not None:
+        start = 1.0 if from_ is None else number(from_, "from_")
+        return Path(problem.loading_path(mode, lateral, start, number(to, "to")))
+    if lateral is not None:
+        raise InputError("`lateral` is read with `mode`")
+    if from_ is None:
+        raise InputError("a path has `from_` and `to`; with `mode` `from_` may be left out")
+    return Path(problem.straight_path(_end(from_, "from_"), _end(to, "to")))
+
+
+def _end(given: ArrayLike, what: str) -> str:
+    """The end of a path as it is typed."""
+    array = numbers(given, what)
+    return components(array) if array.ndim == 2 else typed(array)
+
+
+@asks
+def verdicts(
+    material: MaterialLike = None, method: MethodLike = None, F: ArrayLike | None = None, *, stretch: ArrayLike | None = None
+) -> Verdicts:
+    """Verdicts on many states: `F` of shape (..., 3, 3) or (..., D, D), or `stretch` of shape (..., D) to (..., 3).
+
+    Each state is what a map has of it, computed on all cores without the interpreter's lock.
+    """
+    problem = problem_of(material, method)
+    states, shape = deformations(F, stretch, problem.dimension)
+    return Verdicts(problem.verdicts(states), shape, problem.dimension)
+
+
+@asks
+def simulate(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+    cells: int | Sequence[int] = 8,
+    mode: str = "critical",
+    wave_vector: ArrayLike | None = None,
+    turns: Sequence[int] | None = None,
+    branch: int = 1,
+    amplitude: float = 1e-6,
+    seed: int = 1,
+    steps: int | None = None,
+    time: float | None = None,
+    fraction: float | None = None,
+    time_step: float | None = None,
+    supercritical: bool = False,
+    integrator: str = "kick-drift-kick",
+    tolerance: float = 1e-6,
+    out: str | os.PathLike[str] | None = None,
+    every: int | None = None,
+    fields: int = 11,
+    checkpoint: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+) -> Simulation:
+    """A prediction in motion: the particles of a periodic patch, step by step, and the measured rate of a wave: ``onset simulate``.
+
+    `cells` of the patch along each primitive vector; what moves at the start is the critical wave of the patch, ``mode="noise"``, the wave
+    `wave_vector` (1/length), or the one that `turns` so many times along each side. `amplitude` is in particle spacings. With `out` history,
+    fields and checkpoints are written.
+    """
+    problem = problem_of(material, method)
+    given, gradient = state_as_typed(F, stretch)
+    sides = np.atleast_1d(numbers(cells, "cells"))
+    around = None if turns is None else np.atleast_1d(numbers(turns, "turns"))
+    if fraction is not None and time_step is not None:
+        raise InputError("a step is `fraction` or `time_step`, not both")
+    return Simulation(
+        problem.simulate(
+            given,
+            gradient,
+            [whole(side, "cells", 0, MOST) for side in sides.ravel()],
+            mode,
+            None if wave_vector is None else [float(x) for x in numbers(wave_vector, "wave_vector").ravel()],
+            None if around is None else [whole(turn, "turns", -MOST, MOST) for turn in around.ravel()],
+            whole(branch, "branch", 0, MOST),
+            share(amplitude, "amplitude"),
+            whole(seed, "seed", 0, MOST),
+            None if steps is None else whole(steps, "steps", 1, MOST),
+            None if time is None else positive(time, "time"),
+            None if fraction is None else positive(fraction, "fraction"),
+            None if time_step is None else positive(time_step, "time_step"),
+            switch(supercritical, "supercritical"),
+            integrator,
+            share(tolerance, "tolerance"),
+            None if out is None else place(out, "out"),
+            None if every is None else whole(every, "every", 1, MOST),
+            whole(fields, "fields", 0, 10_000),
+            None if checkpoint is None else whole(checkpoint, "checkpoint", 1, MOST),
+            switch(resume, "resume"),
+            switch(overwrite, "overwrite"),
+        )
+    )
+
+
+@asks
+def criteria(
+    material: MaterialLike = None,
+    *,
+    range: tuple[float, float] = (0.1, 10.0),
+    modes: Iterable[str] = (),
+    incompressible: bool = False,
+) -> Criteria:
+    """Where along standard loadings is each stability criterion of a law lost? ``onset criteria``.
+
+    `range` are the smallest and the largest stretch, `modes` the modes of loading, all when left out. `incompressible` asks the incompressible response
+    of an isotropic law.
+    """
+    return Criteria(material_of(material)._law().criteria(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
+
+
+@asks
+def card(
+    material: MaterialLike = None,
+    *,
+    range: tuple[float, float] = (0.1, 10.0),
+    modes: Iterable[str] = (),
+    incompressible: bool = False,
+) -> Card:
+    """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``."""
+    return Card(material_of(material)._law().card(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
+
+
+def _two(given: ArrayLike, what: str) -> tuple[float, float]:
+    array = numbers(given, what)
+    if array.shape != (2,):
+        raise InputError(f"{what} has the shape {array.shape}; expected two numbers")
+    return float(array[0]), float(array[1])
+
+
+def _names(given: Iterable[str], what: str) -> list[str]:
+    names = [given] if isinstance(given, str) else listed(given, what)
+    if not all(isinstance(name, str) for name in names):
+        raise TypeError(f"{what} expects names")
+    return names
+
+
+@asks
+def audit(
+    material: MaterialLike = None,
+    *,
+    strain: float = 0.1,
+    stretch: Sequence[ArrayLike] = (),
+    F: Sequence[ArrayLike] = (),
+    convention: str | None = None,
+) -> Audit:
+    """Does a law have an energy, and is its tangent consistent? ``onset audit``.
+
+    `strain` is how large the strains of the states are, unless states are given as lists of stretches or deformation gradients. `convention` takes
+    the tangent of a law of onset's own as if delivered in it.
+    """
+    size = between(strain, "strain", 0.0, 0.8, "a number above 0 and at most 0.8, for example 0.05")
+    stretches = [typed(numbers(one, "stretch")) for one in listed(stretch, "stretch")]
+    return Audit(material_of(material)._law().audit(size, stretches, [components(one) for one in listed(F, "F")], convention))
+
+
+@asks
+def localize(model: str | None = None, path: str | None = None, load: str | None = None, **parameters: Value) -> Localization:
+    """When does a plastic material localize, in which band, at which angle? ``onset localize``.
+
+    Keywords are the keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any unit, or have one.
+    """
+    named = {"model": model, "path": path, "load": load} | parameters
+    keys = {_key("plasticity", name): value for name, value in named.items() if value is not None}
+    return Localization(_onset.localize([f"{key}={_typed(value, key)}" for key, value in keys.items()]))
+
+
+@asks
+def modes(method: MethodLike = None, material: MaterialLike = None, *, weak: float = 0.5, cells: int = 8, amplitude: float = 0.2) -> Modes:
+    """Zero-energy and weakly controlled modes of a method: ``onset modes``.
+
+    Waves slower than the share `weak` of the material's slowest wave are listed. `cells` and `amplitude` (in particle spacings) are those of the patch that is
+    drawn and exported by ``save``.
+    """
+    assignments = material_of(material).assignments + method_of(method).assignments
+    return Modes(_onset.modes(list(assignments), None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
+
+
+@asks
+def tune(
+    method: MethodLike,
+    key: str,
+    *,
+    material: MaterialLike = None,
+    range: tuple[float, float] = (0.0, 1.0),
+    stretches: tuple[float, float] = (0.7, 1.5),
+    weak: float = 0.1,
+    wrong: float = 0.005,
+    later: float = 0.02,
+) -> Tuning:
+    """The smallest coefficient of a stabilization that removes the spurious modes and does not mask the material's instability: ``onset tune``.
+
+    `key` is one of ``[discretization]`` that takes a number: ``onset.tune(method, "penalty")``. The limits are `weak`, the share of the frequency of the
+    material's slowest wave below which a wave is weakly controlled, `wrong`, the share of the window of `stretches` on which verdicts may be wrong, and
+    `later`, by which share of its strain the method's onset may come later than the material's.
+    """
+    if not isinstance(key, str):
+        raise TypeError(f"key is {type(key).__name__}; expected the name of a key")
+    full = key if "." in key else _key("discretization", key)
+    assignments = material_of(material).assignments + method_of(method).assignments
+    limits = (share(weak, "weak"), share(wrong, "wrong"), share(later, "later"))
+    return Tuning(_onset.tune(full, list(assignments), None, [], pair(range, "range"), pair(stretches, "stretches"), limits))
+
+
+Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
+
+
+def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[str, str]:
+    """A comparison as a file."""
+    if isinstance(methods, (str, os.PathLike)):
+        if material is not None or options:
+            raise InputError("a file says all of a comparison\n  hint: use `set` to change it")
+        return source(methods)
+    named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
+    text = f"[material]\n{material_of(material)._section_text()}"
+    if options:
+        text += "\n[compare]\n" + "".join(f"{_key('compare', key).partition('.')[2]} = {toml(value, key)}\n" for key, value in options.items())
+    for name, method in named:
+        own = method_of(method)
+        text += f"\n[[methods]]\nname = {toml(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
+    return "comparison", text
+
+
+@asks
+def compare(
+    methods: Methods,
+    material: MaterialLike = None,
+    *,
+    set: Iterable[str] = (),
+    allow_library: Iterable[str | os.PathLike[str]] = (),
+    **options: Value,
+) -> Comparison:
+    """Several methods side by side for one material: ``onset compare``.
+
+    `methods` are a list, a dictionary with names, or a file. Options are the keys of ``[compare]``, ``stretches=(0.7, 1.5)``; `set` are assignments as
+    after ``--set``.
+    """
+    libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
+    return Comparison(_onset.compare(_comparison(methods, material, options), _names(set, "set"), libraries))
+
+
+@asks
+def recommend(
+    material: MaterialLike = None,
+    *,
+    methods: Methods | None = None,
+    dimension: int = 2,
+    stretches: tuple[float, float] | None = None,
+    weak: float = 0.1,
+    wrong: float = 0.005,
+    long_waves: float = 0.05,
+    wavelength: float = 8.0,
+    set: Iterable[str] = (),
+    allow_library: Iterable[str | os.PathLike[str]] = (),
+) -> Recommendation:
+    """Which method for this material and these stretches? ``onset recommend``.
+
+    Of `methods`, or of those that the program knows for so many dimensions. Limits as in `tune`; `long_waves` is by which share the stiffness that long
+    waves feel may be wrong, `wavelength` at which frequencies are compared: 4, 8 or 16 particle spacings.
+    """
+    assignments = _names(set, "set")
+    if stretches is not None:
+        assignments.append("compare.stretches={!r},{!r}".format(*pair(stretches, "stretches")))
+    length = number(wavelength, "wavelength")
+    if length not in (4.0, 8.0, 16.0):
+        raise InputError(f"wavelength is {length!r}; expected 4, 8 or 16")
+    limits = (share(weak, "weak"), share(wrong, "wrong"), share(long_waves, "long_waves"), length)
+    file = None
+    if methods is not None:
+        file = _comparison(methods, material, {})
+    else:
+        assignments = [*material_of(material).assignments, *assignments]
+    libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
+    return Recommendation(_onset.recommend(file, whole(dimension, "dimension", 1, 3), assignments, libraries, limits))
+
+
+@asks
+def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) -> Boundary:
+    """Where in the plane of a study do material and particles lose stability? ``onset boundary``.
+
+    `flutter` tells flutter from divergence, and traces the boundary between them too.
+    """
+    return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
+
+
+class Future(Protocol):
+    """What an executor returns."""
+
+    def result(self) -> Any:
+        """Waits for the end."""
+
+    def cancel(self) -> Any:
+        """Does not begin what has not begun."""
+
+
+class Executor(Protocol):
+    """Whatever begins a function with arguments elsewhere: an executor of ``concurrent.futures`` with processes, a Dask client."""
+
+    def submit(self, function: Callable[..., int], /, *arguments: Any) -> Future:
+        """Begins it."""
+
+
+@asks
+def map_into(
+    out: str | os.PathLike[str],
+    study: Study | str | os.PathLike[str],
+    *,
+    tiles: tuple[int, int] | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    executor: Executor | None = None,
+) -> Mapped:
+    """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
+
+    `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
+    Ctrl-C ends with the tiles that have begun, a second one at once; with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose
+    workers see `out`, each tile is a task; what lost workers leave is computed here in the end.
+    """
+    part = None
+    if tiles is not None:
+        first, last = _two(tiles, "tiles")
+        part = (whole(first, "tiles", 0, MOST), whole(last, "tiles", 0, MOST))
+    anew, again = switch(overwrite, "overwrite"), switch(resume, "resume")
+    if anew and (again or part is not None):
+        raise InputError("`overwrite` begins a store anew; leave out `resume` and `tiles`")
+    folder, own = place(out, "out"), study_of(study)
+    if executor is None:
+        return Mapped(own._study.map(folder, part, again, anew))
+    if not callable(getattr(executor, "submit", None)):
+        raise TypeError(f"executor is {type(executor).__name__}; expected something with `submit`")
+    if part is not None:
+        raise InputError("an executor computes all tiles; leave out `tiles`")
+    _elsewhere(executor, own, os.path.abspath(folder), own._study.begin(folder, again, anew))
+    return Mapped(own._study.map(folder, None, True, False))
+
+
+def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> None:
+    """Lets an executor compute all tiles."""
+    # Of one run: a scheduler that remembers results must not take those of an earlier store.
+    run = uuid4().hex
+    futures = [executor.submit(_tile, study, folder, tile, run) for tile in range(tiles)]
+    try:
+        for future in futures:
+            try:
+                future.result()
+            except OnsetError:
+                raise
+            except Exception as error:
+                warnings.warn(f"a worker was lost ({type(error).__name__}); its tiles are computed here", RuntimeWarning, stacklevel=4)
+    except BaseException:
+        for future in futures:
+            future.cancel()
+        raise
+
+
+def _tile(study: Study, folder: str, tile: int, run: str) -> int:
+    """Computes one tile of a store, in a process of an executor; it may be repeated. `run` tells tasks of different runs apart."""
+    study._study.map(folder, (tile, tile + 1), True, False)
+    return tile
+
+
+@asks
+def map(
+    study: Study | str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str],
+    tiles: tuple[int, int] | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    executor: Executor | None = None,
+) -> xarray.Dataset:
+    """Computes the map of a study into the store `out`, and opens it: the dataset of ``xarray.open_zarr(out)``, with coordinates, units and
+    attributes. Arguments as of `map_into`.
+    """
+    map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite, executor=executor)
+    return open_map(out)
+
+
+@asks
+def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
+    """The dataset of a store that ``onset map`` has written."""
+    folder = place(store, "store")
+    try:
+        import xarray
+        import zarr  # noqa: F401
+    except ImportError as error:
+        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install 'onset-mechanics[maps]'") from error
+    try:
+        dataset: xarray.Dataset = xarray.open_zarr(folder)
+    except Exception as error:
+        raise InputError(f"cannot open {folder}: {error}\n  hint: expected a store that `onset map` has written") from error
+    return dataset
+
+
+@asks
+def keys(section: str = "") -> dict[str, str]:
+    """The keys of settings with what they mean and expect; those of one section, ``material`` or ``discretization``."""
+    if not isinstance(section, str):
+        raise TypeError(f"section is {type(section).__name__}; expected a name")
+    return {name: f"{meaning}: {expects}" for name, expects, meaning in _onset.keys() if name.startswith(section)}
+
+
+def models() -> list[str]:
+    """The names of the models of materials."""
+    return _onset.models()
+

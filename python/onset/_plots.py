@@ -1,0 +1,197 @@
+"""Figures on matplotlib, which is loaded when the first one is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._arrays import Complexes, Floats
+from ._errors import OnsetError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ._answers import Answer, Bands, Boundary, Dispersion
+
+PARTICLES = "tab:blue"
+CONTINUUM = "0.6"
+
+
+def _axes(ax: Axes | None) -> Axes:
+    """The given axes, or new ones."""
+    if ax is not None:
+        return ax
+    try:
+        from matplotlib import pyplot
+    except ImportError as error:
+        raise OnsetError("figures need matplotlib\n  hint: pip install matplotlib") from error
+    axes: Axes = pyplot.subplots(layout="constrained")[1]
+    return axes
+
+
+def picture(files: dict[str, bytes], ax: Axes | None) -> Axes:
+    """The figure that the command draws."""
+    pictures = [data for name, data in files.items() if name.endswith(".png")]
+    if not pictures:
+        raise OnsetError("this answer has no figure")
+    ax = _axes(ax)
+    from matplotlib import image
+
+    ax.imshow(image.imread(io.BytesIO(pictures[0]), format="png"))
+    ax.set_axis_off()
+    return ax
+
+
+def along_wave(k: Floats, spectrum: Callable[[Floats], tuple[Complexes, Floats]], ax: Axes | None) -> Axes:
+    """Along a wave vector and beyond it."""
+    ax = _axes(ax)
+    if not np.any(k):
+        k = np.eye(1, k.size)[0] * np.pi
+    shares = np.linspace(0.0, 2.0, 201)
+    particles, continuum = spectrum(shares[:, None] * k)
+    ax.plot(shares, continuum, color=CONTINUUM)
+    ax.plot(shares, particles.real, color=PARTICLES)
+    ax.axhline(0.0, color="black", linewidth=0.5)
+    ax.axvline(1.0, color="black", linewidth=0.5, linestyle=":")
+    low, high = float(np.min(particles.real)), float(np.max(particles.real))
+    margin = 0.05 * (high - low) or 1.0
+    ax.set_ylim(low - margin, high + margin)
+    ax.set_xlabel("k / k*, k* the softest wave")
+    ax.set_ylabel("ω²")
+    return ax
+
+
+def levels(particles: Complexes, continuum: Floats, ax: Axes | None) -> Axes:
+    """Values side by side."""
+    ax = _axes(ax)
+    ax.plot(np.arange(particles.size), particles.real, "o", color=PARTICLES, label="particles")
+    ax.plot(np.arange(continuum.size), continuum, "_", color=CONTINUUM, markersize=16, label="continuum")
+    ax.set_xlabel("branch")
+    ax.set_ylabel("ω²")
+    ax.legend()
+    return ax
+
+
+def _signed(omega_squared: Floats) -> Floats:
+    """Frequencies; growth rates below zero."""
+    return np.sign(omega_squared) * np.sqrt(np.abs(omega_squared))
+
+
+def bands(answer: Bands, ax: Axes | None) -> Axes:
+    """Frequencies along a path through the zone."""
+    ax = _axes(ax)
+    frequencies = _signed(answer.omega_squared.real)
+    ax.plot(answer.lengths, _signed(answer.continuum_omega_squared), color=CONTINUUM, linewidth=0.8)
+    ax.plot(answer.lengths, frequencies, color=PARTICLES)
+    for corner in answer.corners:
+        ax.axvline(corner, color="black", linewidth=0.5)
+    ax.axhline(0.0, color="black", linewidth=0.5)
+    ax.set_xticks(answer.corners, answer.labels)
+    ax.set_xlim(answer.lengths[0], answer.lengths[-1])
+    largest = float(np.max(frequencies)) or 1.0
+    ax.set_ylim(min(0.0, 1.1 * float(np.min(frequencies))), 1.1 * largest)
+    ax.set_ylabel("ω (below zero: growth rate)")
+    return ax
+
+
+def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
+    """The softest mode and the smallest acoustic eigenvalue along a path."""
+    ax = _axes(ax)
+    lines = [line.split(",") for line in table.splitlines()]
+
+    def column(name: str) -> Floats:
+        place = lines[0].index(name)
+        return np.array([float(line[place] or "nan") for line in lines[1:]])
+
+    for name, label, color in (
+        ("minimum_scaled", "particles: softest mode", PARTICLES),
+        ("minimum_acoustic_eigenvalue", "material: smallest acoustic eigenvalue", CONTINUUM),
+    ):
+        values = column(name)
+        largest = np.nanmax(np.abs(values)) if np.any(np.isfinite(values)) else 1.0
+        ax.plot(column("abscissa"), values / (largest or 1.0), color=color, label=label)
+    ax.axhline(0.0, color="black", linewidth=0.5)
+    ax.set_xlabel("stretch" if "loading" in answer else "path, from 0 to 1")
+    ax.set_ylabel("over the largest value")
+    ax.legend()
+    return ax
+
+
+def curves(answer: Boundary, ax: Axes | None) -> Axes:
+    """Boundaries over the axes of a study."""
+    ax = _axes(ax)
+    told = answer.geojson()
+    for of, points in answer.curves():
+        color = PARTICLES if of == "discretization" else "tab:orange"
+        ax.plot(points[:, 0], points[:, 1], color=color, label=of)
+    first, second = told["axes"]
+    ax.set_xlabel(first["name"])
+    ax.set_xlim(*first["range"])
+    ax.set_ylabel(second["name"])
+    ax.set_ylim(*second["range"])
+    named = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+    if named:
+        ax.legend(list(named.values()), list(named))
+    return ax
+
+
+def checks(answer: Answer, ax: Axes | None) -> Axes:
+    """The errors of the checks of an audit."""
+    ax = _axes(ax)
+    told = answer.to_dict()["checks"]
+    known = [check for check in told if check["error"] is not None]
+    errors = [max(float(check["error"]), 1e-17) for check in known]
+    colors = ["tab:red" if check["outcome"] == "failed" else PARTICLES for check in known]
+    ax.barh([check["name"] for check in known], errors, color=colors)
+    ax.set_xscale("log")
+    ax.set_xlabel("relative error")
+    return ax
+
+
+def rates(answer: Answer, ax: Axes | None) -> Axes:
+    """Growth rate and frequency: of continuous time, predicted in discrete time, and measured."""
+    ax = _axes(ax)
+    told = answer.to_dict()
+    rates = {"continuous": told["continuous"], "predicted": told["predicted"]}
+    if told["measured"] is not None:
+        rates["measured"] = told["measured"]["rate"]
+    for part, marker in (("growth", "^"), ("frequency", "o")):
+        values = [np.nan if rate is None else rate[part] for rate in rates.values()]
+        ax.plot(list(rates), values, marker, color=PARTICLES, fillstyle="none" if part == "growth" else "full", label=part)
+    ax.set_ylabel("1/time")
+    ax.legend()
+    return ax
+
+
+def shares(answer: Answer, ax: Axes | None) -> Axes:
+    """How many states have which verdict."""
+    verdicts = answer.to_dict()["verdicts"]
+    return bars(list(verdicts), [share["states"] for share in verdicts.values()], "states", ax)
+
+
+def bars(names: Sequence[str], values: Sequence[float], what: str, ax: Axes | None) -> Axes:
+    """A bar for each value."""
+    ax = _axes(ax)
+    ax.barh(list(names), list(values), color=PARTICLES)
+    ax.set_xlabel(what)
+    return ax
+
+
+def scatter(answer: Dispersion, ax: Axes | None) -> Axes:
+    """Values against the length of the wave vector."""
+    ax = _axes(ax)
+    length = np.linalg.norm(answer.k, axis=-1).ravel()
+    for values, color, label in (
+        (answer.continuum_omega_squared, CONTINUUM, "continuum"),
+        (answer.omega_squared.real, PARTICLES, "particles"),
+    ):
+        flat = values.reshape(length.size, -1)
+        for branch in range(flat.shape[1]):
+            ax.plot(length, flat[:, branch], ".", color=color, label=label if branch == 0 else None)
+    ax.set_xlabel("|k|")
+    ax.set_ylabel("ω²")
+    ax.legend()
+    return ax

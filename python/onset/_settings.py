@@ -1,0 +1,377 @@
+"""Materials, methods and studies: keyword arguments that are the keys of settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
+import numbers as abstract
+import os
+from pathlib import Path
+import re
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _onset
+from ._arrays import Floats, deformations, listed, numbers, place, received
+from ._errors import InputError, SettingError, asks
+
+#: What a key can be set to. A text may have a unit: ``"1 mm"``.
+Value = str | float | int | bool | Sequence[float] | Sequence[str] | os.PathLike[str]
+
+
+@lru_cache(maxsize=1)
+def _keys() -> frozenset[str]:
+    return frozenset(name for name, _, _ in _onset.keys())
+
+
+def _key(section: str, name: str) -> str:
+    """The key that a keyword names: ``lambda_`` is ``lambda``, ``artificial_stress`` is ``artificial-stress``.
+
+    Parameters that a formula names itself keep their underscores.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"a key of [{section}] is {type(name).__name__}; expected its name")
+    bare = name.rstrip("_")
+    hyphened = f"{section}.{bare.replace('_', '-')}"
+    if section != "material" or hyphened in _keys():
+        return hyphened
+    return f"{section}.{bare}"
+
+
+def _typed(value: object, key: str) -> str:
+    """A value as it is typed after ``--set key=``."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, abstract.Real):
+        try:
+            return repr(float(value))
+        except Exception as error:
+            raise InputError(f"{key} cannot be read as a number: {error}") from error
+    if isinstance(value, os.PathLike):
+        return place(value, key)
+    if isinstance(value, np.ndarray) or isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
+        items = listed(value, key)
+        if not any(isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, str) for item in items):
+            return ",".join(_typed(item, key) for item in items)
+    raise TypeError(f"{key} is {type(value).__name__}; expected a number, a text, True or False, or a list of numbers")
+
+
+def toml(value: object, key: str) -> str:
+    """A value as it is written in a study."""
+    if isinstance(value, (str, os.PathLike)):
+        text = _typed(value, key)
+        escaped = "".join(
+            f"\\u{ord(letter):04x}" if ord(letter) < 32 or ord(letter) == 127 else letter
+            for letter in text.replace("\\", "\\\\").replace('"', '\\"')
+        )
+        return f'"{escaped}"'
+    if isinstance(value, (Sequence, np.ndarray)):
+        _typed(value, key)
+        return "[" + ", ".join(toml(item, key) for item in value) + "]"
+    return _typed(value, key)
+
+
+class _Settings:
+    """Settings of one section, frozen."""
+
+    _section = ""
+    _set: Mapping[str, object]
+
+    def _put(self, settings: Mapping[str, object]) -> None:
+        keys = {_key(self._section, name): value for name, value in settings.items()}
+        object.__setattr__(self, "_set", keys)
+        object.__setattr__(self, "assignments", tuple(f"{key}={_typed(value, key)}" for key, value in keys.items()))
+
+    #: What the command takes after ``--set``.
+    assignments: tuple[str, ...]
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is frozen; `replace` makes another one")
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and other.assignments == self.assignments
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, self.assignments))
+
+    def __repr__(self) -> str:
+        named = (f"{key.partition('.')[2].replace('-', '_')}={value!r}" for key, value in self._set.items())
+        return f"{type(self).__name__}({', '.join(named)})"
+
+    def _section_text(self) -> str:
+        """The settings as keys of a section of a study."""
+        return "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in self._set.items())
+
+
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
+
+
+class Material(_Settings):
+    """A law with its parameters.
+
+    ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a law of the library (``onset.models()``), ``Material("mu/2*(I1 - 3 - 2*ln(J))",
+    mu=0.4)`` an energy per reference volume of your own, ``Material("umat", library="./my_umat.so", ...)`` a user material of Abaqus.
+    Two of `young`, `poisson`, `bulk` and `shear` stand for the parameters of laws with two moduli. Stresses are in any unit, or have
+    one, and then all values have: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
+
+    Without arguments it is the law that the command takes by default.
+    """
+
+    _section = "material"
+
+    @asks
+    def __init__(self, model: str | None = None, *, energy: str | None = None, **parameters: Value) -> None:
+        settings: dict[str, object] = {}
+        if model is not None and not isinstance(model, str):
+            raise TypeError(f"model is {type(model).__name__}; expected the name of a law, or a formula")
+        if model is not None and energy is not None and model != "formula":
+            raise InputError("a material has one energy\n  hint: leave out the model, or `energy`")
+        is_word = model is not None and (model in _onset.models() or _WORD.match(model) is not None)
+        if is_word:
+            settings["model"] = model
+        elif model is not None:
+            energy = model
+        if energy is not None:
+            settings |= {"model": "formula", "energy": energy}
+        self._put(settings | parameters)
+
+    @classmethod
+    @asks
+    def read(cls, block: str, program: str) -> Material:
+        """The law of a block of another program, ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``, as ``--from`` reads it.
+
+        What there is to know of its constants is told with ``criteria`` and ``card``.
+        """
+        assignments, notes = _onset.read_law(program, "the block", block, [])
+        material = cls()
+        pairs = (assignment.partition("=") for assignment in assignments)
+        material._put({key.removeprefix("material."): value for key, _, value in pairs})
+        object.__setattr__(material, "notes", tuple(notes))
+        return material
+
+    #: What there is to know of a law that was read from a block of another program.
+    notes: tuple[str, ...] = ()
+
+    @asks
+    def replace(self, **parameters: Value) -> Material:
+        """The same law with other parameters."""
+        material = type(self)()
+        material._put({key.partition(".")[2]: value for key, value in self._set.items()} | dict(parameters))
+        return material
+
+    def _law(self) -> _onset.Law:
+        return _onset.Law(list(self.assignments), None, [], list(self.notes))
+
+    def _responses(self, F: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
+        states, shape = deformations(F, None, 3)
+        return received(self._law().responses(states), (-1, 91)), shape
+
+    @asks
+    def energy(self, F: ArrayLike) -> Floats:
+        """The energy per reference volume at F of shape (..., 3, 3); stress, shape (...)."""
+        responses, shape = self._responses(F)
+        return responses[:, 0].reshape(shape)
+
+    @asks
+    def stress(self, F: ArrayLike) -> Floats:
+        """The first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` at F of shape (..., 3, 3); the same shape."""
+        responses, shape = self._responses(F)
+        return responses[:, 1:10].reshape(*shape, 3, 3)
+
+    @asks
+    def tangent(self, F: ArrayLike) -> Floats:
+        """The tangent ``A_iJkL = dP_iJ/dF_kL`` at F of shape (..., 3, 3); shape (..., 3, 3, 3, 3), stress."""
+        responses, shape = self._responses(F)
+        return responses[:, 10:].reshape(*shape, 3, 3, 3, 3)
+
+    def gradient(self, x: Sequence[ArrayLike]) -> list[Floats | None]:
+        """The stress as materials of FElupe give it: of ``[F, state variables]`` with F of shape (3, 3, ...), trailing axes last."""
+        return [np.moveaxis(self.stress(_leading(x)), (-2, -1), (0, 1)), None]
+
+    def hessian(self, x: Sequence[ArrayLike]) -> list[Floats]:
+        """The tangent likewise, of shape (3, 3, 3, 3, ...)."""
+        return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
+
+
+def _leading(x: Sequence[ArrayLike]) -> Floats:
+    """F with its trailing axes first."""
+    given = listed(x, "x")
+    F = numbers(given[0] if given else [], "F")
+    if F.ndim < 2:
+        raise InputError(f"F has the shape {F.shape}; expected (3, 3, ...)")
+    return np.moveaxis(F, (0, 1), (-2, -1))
+
+
+class Method(_Settings):
+    """A discretization: a family of methods with its choices.
+
+    ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with
+    underscores, ``onset.keys("discretization")`` lists them. Without arguments it is the method that the command takes by default.
+    """
+
+    _section = "discretization"
+
+    @asks
+    def __init__(self, method: str | None = None, **choices: Value) -> None:
+        if method is not None and not isinstance(method, str):
+            raise TypeError(f"method is {type(method).__name__}; expected the name of a family of methods")
+        named: dict[str, object] = {} if method is None else {"method": method}
+        self._put(named | choices)
+
+    @asks
+    def replace(self, **choices: Value) -> Method:
+        """The same method with other choices."""
+        method = type(self)()
+        method._put({key.partition(".")[2]: value for key, value in self._set.items()} | {k.rstrip("_").replace("_", "-"): v for k, v in choices.items()})
+        return method
+
+
+#: What stands for a material: one, or the name of a law, or a formula.
+MaterialLike = Material | str | None
+#: What stands for a method: one, or the name of a family.
+MethodLike = Method | str | None
+
+
+def material_of(material: MaterialLike) -> Material:
+    """The material that is meant."""
+    if material is None or isinstance(material, str):
+        return Material(material)
+    if isinstance(material, Material):
+        return material
+    raise TypeError(f"material is {type(material).__name__}; expected an onset.Material, or the name of a law")
+
+
+def method_of(method: MethodLike) -> Method:
+    """The method that is meant."""
+    if method is None or isinstance(method, str):
+        return Method(method)
+    if isinstance(method, Method):
+        return method
+    raise TypeError(f"method is {type(method).__name__}; expected an onset.Method, or the name of a family")
+
+
+@lru_cache(maxsize=64)
+def _made(assignments: tuple[str, ...]) -> _onset.Problem:
+    return _onset.Problem(list(assignments), None, [])
+
+
+def problem_of(material: MaterialLike, method: MethodLike) -> _onset.Problem:
+    """Material and method, ready to be asked. Kept for the next question, unless a library could be another one by then."""
+    assignments = material_of(material).assignments + method_of(method).assignments
+    if any(assignment.startswith("material.library=") for assignment in assignments):
+        return _onset.Problem(list(assignments), None, [])
+    return _made(assignments)
+
+
+#: An axis of a study: lowest, highest, and how many states, which lie in the middle of equal cells.
+Axis = tuple[float | str, float | str, int]
+
+
+class Study:
+    """Material, method, what is held fixed and what is varied: what maps and boundaries are of.
+
+    ``Study(text)`` reads the text of a study file; ``Study.read("study.toml")`` the file; ``Study.of(material, method,
+    axes={"stretch-1": (0.5, 2.0, 64), "stretch-2": (0.5, 2.0, 64)})`` writes one.
+    """
+
+    _study: _onset.Study
+
+    @asks
+    def __init__(self, text: str, *, name: str = "study", set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> None:
+        if not isinstance(text, str):
+            raise TypeError(f"a study is {type(text).__name__}; expected its text, see Study.read and Study.of")
+        self._libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
+        self._study = _onset.Study((name, text), listed(set, "set"), self._libraries)
+
+    @classmethod
+    @asks
+    def read(cls, path: str | os.PathLike[str], *, set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> Study:
+        """Reads a study file. `set` are assignments as after ``--set``; libraries that it names are loaded only if they are allowed."""
+        name, text = source(path)
+        return cls(text, name=name, set=set, allow_library=allow_library)
+
+    @classmethod
+    @asks
+    def of(
+        cls,
+        material: MaterialLike,
+        method: MethodLike,
+        axes: Mapping[str, Axis],
+        *,
+        title: str = "",
+        state: Mapping[str, Value] | None = None,
+        map: Mapping[str, Value] | None = None,
+    ) -> Study:
+        """Writes a study. `axes` are quantities (``stretch-1``, ``shear``, ``rotation`` or a key that takes a number) with their range
+        and number of states; `state` what is held fixed of the deformation, `map` how a map is made."""
+        if not isinstance(axes, Mapping):
+            raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
+        if not isinstance(title, str):
+            raise TypeError(f"title is {type(title).__name__}; expected a text")
+        text = f"title = {toml(title, 'title')}\n" if title else ""
+        text += f"\n[material]\n{material_of(material)._section_text()}"
+        text += f"\n[discretization]\n{method_of(method)._section_text()}"
+        for section, settings in (("state", state), ("map", map)):
+            if settings is not None and not isinstance(settings, Mapping):
+                raise TypeError(f"{section} is {type(settings).__name__}; expected keys with values")
+            if settings:
+                text += f"\n[{section}]\n"
+                text += "".join(f"{_key(section, key).partition('.')[2]} = {toml(value, key)}\n" for key, value in settings.items())
+        for quantity, axis in axes.items():
+            if not isinstance(axis, Sequence) or isinstance(axis, str) or len(axis) != 3:
+                raise TypeError(f"the axis {quantity} expects (lowest, highest, states): states lie in the middle of equal cells")
+            low, high, count = axis
+            name = quantity.replace("_", "-") if isinstance(quantity, str) else quantity
+            text += f"\n[[axes]]\nquantity = {toml(name, 'quantity')}\nrange = [{toml(low, name)}, {toml(high, name)}]\nstates = {_states(count)}\n"
+        return cls(text)
+
+    @property
+    def text(self) -> str:
+        """The study as a file."""
+        return self._study.text
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of states along the axes, slowest first."""
+        return tuple(self._study.shape)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the study file, for ``onset map`` and all other commands."""
+        Path(path).write_text(self.text, encoding="utf-8")
+
+    def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:
+        return _restored, (self.text, self._libraries)
+
+    def __repr__(self) -> str:
+        return f"<onset.Study of {' x '.join(map(str, self.shape))} states>"
+
+
+def _restored(text: str, libraries: list[str]) -> Study:
+    """A study in another process."""
+    return Study(text, allow_library=libraries)
+
+
+def _states(count: object) -> str:
+    if isinstance(count, (int, np.integer)) and not isinstance(count, bool):
+        return str(int(count))
+    raise TypeError(f"the number of states is {type(count).__name__}; expected a whole number")
+
+
+def source(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Name and text of a file."""
+    name = place(path, "a study")
+    try:
+        return name, Path(name).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read {name}: {error}\n  hint: expected a study file") from error
+
+
+def study_of(study: Study | str | os.PathLike[str]) -> Study:
+    """The study that is meant: one, or a file."""
+    return study if isinstance(study, Study) else Study.read(study)
+
+
+__all__ = ["Axis", "Material", "MaterialLike", "Method", "MethodLike", "SettingError", "Study", "Value"]

@@ -1,0 +1,368 @@
+"""Documents and messages are those of the command, byte for byte, on random settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+import multiprocessing
+import os
+from pathlib import Path
+import pickle
+import random
+import re
+import signal
+from threading import Thread
+import time
+import warnings
+
+import onset
+import pytest
+
+from conftest import Told, command
+
+#: How many settings are tried.
+CASES = int(os.environ.get("ONSET_PYTHON_CASES", "200"))
+
+#: A question as it is asked here and there.
+Question = tuple[Callable[[], onset.Answer], list[str]]
+
+METHODS: list[tuple[dict[str, object], int]] = [
+    ({}, 2),
+    ({"frame": "eulerian"}, 2),
+    ({"quadrature": "nodal"}, 2),
+    ({"approximation": "mls", "support": 2.4}, 2),
+    ({"lattice": "chain", "kernel": "cubic-spline"}, 1),
+    ({"method": "total-lagrangian-sph", "lattice": "square", "penalty": 0.25}, 2),
+    ({"method": "total-lagrangian-sph", "penalty": "a lot"}, 2),
+    ({"method": "updated-sph", "lattice": "square", "artificial_stress": 0.3}, 2),
+    ({"method": "updated-sph", "support": -1.0}, 2),
+    ({"method": "finite-elements", "integration": "one-point"}, 2),
+    ({"method": "bond-based", "lattice": "square"}, 2),
+    ({"method": "correspondence", "lattice": "square"}, 2),
+    ({"method": "material-points"}, 2),
+    ({"suport": 2.0}, 2),
+    ({"spacing": "1 mm"}, 2),
+]
+
+MATERIALS: list[tuple[str | None, dict[str, object]]] = [
+    (None, {}),
+    ("neo-hooke", {"mu": 0.4, "lambda_": 2.0}),
+    ("neo-hooke-isochoric", {"young": 2.0, "poisson": 0.49}),
+    ("blatz-ko", {}),
+    ("ogden", {}),
+    ("yeoh", {}),
+    ("hencky", {}),
+    ("saint-venant-kirchhoff", {}),
+    ("mu/2*(I1 - 3 - 2*ln(J)) + 2*(J - 1)^2", {"mu": 0.7}),
+    ("mu/2*(I1 - 3", {"mu": 0.7}),
+    ("neo-hoke", {}),
+]
+
+
+def material(chance: random.Random) -> tuple[onset.Material, list[str]]:
+    """A material here and there."""
+    model, parameters = chance.choice(MATERIALS)
+    here = onset.Material(model, **parameters)  # type: ignore[arg-type]
+    sets = [f"material.{name.rstrip('_')}={value}" for name, value in parameters.items()]
+    if model is not None and " " in model:
+        sets = ["material.model=formula", f"material.energy={model}", *sets]
+    elif model is not None:
+        sets = [f"material.model={model}", *sets]
+    return here, [word for one in sets for word in ("--set", one)]
+
+
+def method(chance: random.Random) -> tuple[onset.Method, list[str], int]:
+    """A method here and there, and its number of dimensions."""
+    choices, dimension = chance.choice(METHODS)
+    sets = [f"discretization.{name.replace('_', '-')}={value}" for name, value in choices.items()]
+    return onset.Method(**choices), [word for one in sets for word in ("--set", one)], dimension  # type: ignore[arg-type]
+
+
+def state(chance: random.Random, dimension: int) -> tuple[dict[str, object], list[str]]:
+    """A state here and there; some are none."""
+    if chance.random() < 0.6:
+        stretches = [chance.uniform(0.6, 1.8) for _ in range(chance.choice([dimension, 3]))]
+        if chance.random() < 0.05:
+            stretches[0] = chance.choice([-1.0, 0.0, float("nan"), float("inf")])
+        return {"stretch": stretches}, ["--stretch", ",".join(map(repr, stretches))]
+    side = chance.choice([dimension, 3])
+    F = [[float(i == j) + chance.uniform(-0.25, 0.25) for j in range(side)] for i in range(side)]
+    return {"F": F}, ["--deformation-gradient", ",".join(repr(x) for row in F for x in row)]
+
+
+def of_state(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    given, words = state(chance, dimension)
+    certify = chance.random() < 0.1
+    proof = ["--certify"] if certify else []
+    return lambda: onset.state(law, own, certify=certify, **given), ["state", *law_words, *own_words, *words, *proof]  # type: ignore[arg-type]
+
+
+def of_waves(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    given, words = state(chance, dimension)
+    k = [chance.uniform(-4.0, 4.0) for _ in range(dimension)]
+    typed = ["--wave-vector", ",".join(map(repr, k))]
+    return lambda: onset.waves(law, own, wave_vector=k, **given), ["dispersion", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
+
+
+def of_bands(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    given, words = state(chance, dimension)
+    return lambda: onset.bands(law, own, **given), ["dispersion", *law_words, *own_words, *words, "--path"]  # type: ignore[arg-type]
+
+
+def of_path(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    words = ["path", *law_words, *own_words]
+    if chance.random() < 0.5:
+        start, end = ([chance.uniform(0.7, 1.6) for _ in range(dimension)] for _ in range(2))
+        typed = ["--from", ",".join(map(repr, start)), "--to", ",".join(map(repr, end))]
+        return lambda: onset.path(law, own, from_=start, to=end), [*words, *typed]
+    mode = chance.choice(["uniaxial", "equibiaxial", "planar", "simple-shear"])
+    end_stretch = chance.uniform(1.1, 2.5)
+    return lambda: onset.path(law, own, mode=mode, to=end_stretch), [*words, "--mode", mode, "--to", repr(end_stretch)]
+
+
+def of_criteria(chance: random.Random) -> Question:
+    law, words = material(chance)
+    mode = chance.choice(["uniaxial", "planar", "equibiaxial"])
+    incompressible = chance.random() < 0.3
+    typed = ["--mode", mode, *(["--incompressible"] if incompressible else [])]
+    return lambda: onset.criteria(law, modes=[mode], incompressible=incompressible), ["criteria", *words, *typed]
+
+
+def of_card(chance: random.Random) -> Question:
+    law, words = material(chance)
+    return lambda: onset.card(law, range=(0.5, 2.0), modes=["uniaxial"]), ["card", *words, "--range", "0.5,2", "--mode", "uniaxial"]
+
+
+def of_audit(chance: random.Random) -> Question:
+    law, words = material(chance)
+    strain = chance.uniform(0.02, 0.3)
+    return lambda: onset.audit(law, strain=strain), ["audit", *words, "--strain", repr(strain)]
+
+
+def of_localize(chance: random.Random) -> Question:
+    model = chance.choice(["drucker-prager", "j2", "mohr-coulomb", "gurson", "no-such-law"])
+    path = chance.choice(["plane-strain", "uniaxial-stress", "triaxial-compression"])
+    return lambda: onset.localize(model, path), ["localize", "--model", model, "--path", path]
+
+
+def of_modes(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, _ = method(chance)
+    weak = chance.uniform(0.1, 0.9)
+    return lambda: onset.modes(own, law, weak=weak), ["modes", *law_words, *own_words, "--weak", repr(weak)]
+
+
+def of_tune(chance: random.Random) -> Question:
+    key = chance.choice(["penalty", "support", "frame"])
+    own = onset.Method("total-lagrangian-sph", lattice="square")
+    words = ["--set", "discretization.method=total-lagrangian-sph", "--set", "discretization.lattice=square"]
+    return lambda: onset.tune(own, key, range=(0.0, 2.0)), ["tune", f"discretization.{key}", *words, "--range", "0,2"]
+
+
+def of_simulate(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    given, words = state(chance, dimension)
+    mode = chance.choice(["critical", "noise"])
+    typed = ["--cells", "4", "--mode", mode, "--steps", "200"]
+    return lambda: onset.simulate(law, own, cells=4, mode=mode, steps=200, **given), ["simulate", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
+
+
+#: Questions by how often each is asked of a hundred.
+SHARES: list[tuple[int, Callable[[random.Random], Question]]] = [
+    (34, of_state),
+    (14, of_waves),
+    (4, of_bands),
+    (8, of_path),
+    (8, of_criteria),
+    (4, of_card),
+    (8, of_audit),
+    (6, of_localize),
+    (6, of_modes),
+    (2, of_tune),
+    (6, of_simulate),
+]
+
+
+def answered(ask: Callable[[], onset.Answer]) -> tuple[int, str]:
+    """The document, or the message, as the command has them; by its exit code."""
+    try:
+        return 0, ask().json
+    except onset.InputError as error:
+        return 2, str(error)
+    except onset.MachineError as error:
+        return 1, str(error)
+
+
+def test_documents_and_messages_are_those_of_the_command() -> None:
+    chance = random.Random(17)
+    weights = [weight for weight, _ in SHARES]
+    # Each question at least once, the others by their shares.
+    makers = [make for _, make in SHARES] + chance.choices([make for _, make in SHARES], weights, k=CASES - len(SHARES))
+    questions = [make(chance) for make in makers]
+    with ThreadPoolExecutor(2) as pool:
+        told: list[Told] = list(pool.map(lambda question: command(*question[1]), questions))
+    codes = []
+    for (ask, words), there in zip(questions, told, strict=True):
+        code, here = answered(ask)
+        codes.append(code)
+        if code == 0:
+            assert here == there.document, words
+            # A simulation that differs is told with an answer.
+            assert there.code in (0, 1, 3), words
+        else:
+            assert (code, here) == (there.code, there.error), words
+    assert codes.count(0) > 0.4 * CASES and codes.count(2) > 0.05 * CASES
+
+
+COMPARISON = """title = "Two"
+[material]
+model = "neo-hooke"
+[compare]
+states = 6
+[[methods]]
+name = "a"
+lattice = "square"
+method = "total-lagrangian-sph"
+[[methods]]
+name = "b"
+lattice = "square"
+frame = "eulerian"
+"""
+
+
+def test_comparisons_are_those_of_the_command(tmp_path: Path) -> None:
+    file = tmp_path / "two.toml"
+    file.write_text(COMPARISON)
+    words = ["compare", str(file), "--set", "compare.states=5"]
+    assert onset.compare(file, set=["compare.states=5"]).json == command(*words).document
+    ours = onset.recommend(methods=file, weak=0.2, stretches=(0.8, 1.3))
+    assert ours.json == command("recommend", str(file), "--weak", "0.2", "--stretches", "0.8,1.3").document
+    own = onset.compare(
+        {
+            "a": onset.Method("total-lagrangian-sph", lattice="square"),
+            "b": onset.Method(lattice="square", frame="eulerian"),
+        },
+        "neo-hooke",
+        states=6,
+    )
+    told = own.to_dict()
+    told["title"] = "Two"
+    assert told == onset.compare(file).to_dict()
+
+
+STUDY = """[material]
+model = "neo-hooke"
+[discretization]
+frame = "eulerian"
+support = 1.6
+[map]
+tile = 8
+[[axes]]
+quantity = "stretch-1"
+range = [0.7, 1.4]
+states = 12
+[[axes]]
+quantity = "stretch-2"
+range = [0.7, 1.4]
+states = 10
+"""
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files below a folder."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_boundaries_and_maps_are_those_of_the_command(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    assert onset.boundary(file).json == command("boundary", str(file)).document
+    there = command("map", str(file), "--out", str(tmp_path / "there.zarr"))
+    here = onset.map_into(tmp_path / "here.zarr", file)
+
+    def without_time(document: str) -> str:
+        told = re.sub(r'"(seconds|states_per_second)": [^,\n]*', r'"\1": 0', document)
+        return re.sub(r"(here|there)\.zarr", "zarr", told)
+
+    assert without_time(here.json) == without_time(there.document)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
+
+
+def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
+    study = onset.Study.of(
+        "neo-hooke",
+        onset.Method(frame="eulerian", support=1.6),
+        {"stretch_1": (0.7, 1.4, 12), "stretch-2": (0.7, 1.4, 10)},
+        title='with "quotes" and \\',
+        map={"tile": 8},
+    )
+    assert study.shape == (10, 12)
+    study.save(tmp_path / "study.toml")
+    command("map", str(tmp_path / "study.toml"), "--out", str(tmp_path / "there.zarr"))
+    # Part after part, and what is left with `resume`.
+    onset.map_into(tmp_path / "here.zarr", study, tiles=(1, 3))
+    dataset = onset.map(study, out=tmp_path / "here.zarr", resume=True)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
+    assert dataset.verdict.dims == ("stretch-2", "stretch-1")
+    assert dataset.growth_rate.attrs["units"]
+    with pytest.raises(onset.InputError) as refused:
+        onset.map(study, out=tmp_path / "here.zarr")
+    assert refused.value.hint
+
+
+def kill_when_begun(process: int, store: Path) -> None:
+    """Kills a process when the first tile is done."""
+    while not any((store / "verdict").glob("c/*/*")):
+        time.sleep(0.002)
+    os.kill(process, signal.SIGKILL)
+
+
+def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset.Mapped:
+    """A map whose tiles are computed by processes, of which one may be killed in the middle."""
+    # Forked processes would have the threads of this one only by name.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as executor:
+        if kill:
+            executor.submit(os.getpid).result()
+            victim = next(iter(executor._processes))
+            Thread(target=kill_when_begun, args=(victim, here)).start()
+        return onset.map_into(here, study, executor=executor)
+
+
+@pytest.mark.parametrize("kill", [False, True])
+def test_an_executor_makes_the_same_store(tmp_path: Path, kill: bool) -> None:
+    study = onset.Study.of(
+        "neo-hooke",
+        onset.Method("updated-sph", lattice="square", support=2.6),
+        {"stretch-1": (0.7, 1.5, 96), "stretch-2": (0.7, 1.5, 96)},
+        map={"tile": 16},
+    )
+    assert pickle.loads(pickle.dumps(study)).text == study.text
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore" if kill else "error", RuntimeWarning)
+        summary = mapped(study, tmp_path / "here.zarr", 2, kill=kill)
+    assert summary.tiles_done == summary.tiles == 36
+    # What the lost worker left was computed here, and nothing else.
+    assert (0 < summary.tiles_computed < 36) if kill else summary.tiles_found == 36
+    onset.map_into(tmp_path / "there.zarr", study)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
+
+
+def test_a_dask_client_makes_the_same_store(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    study = onset.Study.of("neo-hooke", None, {"stretch-1": (0.7, 1.5, 32), "stretch-2": (0.7, 1.5, 32)}, map={"tile": 16})
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        dataset = onset.map(study, out=tmp_path / "here.zarr", executor=client)
+        assert dataset.sizes == {"stretch-1": 32, "stretch-2": 32, "component": 2}
+    onset.map_into(tmp_path / "there.zarr", study)
+    assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")

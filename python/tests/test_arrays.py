@@ -1,0 +1,127 @@
+"""Arrays: verdicts against states, waves against waves, laws against differences, and the interpreter's lock."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import onset
+import pytest
+
+RUBBER = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
+SPH = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+EULERIAN = onset.Method(frame="eulerian", support=1.6)
+
+
+@pytest.mark.parametrize("method", [SPH, EULERIAN, onset.Method("total-lagrangian-sph", lattice="square"), onset.Method(lattice="chain")])
+def test_verdicts_are_those_of_states(method: onset.Method) -> None:
+    chance = np.random.default_rng(3)
+    dimension = 1 if "chain" in repr(method) else 2
+    F = np.eye(3) + chance.uniform(-0.2, 0.2, (5, 20, 3, 3))
+    many = onset.verdicts(RUBBER, method, F[..., :dimension, :dimension])
+    assert many.codes.shape == (5, 20) and many.wave_vector.shape == (5, 20, dimension)
+    assert sum(many.count().values()) == len(many) == 100
+    for place in np.ndindex(5, 20):
+        if many.verdict[place] == "undefined":
+            continue
+        one = onset.state(RUBBER, method, F=F[place][:dimension, :dimension])
+        assert many.verdict[place] == one.verdict
+        np.testing.assert_allclose(many.growth_rate[place], one.growth_rate, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(many.acoustic_minimum[place], one.minimum_acoustic_eigenvalue, rtol=1e-9, atol=1e-9)
+        if one.critical_time_step is not None:
+            np.testing.assert_allclose(many.critical_time_step[place], one.critical_time_step, rtol=1e-9)
+
+
+def test_few_states_are_as_many() -> None:
+    stretches = np.random.default_rng(4).uniform(0.8, 1.3, (200, 2))
+    many = onset.verdicts(RUBBER, EULERIAN, stretch=stretches)
+    few = [onset.verdicts(RUBBER, EULERIAN, stretch=part) for part in np.split(stretches, 20)]
+    assert np.array_equal(many.codes, np.concatenate([part.codes for part in few]))
+    np.testing.assert_allclose(many.scaled_minimum, np.concatenate([part.scaled_minimum for part in few]), rtol=1e-10)
+
+
+@pytest.mark.parametrize("shape", [(0, 2), (0, 3)])
+def test_no_states_have_no_verdicts(shape: tuple[int, int]) -> None:
+    assert onset.verdicts(RUBBER, SPH, stretch=np.empty(shape)).count().keys() >= {"stable"}
+    assert len(onset.verdicts(RUBBER, SPH, stretch=np.empty(shape))) == 0
+
+
+def test_waves_in_arrays_are_those_of_one_wave_vector() -> None:
+    k = np.random.default_rng(5).uniform(-3, 3, (4, 6, 2))
+    stretch = (1.1, 0.9)
+    many = onset.dispersion(RUBBER, SPH, k=k, stretch=stretch)
+    matrices = onset.dynamical_matrix(RUBBER, SPH, k=k, stretch=stretch)
+    for place in np.ndindex(4, 6):
+        one = onset.waves(RUBBER, SPH, wave_vector=k[place], stretch=stretch)
+        assert np.array_equal(many.omega_squared[place], one.omega_squared)
+        assert np.array_equal(many.continuum_omega_squared[place], one.continuum_omega_squared)
+        assert np.array_equal(matrices[place], one.dynamical_matrix)
+    eigenvalues = np.sort_complex(np.linalg.eigvals(matrices))
+    np.testing.assert_allclose(np.sort_complex(many.omega_squared), eigenvalues, rtol=1e-9, atol=1e-9)
+    F = np.array([np.diag([a, 0.9, 1.0]) for a in (1.0, 1.1)])
+    both = onset.omega_squared(RUBBER, SPH, k=k, F=F)
+    assert both.shape == (2, 4, 6, 2)
+    assert np.array_equal(both[1], many.omega_squared)
+
+
+def test_bands_are_the_waves_of_their_wave_vectors() -> None:
+    bands = onset.bands(RUBBER, SPH, stretch=(1.1, 1.0), path="G-X-M-G")
+    assert bands.omega_squared.shape == (len(bands.k), 2) and bands.labels[0] == "Γ"
+    again = onset.omega_squared(RUBBER, SPH, k=bands.k, stretch=(1.1, 1.0))
+    np.testing.assert_allclose(bands.omega_squared, again, rtol=1e-12, atol=1e-12)
+
+
+def test_a_law_is_its_energy_differentiated() -> None:
+    chance = np.random.default_rng(6)
+    F = np.eye(3) + chance.uniform(-0.2, 0.2, (7, 3, 3))
+    formula = onset.Material("mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2", mu=0.4, lambda_=2.0)
+    h = 1e-5
+    stress, tangent = formula.stress(F), formula.tangent(F)
+    for i, j in np.ndindex(3, 3):
+        step = np.zeros((3, 3))
+        step[i, j] = h
+        difference = (formula.energy(F + step) - formula.energy(F - step)) / (2 * h)
+        np.testing.assert_allclose(stress[:, i, j], difference, rtol=1e-6, atol=1e-8)
+        difference = (formula.stress(F + step) - formula.stress(F - step)) / (2 * h)
+        np.testing.assert_allclose(tangent[..., i, j], difference, rtol=1e-6, atol=1e-7)
+    # The same numbers as of the answer of a state.
+    plane = np.array([[1.1, 0.2, 0.0], [0.1, 0.9, 0.0], [0.0, 0.0, 1.0]])
+    one = onset.state(formula, SPH, F=plane)
+    assert np.array_equal(one.material.first_piola, formula.stress(plane))
+    assert np.array_equal(one.material.tangent, formula.tangent(plane))
+    # As materials of FElupe: components first.
+    (gradient, _), (hessian,) = formula.gradient([np.moveaxis(F, 0, -1)]), formula.hessian([np.moveaxis(F, 0, -1)])
+    assert gradient is not None
+    assert np.array_equal(gradient, np.moveaxis(stress, 0, -1)) and np.array_equal(hessian, np.moveaxis(tangent, 0, -1))
+
+
+def test_a_block_of_another_program_is_its_law() -> None:
+    block = "*HYPERELASTIC, OGDEN, N=1\n2.0, 4.0, 0.02"
+    law = onset.Material.read(block, "abaqus")
+    same = onset.Material("ogden", mu1=1, alpha1=4, mu2=0, mu3=0, kappa=100)
+    F = np.diag([1.2, 0.9, 1.0])
+    np.testing.assert_allclose(law.stress(F), same.stress(F), rtol=1e-14)
+
+
+def test_the_interpreter_runs_while_states_are_computed() -> None:
+    counted = 0
+    done = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    other = threading.Thread(target=count)
+    other.start()
+    begun = time.perf_counter()
+    stretches = np.random.default_rng(7).uniform(0.7, 1.5, (20_000, 2))
+    onset.verdicts(RUBBER, SPH, stretch=stretches)
+    took = time.perf_counter() - begun
+    before = counted
+    done.set()
+    other.join()
+    # With the lock held all that time it would not have counted at all.
+    assert took > 0.05 and before > 0.1 * took / 0.001, (before, took)

@@ -1,0 +1,231 @@
+"""Whatever is asked, what is wrong is said by an exception of ours, or a TypeError."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+import pickle
+import random
+import signal
+import subprocess
+import sys
+import textwrap
+from typing import Any
+import warnings
+
+import numpy as np
+import onset
+import pytest
+
+#: How many calls are tried.
+CALLS = int(os.environ.get("ONSET_PYTHON_CALLS", "2000"))
+
+
+def test_messages_have_key_place_and_hint() -> None:
+    with pytest.raises(onset.SettingError) as refused:
+        onset.state(method=onset.Method(suport=2.0), stretch=(1, 1))
+    error = refused.value
+    assert isinstance(error, ValueError) and isinstance(error, onset.OnsetError)
+    assert error.key == "discretization.suport" and error.place is None
+    assert error.hint is not None and "discretization.support" in error.hint
+    assert str(error).startswith("--set discretization.suport=2.0: ") and error.message in str(error)
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.key, again.hint) == (str(error), error.key, error.hint)
+
+
+AXES = "".join(f"[[axes]]\nquantity = 'stretch-{n}'\nrange = [1, 2]\nstates = 2\n" for n in (1, 2))
+
+
+def test_messages_of_files_have_line_and_column(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text("[discretization]\nkernel = 'cubik'\n" + AXES)
+    with pytest.raises(onset.SettingError) as refused:
+        onset.boundary(file)
+    assert refused.value.place is not None and refused.value.place[1] == 2
+    assert refused.value.key == "discretization.kernel"
+    with pytest.raises(onset.InputError, match="cannot read"):
+        onset.boundary(tmp_path / "none.toml")
+
+
+def test_earlier_names_are_read_with_a_warning() -> None:
+    with pytest.warns(FutureWarning, match="lattice"):
+        onset.state(method=onset.Method(arrangement="square"), stretch=(1, 1))
+
+
+def test_a_library_of_a_file_is_loaded_only_where_it_is_allowed(tmp_path: Path) -> None:
+    text = "[material]\nmodel = 'umat'\nlibrary = './no.so'\n" + AXES
+    with pytest.raises(onset.SettingError):
+        onset.Study(text)
+    onset.Study(text, allow_library=["./no.so"])
+
+
+def test_what_cannot_be_written_is_the_machine_s() -> None:
+    with pytest.raises(onset.MachineError):
+        onset.modes(onset.Method(quadrature="nodal")).save("/dev/null/modes")
+
+
+def test_things_are_frozen() -> None:
+    answer = onset.state(stretch=(1.1, 1.0))
+    for thing in (answer, answer.discretization, onset.Material(), onset.Method()):
+        with pytest.raises(AttributeError):
+            thing.verdict = "stable"
+    with pytest.raises(AttributeError, match="verdict"):
+        answer.no_such_name
+
+
+class Raising:
+    """Raises whenever it is looked at as something."""
+
+    def __init__(self, error: type[Exception]) -> None:
+        self.error = error
+
+    def _raise(self, *_: Any) -> Any:
+        raise self.error("no")
+
+    __array__ = __float__ = __index__ = __iter__ = __len__ = __getitem__ = __fspath__ = _raise
+
+
+def thing(chance: random.Random, depth: int = 0) -> Any:
+    """Something that might be given."""
+    kinds = [
+        lambda: chance.choice([0, 1, -1, 2, 7, 2**70, -(2**70), True, False, None]),
+        lambda: chance.choice([0.0, 1.0, 1.1, -1.5, 1e300, 1e-300, math.nan, math.inf, -math.inf]),
+        lambda: chance.uniform(0.5, 2.0),
+        lambda: chance.choice(["", "stable", "square", "1.1,1", "NaN", "\ud800", "\x00", "é", "x" * 3000, "mu/2*(I1-3)", "j2", "uniaxial", "="]),
+        lambda: chance.choice([b"bytes", object(), int, len, ..., 1j, {1, 2}, range(3), Path("no/such/file"), np.float32(1.5), np.bool_(True)]),
+        lambda: Raising(chance.choice([RuntimeError, ValueError, KeyError, ZeroDivisionError, OSError])),
+        lambda: np.random.default_rng(chance.randrange(99)).uniform(0.5, 1.5, [chance.randrange(4) for _ in range(chance.randrange(4))]),
+        lambda: chance.choice([np.eye(2), np.eye(3), -np.eye(3), np.zeros((3, 3)), np.full((3, 3), np.nan), np.eye(3, dtype=complex), np.array(["a"])]),
+        lambda: np.eye(3)[:, ::-1] + np.eye(3),
+        lambda: (1.1, 1.0),
+        lambda: onset.Material(),
+        lambda: onset.Method("updated-sph", lattice="square"),
+    ]
+    if depth < 2:
+        kinds += [
+            lambda: [thing(chance, depth + 1) for _ in range(chance.randrange(4))],
+            lambda: {chance.choice(["a", "support", 1]): thing(chance, depth + 1) for _ in range(2)},
+        ]
+    return chance.choice(kinds)()
+
+
+#: What is called, with arguments that some answer in no time, of which some are replaced.
+CALLS_OF: list[tuple[Any, dict[str, Any]]] = [
+    (onset.state, {"material": "neo-hooke", "method": None, "stretch": (1.1, 1.0), "F": None, "certify": False, "tolerance": 1e-3}),
+    (onset.waves, {"material": None, "method": None, "wave_vector": (1.0, 0.5), "stretch": (1.1, 1.0), "F": None}),
+    (onset.dispersion, {"material": None, "method": None, "k": (1.0, 0.5), "stretch": (1.1, 1.0), "F": None}),
+    (onset.omega_squared, {"material": None, "method": None, "k": (1.0, 0.5), "stretch": (1.1, 1.0), "F": None}),
+    (onset.dynamical_matrix, {"material": None, "method": None, "k": (1.0, 0.5), "stretch": (1.1, 1.0), "F": None}),
+    (onset.verdicts, {"material": None, "method": None, "F": None, "stretch": (1.1, 1.0)}),
+    (onset.path, {"material": None, "method": None, "from_": (1, 1), "to": (1.1, 1), "mode": None, "lateral": None}),
+    (onset.audit, {"material": "neo-hooke", "strain": 0.1, "stretch": (), "F": (), "convention": None}),
+    (onset.localize, {"model": "no-law", "path": "plane-strain", "load": None, "friction": 0.5}),
+    (onset.modes, {"method": "no-method", "material": None, "weak": 0.5, "cells": 2, "amplitude": 0.2}),
+    (onset.tune, {"method": "updated-sph", "key": "no-key", "material": None, "range": (0, 1), "stretches": (0.9, 1.1), "weak": 0.1}),
+    (onset.compare, {"methods": [], "material": None, "set": (), "states": 4}),
+    (onset.recommend, {"material": "no-law", "methods": None, "dimension": 1, "stretches": None, "weak": 0.1, "wavelength": 8}),
+    (onset.criteria, {"material": "no-law", "range": (0.5, 2), "modes": ("uniaxial",), "incompressible": False}),
+    (onset.card, {"material": "no-law", "range": (0.5, 2), "modes": ("uniaxial",), "incompressible": False}),
+    (onset.boundary, {"study": "no/file.toml", "flutter": False}),
+    (onset.map_into, {"out": "/dev/null/store", "study": "no/file.toml", "tiles": None, "resume": False, "overwrite": False}),
+    (onset.simulate, {"material": None, "method": "no-method", "stretch": (1, 1), "cells": 2, "steps": 1, "amplitude": 1e-6, "turns": None, "seed": 1}),
+    (onset.Material, {"model": None, "energy": None, "mu": 0.4}),
+    (onset.Material.read, {"block": "*HYPERELASTIC", "program": "abaqus"}),
+    (onset.Material("neo-hooke").stress, {"F": np.eye(3)}),
+    (onset.Material("neo-hooke").gradient, {"x": [np.eye(3)]}),
+    (onset.Material("neo-hooke").replace, {"mu": 1.0, "lambda_": 2.0}),
+    (onset.Method, {"method": None, "support": 2.0, "kernel": "cubic-spline"}),
+    (onset.Study, {"text": "[state]", "name": "s", "set": (), "allow_library": ()}),
+    (onset.Study.of, {"material": None, "method": None, "axes": {"shear": (0, 1, 2)}, "title": "", "state": None, "map": None}),
+    (onset.keys, {"section": ""}),
+    (onset.open_map, {"store": "/dev/null/store"}),
+]
+
+
+def test_no_call_ends_otherwise_than_in_an_answer_or_an_exception_of_ours() -> None:
+    chance = random.Random(23)
+    refused = 0
+    for number in range(CALLS):
+        function, arguments = CALLS_OF[number % len(CALLS_OF)]
+        names = chance.sample(list(arguments), k=min(len(arguments), chance.choice([1, 1, 2])))
+        given = arguments | {name: thing(chance) for name in names}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                function(**given)
+        except (onset.OnsetError, TypeError) as error:
+            refused += 1
+            text = str(error)
+            assert "panic" not in text and "defect" not in text, (function, given, text)
+        except Exception as error:
+            raise AssertionError(f"{function} {given}: {error!r}") from error
+    assert refused > 0.5 * CALLS
+
+
+# Where the tests run in the background, interrupts may be ignored by inheritance: the programs listen to them again.
+
+
+def test_an_interrupt_ends_what_takes_long() -> None:
+    program = textwrap.dedent(
+        """
+        import signal, numpy, onset
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        stretches = numpy.random.default_rng(1).uniform(0.7, 1.5, (500_000, 2))
+        print("begun", flush=True)
+        try:
+            onset.verdicts("neo-hooke", onset.Method("updated-sph", lattice="square"), stretch=stretches)
+        except KeyboardInterrupt:
+            print("ended", flush=True)
+        """
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "begun\n"
+        try:
+            running.wait(3)
+        except subprocess.TimeoutExpired:
+            pass
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=30)
+    assert (out, err, running.returncode) == ("ended\n", "", 0)
+
+
+def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
+    study = onset.Study.of(
+        "neo-hooke",
+        onset.Method("updated-sph", lattice="square", support=2.6),
+        {"stretch-1": (0.7, 1.5, 96), "stretch-2": (0.7, 1.5, 96)},
+        map={"tile": 8},
+    )
+    study.save(tmp_path / "study.toml")
+    program = textwrap.dedent(
+        f"""
+        import signal, onset
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        print("begun", flush=True)
+        try:
+            onset.map_into({str(tmp_path / "cut.zarr")!r}, {str(tmp_path / "study.toml")!r})
+        except KeyboardInterrupt:
+            print("ended", flush=True)
+        """
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        running.stdout.readline()
+        try:
+            running.wait(0.5)
+        except subprocess.TimeoutExpired:
+            running.send_signal(signal.SIGINT)
+        out, _ = running.communicate(timeout=60)
+    assert out in ("ended\n", "")
+    went_on = onset.map_into(tmp_path / "cut.zarr", study, resume=True)
+    whole = onset.map_into(tmp_path / "whole.zarr", study)
+    assert went_on.tiles_done == whole.tiles_done == went_on.tiles
+    if out:
+        assert 0 < went_on.tiles_computed < went_on.tiles
+
+    def contents(folder: Path) -> dict[str, bytes]:
+        return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    assert contents(tmp_path / "cut.zarr") == contents(tmp_path / "whole.zarr")

@@ -1,0 +1,124 @@
+"""Answers as objects: attributes, pictures, files, types."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+import pickle
+import re
+import subprocess
+import sys
+
+import numpy as np
+import onset
+import pytest
+
+from conftest import REPOSITORY
+
+RUBBER = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
+SPH = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+STUDY = onset.Study.of(RUBBER, onset.Method(frame="eulerian"), {"stretch-1": (0.8, 1.3, 6), "stretch-2": (0.8, 1.3, 6)})
+
+
+def answers(folder: Path) -> list[onset.Answer | onset.Verdicts | onset.Dispersion]:
+    """One of each."""
+    return [
+        onset.state(RUBBER, SPH, stretch=(1.1, 1.0)),
+        onset.waves(RUBBER, SPH, wave_vector=(1, 1), stretch=(1.1, 1.0)),
+        onset.bands(RUBBER, SPH, stretch=(1.1, 1.0)),
+        onset.path(RUBBER, SPH, from_=(1, 1), to=(1.2, 1)),
+        onset.path(RUBBER, SPH, mode="uniaxial", to=1.2),
+        onset.criteria(RUBBER, modes=["uniaxial"]),
+        onset.card(RUBBER, modes=["uniaxial"]),
+        onset.audit(RUBBER),
+        onset.localize("j2", "plane-strain"),
+        onset.modes(onset.Method(quadrature="nodal")),
+        onset.compare([onset.Method("total-lagrangian-sph"), onset.Method(frame="eulerian")], RUBBER, states=4),
+        onset.boundary(STUDY),
+        onset.map_into(folder / "map.zarr", STUDY),
+        onset.simulate(RUBBER, onset.Method("total-lagrangian-sph", lattice="square"), stretch=(1, 1), turns=(1, 0), cells=4),
+        onset.verdicts(RUBBER, SPH, stretch=[(1.1, 1.0), (0.9, 1.0)]),
+        onset.dispersion(RUBBER, SPH, stretch=(1.1, 1.0), k=np.linspace([0, 0], [3, 0], 20)),
+    ]
+
+
+def test_answers_are_told_drawn_and_shown(tmp_path: Path) -> None:
+    from matplotlib import pyplot
+
+    for answer in answers(tmp_path):
+        page = answer._repr_html_()
+        assert page.startswith("<") and "nan" not in page.lower().split("<svg")[0]
+        assert repr(answer).startswith("<onset.")
+        axes = answer.plot()
+        assert axes.has_data(), answer
+        figure = axes.get_figure()
+        assert figure is not None
+        figure.canvas.draw()
+        pyplot.close("all")
+        if isinstance(answer, onset.Answer):
+            assert answer.to_dict() and str(answer) and answer.csv
+            written = answer.save(tmp_path / type(answer).__name__)
+            assert [Path(path).read_bytes() for path in written] == list(answer.files().values())
+
+
+def test_attributes_are_those_of_the_document() -> None:
+    answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+    told = answer.to_dict()
+    assert answer.verdict == told["verdict"] and answer["verdict"] == answer.verdict
+    assert answer.growth_rate == told["discretization"]["growth_rate"] == answer.discretization.growth_rate
+    assert answer.wave_vector.tolist() == told["discretization"]["wave_vector"]
+    assert isinstance(answer.discretization.minimum_omega_squared, complex)
+    assert answer.deformation_gradient.shape == (3, 3) and answer.material.tangent.shape == (3, 3, 3, 3)
+    assert answer.settings.discretization_support.value == 2.6
+    path = onset.path(RUBBER, SPH, from_=(1, 1), to=(1.2, 1))
+    assert path.from_.shape == (3, 3)
+
+
+def test_answers_are_copied_and_their_documents_sent() -> None:
+    answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+    assert copy.copy(answer) is answer and copy.deepcopy(answer.discretization) == answer.discretization
+    # To another process the document goes, without what computes figures and files.
+    sent = pickle.loads(pickle.dumps(answer))
+    assert type(sent) is onset.Record and sent.to_dict() == answer.to_dict()
+    assert pickle.loads(pickle.dumps((RUBBER, SPH))) == (RUBBER, SPH)
+    assert not hasattr(answer, "_no_such_name")
+
+
+def test_settings_are_compared_shown_and_replaced() -> None:
+    assert SPH == onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+    assert hash(SPH.replace(support=2.6)) == hash(SPH) and SPH.replace(support=2.0) != SPH
+    assert SPH.replace(artificial_stress=0.3).assignments[-1] == "discretization.artificial-stress=0.3"
+    assert repr(SPH) == "Method(method='updated-sph', lattice='square', kernel='cubic-spline', support=2.6)"
+    assert RUBBER.replace(mu=1).assignments == ("material.model=neo-hooke", "material.mu=1.0", "material.lambda=2.0")
+    assert onset.Material("mu/2*(I1 - 3)", mu=1).assignments[:2] == ("material.model=formula", "material.energy=mu/2*(I1 - 3)")
+    assert "discretization.support" in onset.keys("discretization") and "neo-hooke" in onset.models()
+
+
+def test_a_state_that_is_asked_again_is_the_same() -> None:
+    first = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+    assert first == onset.state(RUBBER, SPH, stretch=(1.1, 1.0)) and first != onset.state(RUBBER, SPH, stretch=(1.2, 1.0))
+    assert len({first, onset.state(RUBBER, SPH, stretch=(1.1, 1.0))}) == 1
+
+
+@pytest.mark.parametrize("page", ["README.md", "python/README.md", "book/src/how-to/python.md"])
+def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    examples = re.findall(r"```python\n(.*?)```", (REPOSITORY / page).read_text(), flags=re.DOTALL)
+    assert examples
+    exec("\n".join(examples), {"__name__": "example"})
+
+
+def test_types(tmp_path: Path) -> None:
+    """The stubs are those of the compiled part; the package and the examples check strictly."""
+    package = REPOSITORY / "python" / "onset"
+    stubtest = subprocess.run([sys.executable, "-m", "mypy.stubtest", "onset._onset"], capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert stubtest.returncode == 0, stubtest.stdout + stubtest.stderr
+    examples = []
+    for number, page in enumerate(["README.md", "python/README.md", "book/src/how-to/python.md"]):
+        blocks = re.findall(r"```python\n(.*?)```", (REPOSITORY / page).read_text(), flags=re.DOTALL)
+        example = tmp_path / f"example_{number}.py"
+        example.write_text("\n".join(blocks))
+        examples.append(str(example))
+    for checked in ([str(package)], examples):
+        mypy = subprocess.run([sys.executable, "-m", "mypy", "--strict", *checked], capture_output=True, text=True, cwd=tmp_path, check=False)
+        assert mypy.returncode == 0, mypy.stdout + mypy.stderr
