@@ -76,8 +76,10 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     // Lankford's ratio, but for the elastic strain.
     assert_close(strain(1) / strain(2), 1.8, 0.02);
     let begin = Instant::now();
-    let card = document(&format!("card --mode uniaxial --range 0.8,1.25 {sheet}"));
+    let card = document(&format!("card --range 0.8,1.25 {sheet}"));
     assert!(card["symmetric_box"]["high"].as_f64() > Some(1.0));
+    let notes = card["material"]["notes"].to_string();
+    assert!(notes.contains("--mode simple-shear asks for it"), "{notes}");
     assert!(begin.elapsed() < Duration::from_secs(90));
 }
 

@@ -227,6 +227,10 @@ pub struct ChangeAnswer {
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
+/// Why simple shear is not among the loadings of a metal unless it is asked for.
+const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
+                              takes long; --mode simple-shear asks for it";
+
 /// A law with what is to be asked.
 pub struct Question {
     law: LawAnswer,
@@ -249,7 +253,15 @@ impl Question {
         let parameters = settings.entries().into_iter();
         let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
         let units = settings.entries().into_iter();
-        let asked = |loading: &Loading| modes.is_empty() || modes.contains(&loading.mode);
+        let turns = material.is_path_dependent();
+        let asked = |loading: &Loading| match modes.is_empty() {
+            true => !(turns && loading.mode == Mode::SimpleShear),
+            false => modes.contains(&loading.mode),
+        };
+        let mut notes = notes_on_law(&*material);
+        if turns && modes.is_empty() {
+            notes.push(SHEAR_LEFT_OUT.to_owned());
+        }
         Ok(Self {
             law: LawAnswer {
                 model: settings.model.name().to_owned(),
@@ -261,7 +273,7 @@ impl Question {
                 isotropic: is_isotropic(&*material),
                 incompressible: false,
                 moduli: moduli(&*material),
-                notes: notes_on_law(&*material),
+                notes,
             },
             material,
             range,
