@@ -143,7 +143,7 @@ fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: b
         let digits = item.trim_start_matches('-');
         !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
     };
-    if items.len() % 2 == 0 && admitted(items.len() / 2) && items.iter().all(is_whole) {
+    if items.len().is_multiple_of(2) && admitted(items.len() / 2) && items.iter().all(is_whole) {
         let pairs: Vec<String> = items.chunks(2).map(|pair| pair.join(".")).collect();
         return format!(
             "numbers have a decimal point, and commas between them: {what} {}",
