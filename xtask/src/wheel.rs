@@ -10,12 +10,12 @@ const MAKING: &str = "python/requirements-wheel.txt";
 /// What the tests need beside the wheel.
 const TESTING: &str = "python/tests/requirements.txt";
 
-/// Makes the wheel, in a profile of its own, in `target/wheels`, and says where it is and how large.
+/// Makes the wheel of a release in `target/wheels`, and says where it is and how large.
 ///
 /// # Errors
 /// What failed, in words.
 pub fn run() -> Result<(), String> {
-    let wheel = made("wheel", "target/wheels")?;
+    let wheel = made("release", "target/wheels")?;
     let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
     println!(
         "{}: {:.1} MB",
