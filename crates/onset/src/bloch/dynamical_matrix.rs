@@ -305,7 +305,7 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// The derivatives of `D(k)` with respect to the components of the wave vector.
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
-        self.expansion_at(k).gradient
+        self.first_order_at(k).1
     }
 
     /// `D(k)` with its first and second derivatives with respect to the wave vector.
@@ -335,12 +335,40 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
     }
 
-    /// `D(k)` with its first derivatives, as matrices of any size.
+    /// `D(k)` with its first derivatives.
+    fn first_order_at(
+        &self,
+        k: &SVector<f64, D>,
+    ) -> (SMatrix<Complex, D, D>, [SMatrix<Complex, D, D>; D]) {
+        let zeros = SMatrix::<f64, D, D>::zeros();
+        let (mut real, mut imaginary) = ((self.rigid, [zeros; D]), (zeros, [zeros; D]));
+        let phases = HalfPhases::new(self, k);
+        for term in &self.terms {
+            let half = phases.of(term);
+            let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
+            real.0 -= term.even * versine;
+            for a in 0..D {
+                real.1[a] -= term.even * (sine * term.vector[a]);
+            }
+            if !self.centrosymmetric {
+                imaginary.0 += term.odd * sine;
+                for a in 0..D {
+                    imaginary.1[a] += term.odd * ((1.0 - versine) * term.vector[a]);
+                }
+            }
+        }
+        let slope = |a: usize| real.1[a].zip_map(&imaginary.1[a], Complex::new);
+        (
+            real.0.zip_map(&imaginary.0, Complex::new),
+            std::array::from_fn(slope),
+        )
+    }
+
+    /// The same as matrices of any size.
     pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
-        let expansion = self.expansion_at(k);
-        let whole = |matrix: &SMatrix<Complex, D, D>| DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
-        let slopes = std::array::from_fn(|a| whole(&expansion.gradient[a]));
-        (whole(&expansion.value), slopes)
+        let whole = |matrix: SMatrix<Complex, D, D>| DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
+        let (value, slopes) = self.first_order_at(k);
+        (whole(value), slopes.map(whole))
     }
 
     /// The same in real numbers, where `D(k)` is real.

@@ -4,6 +4,7 @@ use super::growth_rate;
 use crate::algebra::{Complex, Decomposition};
 use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, SMatrix, SVector};
+use std::collections::HashSet;
 
 /// How far from its point a model is used, in steps: a little beyond the middle between two points.
 const REACH: f64 = 0.6;
@@ -16,7 +17,7 @@ const NEARER: f64 = 0.3;
 const SHARES: [f64; 3] = [0.5, 0.2, 0.08];
 /// Growth rates that differ by less, relative to them, are those of images of one pocket under the symmetry of the lattice.
 const SAME: f64 = 1e-9;
-/// Wave vectors that are no further apart than this part of a step are in one pocket.
+/// Wave vectors that agree to this part of a step are in one pocket.
 const APART: f64 = 0.25;
 /// Eigenvectors on both sides whose sizes have such a product are nearly dependent, and tell nothing of the neighborhood.
 const DEPENDENT: f64 = 1e6;
@@ -170,15 +171,10 @@ fn fastest<const D: usize>(all: &mut Vec<Candidate<D>>, most: usize, steps: &SMa
     let Some(to_steps) = steps.try_inverse() else {
         return;
     };
-    let mut distinct: Vec<Candidate<D>> = Vec::new();
-    let mut places: Vec<SVector<f64, D>> = Vec::new();
-    for own in all.drain(..) {
-        let place = to_steps * own.1;
-        let is_apart = |other: &SVector<f64, D>| (place - other).amax() > APART;
-        if distinct.len() < most && places.iter().all(is_apart) {
-            distinct.push(own);
-            places.push(place);
-        }
-    }
-    *all = distinct;
+    let mut taken = HashSet::new();
+    all.retain(|own| {
+        let place = to_steps * own.1 / APART;
+        taken.insert(place.map(|x| x.round() as i64))
+    });
+    all.truncate(most);
 }

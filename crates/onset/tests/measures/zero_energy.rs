@@ -36,7 +36,7 @@ fn laws() -> Vec<Box<dyn Hyperelastic>> {
 fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
     let tait = Law::named("tait").expect("a law of the library");
     let states = [[1.0, 1.0, 1.0], [0.97, 0.99, 1.0]];
-    let states = states.map(|stretches| DeformationGradient::from_stretches(stretches));
+    let states = states.map(DeformationGradient::from_stretches);
     let verdicts = |scheme: &dyn Discretization<2>, mu: f64| {
         let law = tait.build(&[("mu", mu)]).expect("admissible parameters");
         let survey = Survey::new(scheme, &*law).expect("a survey");

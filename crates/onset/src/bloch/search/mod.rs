@@ -35,7 +35,7 @@ const LEAST: f64 = 1e-15;
 /// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
 const ZERO: f64 = 1e-13;
 /// Pockets of complex `omega^2` that are foreseen and looked at again.
-const POCKETS: usize = 4096;
+const POCKETS: usize = 1 << 14;
 /// Of these the fastest ones from which the fastest growth is sought.
 const FOLLOWED: usize = 16;
 /// Wave vectors along the softest long waves, or the fastest growing ones, in steps of a grid on which none need lie near.

@@ -441,14 +441,17 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Lowest => Some(self.lowest_near(softest)),
             _ => None,
         };
-        match self.covered(objective, floor, start) {
-            Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
-            None => {
-                let known = start.filter(|start| start.0 < floor);
-                let floor = known.map_or(floor, |known| known.0);
-                self.bottom(objective, floor).or(known)
-            }
+        let covered = self.covered(objective, floor, start);
+        let sought = covered.as_ref().is_none_or(|covered| {
+            // What is softer than a wave that grows can be less than the bound of frequencies tells from zero.
+            objective == Objective::Lowest && covered.wave_vector.is_none()
+        });
+        if sought {
+            let known = start.filter(|start| start.0 < floor);
+            let floor = known.map_or(floor, |known| known.0);
+            return self.bottom(objective, floor).or(known);
         }
+        covered.and_then(|covered| covered.wave_vector.map(|k| (covered.lowest, k)))
     }
 
     /// The smallest `Re omega^2` downhill from the softest wave; where that is the limit of long waves, from waves along its direction.
