@@ -28,6 +28,11 @@ impl Interrupt {
         self.0.load(Ordering::Relaxed) > 0
     }
 
+    /// Whether an end was asked for twice.
+    pub fn is_asked_twice(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 1
+    }
+
     /// Gives the question up where an end was asked for.
     pub fn end_if_asked(&self) {
         self.end_from(1);

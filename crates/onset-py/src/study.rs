@@ -48,6 +48,10 @@ impl map::Watch for Interrupt {
     fn is_interrupted(&self) -> bool {
         self.is_asked()
     }
+
+    fn is_out_of_time(&self) -> bool {
+        self.is_asked_twice()
+    }
 }
 
 #[pymethods]

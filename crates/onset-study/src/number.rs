@@ -22,6 +22,34 @@ pub fn told(value: f64) -> String {
     exact(rounded)
 }
 
+/// The smallest number with six significant digits that is not below a computed one: the lower end of a range that must not grow in print.
+///
+/// ```
+/// use onset_study::number::{told_above, told_below};
+/// assert_eq!([told_above(0.72050839), told_below(1.38790890)], ["0.720509", "1.3879"]);
+/// assert_eq!([told_above(0.5), told_below(2.0)], ["0.5", "2"]);
+/// ```
+pub fn told_above(value: f64) -> String {
+    let told_so = told(value);
+    let is_below = told_so.parse::<f64>().is_ok_and(|rounded| rounded < value);
+    if !is_below {
+        return told_so;
+    }
+    let unit = 10_f64.powi(value.abs().log10().floor() as i32 + 1 - DIGITS as i32);
+    told(value + unit)
+}
+
+/// The largest number with six significant digits that is not above a computed one.
+pub fn told_below(value: f64) -> String {
+    match told_above(-value) {
+        negated if negated == "0" => negated,
+        negated => match negated.strip_prefix('-') {
+            Some(positive) => positive.to_owned(),
+            None => format!("-{negated}"),
+        },
+    }
+}
+
 /// A computed number that is made of others of a size: what is only rounding is zero.
 ///
 /// ```

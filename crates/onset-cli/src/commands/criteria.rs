@@ -97,5 +97,9 @@ fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
 fn program_of(file: &Path) -> Option<&'static str> {
     let is_file = file != Path::new("-");
     let (_, text) = is_file.then(|| source(file).ok())??;
-    Program::of_text(&text).map(Program::name)
+    // What is wrong with a study is said of it, whatever its comments speak of.
+    let is_study = text
+        .lines()
+        .any(|line| line.trim_start().starts_with("[material"));
+    (!is_study).then(|| Program::of_text(&text).map(Program::name))?
 }

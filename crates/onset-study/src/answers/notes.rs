@@ -7,6 +7,8 @@ use onset::material::Hyperelastic;
 
 /// Stresses at `F = 1` below this share of the stiffness are rounding.
 const UNSTRESSED: f64 = 1e-9;
+/// A state with different stretches, at which a law that has no shear stiffness at `F = 1` alone has some.
+const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
 /// What a reader of an answer must know of the law: that it has stress at `F = 1`, or no stiffness against shear, where it is so.
 pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
@@ -19,21 +21,26 @@ pub fn is_stressed(material: &dyn Hyperelastic) -> bool {
     stress_at_rest(material).is_some()
 }
 
-/// Whether a law has no stiffness against shear at `F = 1`, but some against a change of volume.
+/// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
-    let Ok(response) = material.response(&DeformationGradient::identity()) else {
-        return false;
+    let yields = |f: DeformationGradient| {
+        let response = material.response(&f).ok()?;
+        let stiffness = response.tangent.largest();
+        let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
+        let are_free =
+            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness);
+        Some(stiffness > 0.0 && are_free)
     };
-    let stiffness = response.tangent.largest();
-    let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
-    stiffness > 0.0
-        && shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness)
+    // Of shears along the axes of the stretches a fluid has the stiffness of none; a law that stiffens from nothing has.
+    let stretched = DeformationGradient::from_stretches(STRETCHED).ok();
+    yields(DeformationGradient::identity()) == Some(true)
+        && stretched.and_then(yields) != Some(false)
 }
 
 /// That a law is a fluid, where it is.
 fn fluid(material: &dyn Hyperelastic) -> Option<String> {
     is_fluid(material).then(|| {
-        "the law has no stiffness against shear at F = 1: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
+        "the law has no stiffness against shear: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
          motions of the particles that keep all volumes cost nothing"
             .to_owned()
     })

@@ -208,7 +208,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     Ok(PathAnswer {
         dimension,
         is_marginal: is_marginal(from) || is_marginal(to),
-        is_fluid: is_fluid(&*problem.material),
+        is_fluid: is_fluid(&*problem.material) && is_marginal(from) && is_marginal(to),
         notes,
         settings: problem.settings.effective(),
         loading: None,

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
-use crate::number::told;
+use crate::number::{told, told_above, told_below};
 use crate::output::{Files, text};
 use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
@@ -373,8 +373,8 @@ impl Display for CardAnswer {
             writeln!(
                 formatter,
                 "{name:<30} {} to {}",
-                told(found.low),
-                told(found.high)
+                told_above(found.low),
+                told_below(found.high)
             )?;
             writeln!(formatter, "{:<30} {}", "", found.ends())?;
         }

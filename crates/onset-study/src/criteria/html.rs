@@ -4,7 +4,7 @@ use super::card::{CardAnswer, Limits};
 use super::kink;
 use super::sentence::{heading, witness};
 use crate::html::{embedded, escaped};
-use crate::number::told;
+use crate::number::{told_above, told_below};
 use onset::criteria::Criterion;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:46rem;margin:2rem auto;padding:0 1rem;color:#111}\
@@ -74,8 +74,8 @@ impl CardAnswer {
         for (name, found) in self.boxes() {
             page.push_str(&row(&[
                 escaped(name),
-                told(found.low),
-                told(found.high),
+                told_above(found.low),
+                told_below(found.high),
                 escaped(&found.ends()),
             ]));
         }

@@ -3,9 +3,8 @@
 use super::SimulateError;
 use crate::answers::Problem;
 use crate::number::{exact, told, vector};
-use onset::algebra::Complex;
+use onset::algebra::{Complex, uniform};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::uniform;
 use onset::motion::{PatchMotion, PatchState, PatchWave, SteppedWave, Stepper};
 use serde_json::json;
 use sha2::{Digest, Sha256};

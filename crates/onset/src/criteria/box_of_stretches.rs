@@ -308,6 +308,7 @@ impl<'a> Field<'a> {
         mut step: f64,
     ) -> Option<[f64; 3]> {
         let mut value = self.value(shape.inside(place, size));
+        let first = step;
         while value > 0.0 {
             if step < SMALLEST_STEP {
                 return None;
@@ -325,8 +326,8 @@ impl<'a> Field<'a> {
             }
             match lower {
                 Some(found) => (value, place) = found,
-                // A smooth measure falls between states by less than it rises around them.
-                None if value > FLAT * rise => return None,
+                // A smooth measure falls between near states by less than it rises around them.
+                None if step < first && value > FLAT * rise => return None,
                 None => step *= 0.5,
             }
         }

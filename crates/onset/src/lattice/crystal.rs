@@ -3,6 +3,7 @@
 use super::{
     Ball, BravaisLattice, Fractional, LatticeError, LatticeKind, Reduced, voronoi_volumes,
 };
+use crate::algebra::uniform;
 use nalgebra::{SMatrix, SVector};
 
 /// A particle of a crystal: which of its cell, and which cell.
@@ -320,16 +321,6 @@ pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> 
         cell[..axis].copy_from_slice(&low[..axis]);
         cell[axis] += 1;
     }
-}
-
-/// A number in [0, 1) from a state that is moved on: SplitMix64 (Steele, Lea, Flood, 2014), which needs no more than its
-/// state and is the same everywhere.
-pub fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod wave_vectors;
 mod zone;
 
 pub(crate) use crystal::cells_between;
-pub use crystal::{Crystal, Particle, uniform};
+pub use crystal::{Crystal, Particle};
 pub use delaunay::delaunay_centers;
 pub use kind::LatticeKind;
 pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};

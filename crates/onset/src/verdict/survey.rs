@@ -557,17 +557,18 @@ impl<'a, const D: usize> Survey<'a, D> {
         self.discretization.gradient_norm(f, k, mode.is_long_wave)
     }
 
-    /// The squared frequency of the slowest wave at rest over that of the material, with the wave vector of a mode.
+    /// The squared frequency of the slowest wave at rest over that of the material, with the wave vector of a mode; one where the material
+    /// has waves without energy.
     fn relative_frequency_squared(&self, mode: &Mode<D>) -> Result<f64, MethodError> {
         if mode.is_long_wave {
             return Ok(1.0);
         }
-        let density = self.discretization.density();
-        let tensor = self.stiffness_at_rest()?.acoustic_tensor(&mode.wave_vector) / density;
-        let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
-        if exact <= 0.0 {
+        let stiffness = self.stiffness_at_rest()?;
+        if !stiffness.is_strongly_elliptic() {
             return Ok(1.0);
         }
+        let tensor = stiffness.acoustic_tensor(&mode.wave_vector) / self.discretization.density();
+        let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
         Ok(self.reference()?.omega_squared(&mode.wave_vector)[0].re / exact)
     }
 

@@ -266,7 +266,7 @@ fn hill_with_equal_ratios_is_j2_and_turns_with_its_axes_and_with_the_body() {
     }
 }
 
-/// Stretches along the axes of a metal are integrated in three numbers; turned by a right angle, which rounding keeps from being one, in nine.
+/// Stretches along the axes of a metal are integrated in four numbers; turned by a right angle, which rounding keeps from being one, in ten.
 #[test]
 fn stretches_along_the_axes_of_a_metal_and_a_little_beside_have_the_same_response() {
     let along = law("hill-1948", &[]);

@@ -535,7 +535,7 @@ fn the_search_over_the_zone_takes_silent_particles_as_zero_not_as_growth() {
 }
 
 #[test]
-fn what_forces_see_of_particles_has_all_of_their_frequencies_but_the_silent_ones() {
+fn the_velocities_of_the_grid_have_all_frequencies_of_the_particles_but_the_silent_ones() {
     fn checked<const D: usize>() {
         for functions in FUNCTIONS {
             let choices = MaterialPointChoices {
@@ -545,11 +545,11 @@ fn what_forces_see_of_particles_has_all_of_their_frequencies_but_the_silent_ones
                 ..choices(PARTICLES, 2)
             };
             let system = waves(&points::<D>(choices), &state::<D>());
-            let seen = system.seen().expect("fewer nodes than points");
+            let reduced = system.reduced().expect("fewer nodes than points");
             let k = SVector::from_fn(|i, _| 2.1 - 0.9 * i as f64);
             let mut all = system.omega_squared(&k);
             all.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-            for value in seen.omega_squared(&k) {
+            for value in reduced.omega_squared(&k) {
                 let nearest = all[..D].iter().map(|own| (own - value).norm());
                 let nearest = nearest.fold(f64::INFINITY, f64::min);
                 assert!(nearest < 1e-9 * all[0].norm(), "{functions:?}: {value}");

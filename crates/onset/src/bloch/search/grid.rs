@@ -9,7 +9,8 @@ use crate::bloch::spatial::SpatialSpectrum;
 use crate::lattice::{WaveGrid, grid_coordinates, opposite};
 use nalgebra::SVector;
 use pulp::{Arch, NullaryFnOnce};
-use std::sync::Arc;
+use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
 
 /// A discriminant, which is quadratic in the distance of two branches, is at most this fraction of the largest one around a point from
 /// which the branches meet within 0.6 of a step along each axis: `(0.6/1.6)^2`.
@@ -23,6 +24,8 @@ pub(super) struct Grid<const D: usize> {
     spectrum: GridSpectrum,
     /// The direction of the softest long waves.
     pub(super) soft_direction: SVector<f64, D>,
+    /// Wave vectors in pockets of complex `omega^2` between its points, once they are needed.
+    pub(super) pockets: OnceLock<Vec<SVector<f64, D>>>,
 }
 
 /// A point of the grid that is lower than those around it.
@@ -74,6 +77,22 @@ impl GridSpectrum {
             // A branch is complex, and can grow, where the discriminant is negative.
             Objective::Discriminant | Objective::Growth => &self.discriminant,
         }
+    }
+
+    /// How near branches are to each other: in space the discriminant over the sixth power of the distance of the outer ones, which can
+    /// vary by orders of magnitude over the zone.
+    fn relative_discriminants<const D: usize>(&self) -> Cow<'_, [f64]> {
+        let known = self.known(Objective::Discriminant);
+        if D < 3 {
+            return Cow::Borrowed(known);
+        }
+        let outer = self.lowest.iter().zip(&self.highest);
+        let distances = outer.map(|(lowest, highest)| -highest - lowest);
+        known
+            .iter()
+            .zip(distances)
+            .map(|(discriminant, distance)| discriminant / distance.powi(6))
+            .collect()
     }
 
     /// From the real entries of half of the grid.
@@ -201,6 +220,7 @@ impl<const D: usize> ZoneSearch<D> {
             waves,
             spectrum,
             soft_direction,
+            pockets: OnceLock::new(),
         }
     }
 
@@ -315,7 +335,7 @@ impl<const D: usize> Grid<D> {
     /// known, those at which it is small beside its neighbors; otherwise all of a grid that is not too fine.
     pub(super) fn near_crossings(&self, has_discriminant: bool) -> (Vec<SVector<f64, D>>, usize) {
         let n = self.waves.resolution();
-        let known = self.spectrum.known(Objective::Discriminant);
+        let known = self.spectrum.relative_discriminants::<D>();
         let stride = match has_discriminant || D < 3 {
             true => 1,
             false => n.div_ceil(SPARSE),

@@ -578,16 +578,24 @@ impl<const D: usize> ZoneSearch<D> {
             .or_else(|| {
                 // In the plane the discriminant of a real matrix tells all of its pockets.
                 let is_told = D < 3 && matrix.is_centrosymmetric();
-                let mut pockets = match wells {
-                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid).into_iter(),
-                    _ => Vec::new().into_iter(),
+                let pockets = match wells {
+                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid),
+                    _ => &[],
                 };
-                pockets.find_map(|k| self.fluttering_mode(matrix, &k).filter(noticeable))
+                let mut modes = pockets
+                    .iter()
+                    .filter_map(|k| self.fluttering_mode(matrix, k));
+                modes.find(noticeable)
             })
     }
 
     /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid.
-    fn pockets(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
+    fn pockets<'g>(&self, matrix: &DynamicalMatrix<D>, grid: &'g Grid<D>) -> &'g [SVector<f64, D>] {
+        grid.pockets
+            .get_or_init(|| self.pockets_between(matrix, grid))
+    }
+
+    fn pockets_between(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
             slopes: &|k| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
@@ -667,7 +675,7 @@ impl<const D: usize> ZoneSearch<D> {
                 .fastest_flutter()
                 .take(4)
                 .chain([fluttering.wave_vector])
-                .chain(self.pockets(matrix, grid).into_iter().take(FOLLOWED))
+                .chain(self.pockets(matrix, grid).iter().copied().take(FOLLOWED))
                 .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
             Wells::Mirrored { bottoms, .. } => bottoms

@@ -36,8 +36,8 @@ pub struct WaveSystem<const D: usize> {
     /// `T`, where velocities are smoothed.
     drift: Option<BlochSum<D>>,
     is_hermitian: bool,
-    /// A smaller system with the same `omega^2` other than zero, where all others meet no force.
-    seen: Option<Box<WaveSystem<D>>>,
+    /// A system of fewer unknowns with the same `omega^2` other than zero.
+    reduced: Option<Box<WaveSystem<D>>>,
 }
 
 /// The masses of a discretization.
@@ -60,7 +60,7 @@ impl<const D: usize> WaveSystem<D> {
             damping: None,
             drift: None,
             is_hermitian,
-            seen: None,
+            reduced: None,
         }
     }
 
@@ -79,17 +79,17 @@ impl<const D: usize> WaveSystem<D> {
         self
     }
 
-    /// The same with what its forces see of it, on the same lattice: a system whose `omega^2` are those of this one but for zeros, at
-    /// every wave vector. With `D = A B`, `A` of more rows than columns, that is `B A`.
+    /// The same with a system of fewer unknowns on the same lattice that has all of its `omega^2` but zeros, at every wave vector. With
+    /// `D = A B`, `A` of more rows than columns, that is `B A`; what is in the null space of `B` meets no force.
     #[must_use]
-    pub fn with_seen(mut self, seen: Self) -> Self {
-        self.seen = Some(Box::new(seen));
+    pub fn with_reduced(mut self, reduced: Self) -> Self {
+        self.reduced = Some(Box::new(reduced));
         self
     }
 
-    /// What the forces see of a system that is larger.
-    pub fn seen(&self) -> Option<&Self> {
-        self.seen.as_deref()
+    /// The system of fewer unknowns, where there is one.
+    pub fn reduced(&self) -> Option<&Self> {
+        self.reduced.as_deref()
     }
 
     /// The lattice of the particles in the reference state.
@@ -231,10 +231,10 @@ impl<const D: usize> WaveSystem<D> {
                 .map(|damping| damping.over(force.sqrt() * mass.sqrt())),
             drift: self.drift.clone(),
             is_hermitian: self.is_hermitian,
-            seen: self
-                .seen
+            reduced: self
+                .reduced
                 .as_ref()
-                .map(|seen| Box::new(seen.over(force, mass))),
+                .map(|reduced| Box::new(reduced.over(force, mass))),
         }
     }
 
@@ -257,12 +257,12 @@ impl<const D: usize> WaveSystem<D> {
         let volumes = self.crystal.volumes().to_vec();
         let crystal = Crystal::with_volumes(lattice, sites, volumes).ok()?;
         let moved = |sum: &BlochSum<D>| sum.relabeled(&range.inverse, &crystal);
-        let seen = match &self.seen {
-            Some(seen) => Some(Box::new(seen.in_short_range(range)?)),
+        let reduced = match &self.reduced {
+            Some(reduced) => Some(Box::new(reduced.in_short_range(range)?)),
             None => None,
         };
         Some(Self {
-            seen,
+            reduced,
             stiffness: moved(&self.stiffness),
             mass: match &self.mass {
                 Mass::Lumped(masses) => Mass::Lumped(masses.clone()),

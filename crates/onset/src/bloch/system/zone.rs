@@ -73,8 +73,8 @@ impl<const D: usize> ZoneSearch<D> {
             let found = self.in_units(unit).found_of(&system, is_bounded);
             return found.in_units(unit);
         }
-        if let Some(seen) = system.seen() {
-            return self.with_unseen(system, self.found_of(seen, is_bounded));
+        if let Some(reduced) = system.reduced() {
+            return self.with_null_space(system, self.found_of(reduced, is_bounded));
         }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
             let found = search.found_of(&system, is_bounded);
@@ -93,8 +93,8 @@ impl<const D: usize> ZoneSearch<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
             return self.in_units(unit).stability_of(&system);
         }
-        if let Some(seen) = system.seen() {
-            let (stability, measure) = self.stability_of(seen);
+        if let Some(reduced) = system.reduced() {
+            let (stability, measure) = self.stability_of(reduced);
             return (stability, measure.min(0.0));
         }
         if let Some((_, search, system)) = self.short_ranged_system(system) {
@@ -106,8 +106,12 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// What has been found of what forces see, of a system in which all else meets no force, at any wave vector.
-    fn with_unseen(&self, system: &WaveSystem<D>, found: SpectrumSummary<D>) -> SpectrumSummary<D> {
+    /// What has been found of the reduced system, of the whole one: its other modes have `omega = 0` at any wave vector.
+    fn with_null_space(
+        &self,
+        system: &WaveSystem<D>,
+        found: SpectrumSummary<D>,
+    ) -> SpectrumSummary<D> {
         let shown = |mode: Mode<D>| match mode.is_long_wave || mode.wave_vector.norm() == 0.0 {
             true => mode,
             false => Mode {

@@ -310,10 +310,10 @@ impl<const D: usize> MaterialPoints<D> {
         blocks
     }
 
-    /// The equations of the velocities that the grid sees: `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`,
+    /// The equations of the velocities of the grid: `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`,
     /// `B_iq = sum_j K_ij N_jq m_q / m_j`, so that its `omega^2` other than zero are those of `B A = K S / m`,
-    /// `S_jk = sum_q m_q N_jq N_kq / m`.
-    fn between_seen(&self, nodal: &BlochSum<D>) -> WaveSystem<D> {
+    /// `S_jk = sum_q m_q N_jq N_kq / m`. With one node in a cell `S(k)` is a real number, and `K S` as Hermitian as `K`.
+    fn on_the_grid(&self, nodal: &BlochSum<D>) -> WaveSystem<D> {
         let mass = self.nodal_mass();
         let mut blocks = BlochBlocks::new();
         let consistent = self.consistent_mass();
@@ -407,10 +407,10 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
                 forced.stiffness = self.between_points(&nodal);
                 let mass = super::lumped_masses(&self.crystal, self.choices.density);
                 let system = forced.waves(&self.crystal, Mass::Lumped(mass))?;
-                // With one point for each node none is left unseen.
+                // With one point for each node the transfer has no null space.
                 Ok(match self.points.len() {
                     1 => system,
-                    _ => system.with_seen(self.between_seen(&nodal)),
+                    _ => system.with_reduced(self.on_the_grid(&nodal)),
                 })
             }
         }
