@@ -94,6 +94,35 @@ def test_settings_are_compared_shown_and_replaced() -> None:
     assert "discretization.support" in onset.keys("discretization") and "neo-hooke" in onset.models()
 
 
+class Drawing:
+    """An answer that counts how often its files are made."""
+
+    json, text, csv = "{}", "stable\nin all", ""
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.error = error
+        self.times = 0
+
+    def files(self) -> dict[str, bytes]:
+        self.times += 1
+        if self.error is not None:
+            raise self.error
+        return {"figure.svg": b"<svg></svg>", "figure.png": b""}
+
+
+def test_figures_are_drawn_once_and_displays_without_one_go_on() -> None:
+    drawing = Drawing()
+    answer = onset.Answer(drawing)  # type: ignore[arg-type]
+    assert answer._repr_html_() == answer._repr_html_() and "<svg>" in answer._repr_html_()
+    answer.files().clear()
+    assert set(answer.files()) == {"figure.svg", "figure.png"} and drawing.times == 1
+    failing = onset.Answer(Drawing(onset.MachineError("no figure")))  # type: ignore[arg-type]
+    page = failing._repr_html_()
+    assert "<strong>stable</strong>" in page and "<svg" not in page
+    with pytest.raises(onset.MachineError):
+        failing.files()
+
+
 def test_a_state_that_is_asked_again_is_the_same() -> None:
     first = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     assert first == onset.state(RUBBER, SPH, stretch=(1.1, 1.0)) and first != onset.state(RUBBER, SPH, stretch=(1.2, 1.0))
