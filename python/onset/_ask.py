@@ -1,4 +1,4 @@
-"""The questions of the command, each a function."""
+"""Questions of the command as functions."""
 
 from __future__ import annotations
 
@@ -511,8 +511,9 @@ def map_into(
     """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
 
     `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
-    Ctrl-C ends with the tiles that have begun, a second one at once; with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose
-    workers see `out`, each tile is a task; what lost workers leave is computed here in the end.
+    Ctrl-C ends with the tiles that have begun, a second one with the states being computed, up to 512 on each core, in an adaptive map with those tiles;
+    with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
+    computed here in the end.
     """
     part = None
     if tiles is not None:
@@ -582,7 +583,7 @@ def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
         import xarray
         import zarr  # noqa: F401
     except ImportError as error:
-        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install 'onset-mechanics[maps]'") from error
+        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install xarray zarr") from error
     try:
         dataset: xarray.Dataset = xarray.open_zarr(folder)
     except Exception as error:
