@@ -1,7 +1,7 @@
 """Is this instability physical or numerical?
 
 ``onset`` takes a material and a particle method (SPH, total-Lagrangian SPH, RKPM, peridynamics, MPM and their relatives) and answers for every
-state of deformation, with the evidence. What the command ``onset`` answers is a function here::
+state of deformation, with the evidence. The questions of the command ``onset`` are functions here::
 
     import onset
     sph = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _onset
 from ._arrays import Complexes, Floats, place, received
-from ._errors import asks
+from ._errors import InputError, asks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,12 +118,14 @@ class Answer(Record):
     table; ``answer.save(folder)`` writes the files of ``--out``.
     """
 
-    __slots__ = ("_answer",)
+    __slots__ = ("_answer", "_files")
     _answer: _onset.Answer
+    _files: dict[str, bytes] | None
 
     def __init__(self, answer: _onset.Answer) -> None:
         super().__init__(json.loads(answer.json))
         object.__setattr__(self, "_answer", answer)
+        object.__setattr__(self, "_files", None)
 
     def __copy__(self) -> Answer:
         return self
@@ -149,8 +151,10 @@ class Answer(Record):
 
     @asks
     def files(self) -> dict[str, bytes]:
-        """The files that the command writes with ``--out``, by name."""
-        return self._answer.files()
+        """The files that the command writes with ``--out``, by name; made once."""
+        if self._files is None:
+            object.__setattr__(self, "_files", self._answer.files())
+        return dict(self._files or {})
 
     @asks
     def save(self, folder: str | os.PathLike[str]) -> list[str]:
@@ -158,8 +162,12 @@ class Answer(Record):
         return self._answer.save(place(folder, "folder"))
 
     def _picture(self) -> str | None:
-        """The figure as SVG, where there is one."""
-        pictures = [data for name, data in self.files().items() if name.endswith(".svg")]
+        """The figure as SVG, where there is one that can be drawn."""
+        try:
+            files = self.files()
+        except Exception:
+            return None
+        pictures = [data for name, data in files.items() if name.endswith(".svg")]
         return pictures[0].decode() if pictures else None
 
     def _repr_html_(self) -> str:
@@ -415,8 +423,6 @@ class Audit(Answer):
 
     def raise_for_error(self) -> Audit:
         """The audit itself; an ``InputError`` with its text where a check fails."""
-        from ._errors import InputError
-
         if not self.consistent:
             raise InputError(str(self))
         return self

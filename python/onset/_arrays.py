@@ -72,8 +72,14 @@ def whole(value: object, what: str, low: int, high: int) -> int:
     return int(single)
 
 
+def alone(value: object) -> object:
+    """What an array without axes holds; all else as it is."""
+    return value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
+
+
 def switch(value: object, what: str) -> bool:
     """True or False."""
+    value = alone(value)
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     raise TypeError(f"{what} is {type(value).__name__}; expected True or False")
@@ -100,6 +106,14 @@ def listed(value: object, what: str) -> list[Any]:
         return list(value)
     except Exception as error:
         raise InputError(f"{what} cannot be read as a list: {error}") from error
+
+
+def names(given: Iterable[str], what: str) -> list[str]:
+    """Texts; a single one stands for a list of it."""
+    told = [given] if isinstance(given, str) else listed(given, what)
+    if not all(isinstance(name, str) for name in told):
+        raise TypeError(f"{what} expects texts")
+    return told
 
 
 def typed(array: Floats) -> str:

@@ -1,4 +1,4 @@
-"""The questions of the command, each a function."""
+"""Questions of the command as functions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from ._answers import (
     Waves,
 )
 from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
-from ._arrays import between, listed, place, switch
+from ._arrays import between, listed, names, place, switch
 from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
 from ._settings import (
@@ -45,6 +45,7 @@ from ._settings import (
     material_of,
     method_of,
     problem_of,
+    quoted,
     source,
     study_of,
     toml,
@@ -309,7 +310,7 @@ def criteria(
     `range` are the smallest and the largest stretch, `modes` the modes of loading, all when left out. `incompressible` asks the incompressible response
     of an isotropic law.
     """
-    return Criteria(material_of(material)._law().criteria(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
+    return Criteria(material_of(material)._law().criteria(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
 @asks
@@ -321,7 +322,7 @@ def card(
     incompressible: bool = False,
 ) -> Card:
     """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``."""
-    return Card(material_of(material)._law().card(_two(range, "range"), _names(modes, "modes"), switch(incompressible, "incompressible")))
+    return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
 def _two(given: ArrayLike, what: str) -> tuple[float, float]:
@@ -329,13 +330,6 @@ def _two(given: ArrayLike, what: str) -> tuple[float, float]:
     if array.shape != (2,):
         raise InputError(f"{what} has the shape {array.shape}; expected two numbers")
     return float(array[0]), float(array[1])
-
-
-def _names(given: Iterable[str], what: str) -> list[str]:
-    names = [given] if isinstance(given, str) else listed(given, what)
-    if not all(isinstance(name, str) for name in names):
-        raise TypeError(f"{what} expects names")
-    return names
 
 
 @asks
@@ -417,10 +411,11 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
     named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
     text = f"[material]\n{material_of(material)._section_text()}"
     if options:
-        text += "\n[compare]\n" + "".join(f"{_key('compare', key).partition('.')[2]} = {toml(value, key)}\n" for key, value in options.items())
+        keys = {_key("compare", name): value for name, value in options.items()}
+        text += "\n[compare]\n" + "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in keys.items())
     for name, method in named:
         own = method_of(method)
-        text += f"\n[[methods]]\nname = {toml(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
+        text += f"\n[[methods]]\nname = {quoted(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
     return "comparison", text
 
 
@@ -439,7 +434,7 @@ def compare(
     after ``--set``.
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
-    return Comparison(_onset.compare(_comparison(methods, material, options), _names(set, "set"), libraries))
+    return Comparison(_onset.compare(_comparison(methods, material, options), names(set, "set"), libraries))
 
 
 @asks
@@ -461,7 +456,7 @@ def recommend(
     Of `methods`, or of those that the program knows for so many dimensions. Limits as in `tune`; `long_waves` is by which share the stiffness that long
     waves feel may be wrong, `wavelength` at which frequencies are compared: 4, 8 or 16 particle spacings.
     """
-    assignments = _names(set, "set")
+    assignments = names(set, "set")
     if stretches is not None:
         assignments.append("compare.stretches={!r},{!r}".format(*pair(stretches, "stretches")))
     length = number(wavelength, "wavelength")
@@ -516,8 +511,9 @@ def map_into(
     """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
 
     `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
-    Ctrl-C ends with the tiles that have begun, a second one at once; with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose
-    workers see `out`, each tile is a task; what lost workers leave is computed here in the end.
+    Ctrl-C ends with the tiles that have begun, a second one with the states being computed, up to 512 on each core, in an adaptive map with those tiles;
+    with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
+    computed here in the end.
     """
     part = None
     if tiles is not None:
@@ -587,7 +583,7 @@ def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
         import xarray
         import zarr  # noqa: F401
     except ImportError as error:
-        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install 'onset-mechanics[maps]'") from error
+        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install xarray zarr") from error
     try:
         dataset: xarray.Dataset = xarray.open_zarr(folder)
     except Exception as error:

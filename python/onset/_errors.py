@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
+from threading import local
 from typing import ParamSpec, TypeVar
 import warnings
 
@@ -70,19 +71,45 @@ class MachineError(OnsetError, RuntimeError):
     """What was asked is right, and could not be done: a file, a store, a motion that breaks down; exit code 1 of the command."""
 
 
+class _Asked(local):
+    """How many of our functions a thread is in."""
+
+    depth = 0
+
+
+_asked = _Asked()
+
+
 def asks(function: Callable[P, T]) -> Callable[P, T]:
-    """Makes everything that an argument can be wrong with one of our exceptions, and earlier names warnings."""
+    """Makes everything that an argument can be wrong with one of our exceptions, and earlier names warnings where we were asked.
+
+    Where an exception passes, what there is to know of earlier names goes with it.
+    """
 
     @wraps(function)
     def asking(*arguments: P.args, **named: P.kwargs) -> T:
+        is_outermost = _asked.depth == 0
+        _asked.depth += 1
         try:
-            return function(*arguments, **named)
-        except OverflowError as error:
-            raise InputError(f"a number is out of range: {error}") from error
-        except UnicodeError as error:
-            raise InputError(f"a text cannot be read: {error}") from error
+            answer = _told(function, *arguments, **named)
+        except BaseException as error:
+            for note in _onset.notes() if is_outermost else ():
+                error.add_note(note)
+            raise
         finally:
-            for note in _onset.notes():
-                warnings.warn(note, FutureWarning, stacklevel=2)
+            _asked.depth -= 1
+        for note in _onset.notes() if is_outermost else ():
+            warnings.warn(note, FutureWarning, stacklevel=2)
+        return answer
 
     return asking
+
+
+def _told(function: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
+    """What a function answers; what an argument is wrong with is one of our exceptions."""
+    try:
+        return function(*arguments, **named)
+    except OverflowError as error:
+        raise InputError(f"a number is out of range: {error}") from error
+    except UnicodeError as error:
+        raise InputError(f"a text cannot be read: {error}") from error

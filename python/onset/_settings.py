@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from functools import lru_cache
 import numbers as abstract
 import os
 from pathlib import Path
 import re
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, deformations, listed, numbers, place, received
+from ._arrays import Floats, alone, deformations, listed, names, numbers, place, received
 from ._errors import InputError, SettingError, asks
 
 #: What a key can be set to. A text may have a unit: ``"1 mm"``.
@@ -21,8 +23,9 @@ Value = str | float | int | bool | Sequence[float] | Sequence[str] | os.PathLike
 
 
 @lru_cache(maxsize=1)
-def _keys() -> frozenset[str]:
-    return frozenset(name for name, _, _ in _onset.keys())
+def _keys() -> Mapping[str, str]:
+    """What each key expects."""
+    return {name: expects for name, expects, _ in _onset.keys()}
 
 
 def _key(section: str, name: str) -> str:
@@ -41,37 +44,65 @@ def _key(section: str, name: str) -> str:
 
 def _typed(value: object, key: str) -> str:
     """A value as it is typed after ``--set key=``."""
+    value = alone(value)
     if isinstance(value, str):
         return value
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, abstract.Real):
         try:
-            return repr(float(value))
+            return str(int(value)) if isinstance(value, abstract.Integral) else repr(float(value))
         except Exception as error:
             raise InputError(f"{key} cannot be read as a number: {error}") from error
     if isinstance(value, os.PathLike):
         return place(value, key)
     if isinstance(value, np.ndarray) or isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
-        items = listed(value, key)
+        items = [alone(item) for item in listed(value, key)]
         if not any(isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, str) for item in items):
             return ",".join(_typed(item, key) for item in items)
     raise TypeError(f"{key} is {type(value).__name__}; expected a number, a text, True or False, or a list of numbers")
 
 
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\Z")
+
+#: Whole numbers of more digits may be too large for a file.
+_DIGITS = 18
+
+
+def _bare(text: str) -> str | None:
+    """A text that reads as a number, or as true or false, as a study has it; ``None`` for others."""
+    if text in ("true", "false", "inf", "-inf", "nan"):
+        return text
+    if _NUMBER.match(text) is None:
+        return None
+    digits = text.lstrip("+-")
+    return str(int(text)) if digits.isdecimal() and len(digits) <= _DIGITS else repr(float(text))
+
+
+def quoted(text: object, key: str) -> str:
+    """A text as it is written in a study."""
+    escaped = "".join(
+        f"\\u{ord(letter):04x}" if ord(letter) < 32 or ord(letter) == 127 else letter
+        for letter in _typed(text, key).replace("\\", "\\\\").replace('"', '\\"')
+    )
+    return f'"{escaped}"'
+
+
 def toml(value: object, key: str) -> str:
-    """A value as it is written in a study."""
-    if isinstance(value, (str, os.PathLike)):
-        text = _typed(value, key)
-        escaped = "".join(
-            f"\\u{ord(letter):04x}" if ord(letter) < 32 or ord(letter) == 127 else letter
-            for letter in text.replace("\\", "\\\\").replace('"', '\\"')
-        )
-        return f'"{escaped}"'
-    if isinstance(value, (Sequence, np.ndarray)):
-        _typed(value, key)
-        return "[" + ", ".join(toml(item, key) for item in value) + "]"
-    return _typed(value, key)
+    """A value as it is written in a study; texts are read as after ``--set``."""
+    value = alone(value)
+    text = _typed(value, key)
+    expects = _keys().get(key, "")
+    if isinstance(value, os.PathLike) or expects == "a text":
+        return quoted(text, key)
+    is_list = expects.startswith("a list")
+    if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str) and (is_list or not expects):
+        items = [_typed(item, key) for item in value]
+    elif is_list:
+        items = [item.strip().strip('"') for item in text.strip().removeprefix("[").removesuffix("]").split(",")]
+    else:
+        return _bare(text.strip()) or quoted(text, key)
+    return "[" + ", ".join(_bare(item.strip()) or quoted(item, key) for item in items if item) + "]"
 
 
 class _Settings:
@@ -81,7 +112,9 @@ class _Settings:
     _set: Mapping[str, object]
 
     def _put(self, settings: Mapping[str, object]) -> None:
-        keys = {_key(self._section, name): value for name, value in settings.items()}
+        """Sets keywords, over what was set before."""
+        earlier = getattr(self, "_set", {})
+        keys = {**earlier, **{_key(self._section, name): value for name, value in settings.items()}}
         object.__setattr__(self, "_set", keys)
         object.__setattr__(self, "assignments", tuple(f"{key}={_typed(value, key)}" for key, value in keys.items()))
 
@@ -91,15 +124,27 @@ class _Settings:
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; `replace` makes another one")
 
+    def _meant(self) -> tuple[tuple[str, str | float], ...]:
+        """The settings, of which 1, 1.0 and "1" are the same number."""
+        pairs = (assignment.partition("=") for assignment in self.assignments)
+        return tuple((key, float(text) if _NUMBER.match(text) else text) for key, _, text in pairs)
+
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and other.assignments == self.assignments
+        return type(other) is type(self) and other._meant() == self._meant()
 
     def __hash__(self) -> int:
-        return hash((type(self).__name__, self.assignments))
+        return hash((type(self).__name__, self._meant()))
 
     def __repr__(self) -> str:
         named = (f"{key.partition('.')[2].replace('-', '_')}={value!r}" for key, value in self._set.items())
         return f"{type(self).__name__}({', '.join(named)})"
+
+    @asks
+    def replace(self, **settings: Value) -> Self:
+        """The same with other parameters or choices."""
+        other = copy(self)
+        other._put(settings)
+        return other
 
     def _section_text(self) -> str:
         """The settings as keys of a section of a study."""
@@ -155,13 +200,6 @@ class Material(_Settings):
     #: What there is to know of a law that was read from a block of another program.
     notes: tuple[str, ...] = ()
 
-    @asks
-    def replace(self, **parameters: Value) -> Material:
-        """The same law with other parameters."""
-        material = type(self)()
-        material._put({key.partition(".")[2]: value for key, value in self._set.items()} | dict(parameters))
-        return material
-
     def _law(self) -> _onset.Law:
         return _onset.Law(list(self.assignments), None, [], list(self.notes))
 
@@ -187,10 +225,12 @@ class Material(_Settings):
         responses, shape = self._responses(F)
         return responses[:, 10:].reshape(*shape, 3, 3, 3, 3)
 
+    @asks
     def gradient(self, x: Sequence[ArrayLike]) -> list[Floats | None]:
         """The stress as materials of FElupe give it: of ``[F, state variables]`` with F of shape (3, 3, ...), trailing axes last."""
         return [np.moveaxis(self.stress(_leading(x)), (-2, -1), (0, 1)), None]
 
+    @asks
     def hessian(self, x: Sequence[ArrayLike]) -> list[Floats]:
         """The tangent likewise, of shape (3, 3, 3, 3, ...)."""
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
@@ -220,13 +260,6 @@ class Method(_Settings):
             raise TypeError(f"method is {type(method).__name__}; expected the name of a family of methods")
         named: dict[str, object] = {} if method is None else {"method": method}
         self._put(named | choices)
-
-    @asks
-    def replace(self, **choices: Value) -> Method:
-        """The same method with other choices."""
-        method = type(self)()
-        method._put({key.partition(".")[2]: value for key, value in self._set.items()} | {k.rstrip("_").replace("_", "-"): v for k, v in choices.items()})
-        return method
 
 
 #: What stands for a material: one, or the name of a law, or a formula.
@@ -284,7 +317,7 @@ class Study:
         if not isinstance(text, str):
             raise TypeError(f"a study is {type(text).__name__}; expected its text, see Study.read and Study.of")
         self._libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
-        self._study = _onset.Study((name, text), listed(set, "set"), self._libraries)
+        self._study = _onset.Study((name, text), names(set, "set"), self._libraries)
 
     @classmethod
     @asks
@@ -311,7 +344,7 @@ class Study:
             raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
         if not isinstance(title, str):
             raise TypeError(f"title is {type(title).__name__}; expected a text")
-        text = f"title = {toml(title, 'title')}\n" if title else ""
+        text = f"title = {quoted(title, 'title')}\n" if title else ""
         text += f"\n[material]\n{material_of(material)._section_text()}"
         text += f"\n[discretization]\n{method_of(method)._section_text()}"
         for section, settings in (("state", state), ("map", map)):
@@ -319,13 +352,14 @@ class Study:
                 raise TypeError(f"{section} is {type(settings).__name__}; expected keys with values")
             if settings:
                 text += f"\n[{section}]\n"
-                text += "".join(f"{_key(section, key).partition('.')[2]} = {toml(value, key)}\n" for key, value in settings.items())
+                keys = {_key(section, name): value for name, value in settings.items()}
+                text += "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in keys.items())
         for quantity, axis in axes.items():
             if not isinstance(axis, Sequence) or isinstance(axis, str) or len(axis) != 3:
                 raise TypeError(f"the axis {quantity} expects (lowest, highest, states): states lie in the middle of equal cells")
             low, high, count = axis
             name = quantity.replace("_", "-") if isinstance(quantity, str) else quantity
-            text += f"\n[[axes]]\nquantity = {toml(name, 'quantity')}\nrange = [{toml(low, name)}, {toml(high, name)}]\nstates = {_states(count)}\n"
+            text += f"\n[[axes]]\nquantity = {quoted(name, 'quantity')}\nrange = [{toml(low, name)}, {toml(high, name)}]\nstates = {_states(count)}\n"
         return cls(text)
 
     @property
@@ -355,6 +389,7 @@ def _restored(text: str, libraries: list[str]) -> Study:
 
 
 def _states(count: object) -> str:
+    count = alone(count)
     if isinstance(count, (int, np.integer)) and not isinstance(count, bool):
         return str(int(count))
     raise TypeError(f"the number of states is {type(count).__name__}; expected a whole number")

@@ -53,6 +53,25 @@ def test_earlier_names_are_read_with_a_warning() -> None:
         onset.state(method=onset.Method(arrangement="square"), stretch=(1, 1))
 
 
+def test_warnings_are_told_where_we_were_asked() -> None:
+    axes = {"stretch-1": (1.0, 1.2, 2), "stretch-2": (1.0, 1.2, 2)}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        onset.Study.of("neo-hooke", onset.Method(arrangement="square"), axes)
+    assert [(Path(one.filename).name, one.category) for one in told] == [("test_errors.py", FutureWarning)]
+
+
+def test_a_warning_takes_no_exception_s_place() -> None:
+    method = onset.Method(arrangement="square", support=-1.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(onset.InputError, match="support is -1.5") as refused:
+            onset.state(method=method, stretch=(1, 1))
+        assert any("lattice" in note for note in refused.value.__notes__)
+        # And it is not told of the next question.
+        onset.state(stretch=(1, 1))
+
+
 def test_a_library_of_a_file_is_loaded_only_where_it_is_allowed(tmp_path: Path) -> None:
     text = "[material]\nmodel = 'umat'\nlibrary = './no.so'\n" + AXES
     with pytest.raises(onset.SettingError):

@@ -89,9 +89,93 @@ def test_settings_are_compared_shown_and_replaced() -> None:
     assert hash(SPH.replace(support=2.6)) == hash(SPH) and SPH.replace(support=2.0) != SPH
     assert SPH.replace(artificial_stress=0.3).assignments[-1] == "discretization.artificial-stress=0.3"
     assert repr(SPH) == "Method(method='updated-sph', lattice='square', kernel='cubic-spline', support=2.6)"
-    assert RUBBER.replace(mu=1).assignments == ("material.model=neo-hooke", "material.mu=1.0", "material.lambda=2.0")
+    assert RUBBER.replace(mu=1).assignments == ("material.model=neo-hooke", "material.mu=1", "material.lambda=2.0")
     assert onset.Material("mu/2*(I1 - 3)", mu=1).assignments[:2] == ("material.model=formula", "material.energy=mu/2*(I1 - 3)")
+    assert RUBBER.replace(mu=1) == RUBBER.replace(mu="1.0") and hash(RUBBER.replace(mu=1)) == hash(RUBBER.replace(mu=1.0))
+    assert RUBBER.replace(mu=2**53 + 1).assignments[1] == "material.mu=9007199254740993"
     assert "discretization.support" in onset.keys("discretization") and "neo-hooke" in onset.models()
+
+
+BLOCK = "*HYPERELASTIC, NEO HOOKE\n1.0, 0.1"
+
+
+def test_texts_that_read_as_numbers_are_numbers_in_studies_too() -> None:
+    axes = {"stretch-1": ("0.8", 1.3, 2), "stretch-2": (0.8, np.array(1.3), np.array(2))}
+    read = onset.Material.read(BLOCK, "abaqus")
+    study = onset.Study.of(read, onset.Method(frame="eulerian", support="1.6"), axes, title="2026", map={"adaptive": "false", "tile": "8"})
+    assert 'title = "2026"' in study.text and "c10 = 1\n" in study.text and "support = 1.6\n" in study.text and "adaptive = false\n" in study.text
+    assert "range = [0.8, 1.3]\nstates = 2\n" in study.text
+    same = onset.Study.of(read.replace(c10=1.0), onset.Method(frame="eulerian", support=1.6), axes)
+    assert onset.boundary(study).to_dict()["curves"] == onset.boundary(same).to_dict()["curves"]
+    method = onset.Method("total-lagrangian-sph", lattice="square", support="2.6")
+    table = onset.compare({"1": method}, onset.Material("neo-hooke", mu="0.4", lambda_=" 2."), states="2")
+    assert table == onset.compare({"1": method.replace(support=2.6)}, RUBBER, states=2)
+    assert onset.recommend(read, methods=None, dimension=1).csv
+    assert onset.recommend(methods=[onset.Method(lattice="chain", kernel="cubic-spline", support="2.6")]).csv
+    # What expects a list is one, however it is given, and a text stays one.
+    library = onset.Material("umat", library="2", properties="1, 2.5")
+    text = library._section_text()
+    assert 'library = "2"\n' in text and "properties = [1, 2.5]\n" in text
+    assert "properties = [1.0, 2]\n" in onset.Material("umat", properties=[1.0, np.array(2)])._section_text()
+    assert "properties = [3]\n" in onset.Material("umat", properties=3)._section_text()
+    assert "support = 2.5\n" in onset.Method(support=np.array([2.5]))._section_text()
+    listing = onset.Study.of(RUBBER, SPH, axes, map={"outputs": "growth_rate, wave_vector"})
+    assert 'outputs = ["growth_rate", "wave_vector"]' in listing.text
+    large = onset.Material("mu*(I1 - 3)", mu=2**70)._section_text()
+    assert "mu = 1.1805916207174113e+21\n" in large and onset.Study.of(onset.Material("neo-hooke", mu=2**70), SPH, axes)
+
+
+def test_a_law_that_was_read_keeps_its_notes() -> None:
+    read = onset.Material.read(BLOCK, "abaqus")
+    other = read.replace(c10=2)
+    assert read.notes and other.notes == read.notes
+    assert other != read and other.replace(c10="1") == read
+    assert type(SPH.replace(kernel="wendland-c2")) is onset.Method
+
+
+def test_arrays_without_axes_are_numbers() -> None:
+    assert onset.Material("neo-hooke", mu=np.array(0.4), lambda_=np.array(2)) == RUBBER
+    assert onset.Method(np.str_("updated-sph"), lattice=np.array("square"), kernel="cubic-spline", support=np.float32(2.5)) == SPH.replace(support=2.5)
+    certified = onset.state(RUBBER, SPH, stretch=(1.1, 1.0), certify=np.array(False), tolerance=np.array(1e-3))
+    assert certified == onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+
+
+def test_one_assignment_stands_for_a_list_of_it() -> None:
+    text = STUDY.text
+    assert onset.Study(text, set="discretization.support=2").text == onset.Study(text, set=["discretization.support=2"]).text
+    methods = [onset.Method("total-lagrangian-sph")]
+    assert onset.compare(methods, RUBBER, set="compare.states=2") == onset.compare(methods, RUBBER, states=2)
+    with pytest.raises(TypeError, match="set expects texts"):
+        onset.Study(text, set=[1])  # type: ignore[list-item]
+
+
+class Drawing:
+    """An answer that counts how often its files are made."""
+
+    json, text, csv = "{}", "stable\nin all", ""
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.error = error
+        self.times = 0
+
+    def files(self) -> dict[str, bytes]:
+        self.times += 1
+        if self.error is not None:
+            raise self.error
+        return {"figure.svg": b"<svg></svg>", "figure.png": b""}
+
+
+def test_figures_are_drawn_once_and_displays_without_one_go_on() -> None:
+    drawing = Drawing()
+    answer = onset.Answer(drawing)  # type: ignore[arg-type]
+    assert answer._repr_html_() == answer._repr_html_() and "<svg>" in answer._repr_html_()
+    answer.files().clear()
+    assert set(answer.files()) == {"figure.svg", "figure.png"} and drawing.times == 1
+    failing = onset.Answer(Drawing(onset.MachineError("no figure")))  # type: ignore[arg-type]
+    page = failing._repr_html_()
+    assert "<strong>stable</strong>" in page and "<svg" not in page
+    with pytest.raises(onset.MachineError):
+        failing.files()
 
 
 def test_a_state_that_is_asked_again_is_the_same() -> None:
