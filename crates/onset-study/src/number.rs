@@ -31,7 +31,9 @@ pub fn told(value: f64) -> String {
 /// ```
 pub fn told_above(value: f64) -> String {
     let told_so = told(value);
-    let is_below = told_so.parse::<f64>().is_ok_and(|rounded| rounded < value);
+    let is_below = told_so
+        .parse::<f64>()
+        .is_ok_and(|rounded| rounded < value - 1e-9 * value.abs());
     if !is_below {
         return told_so;
     }

@@ -47,6 +47,15 @@ impl<const D: usize> Pair<D> {
         [mean + root, mean - root]
     }
 
+    /// The real part of the product of the couplings at `u`: where branches cross, `omega^2` is complex if it is negative.
+    fn product(&self, u: &[f64; D]) -> f64 {
+        let [there, back] = [0, 1].map(|n| -> Complex {
+            let coupling = self.couplings[n].iter();
+            coupling.zip(u).map(|(slope, u)| slope * u).sum()
+        });
+        (there * back).re
+    }
+
     /// The fastest growth within reach, and where: looked for along the line or surface on which the branches would cross.
     fn fastest(&self) -> (f64, [f64; D]) {
         let mut fastest = (0.0, [0.0; D]);
@@ -59,23 +68,51 @@ impl<const D: usize> Pair<D> {
         look([0.0; D]);
         let distance = (self.values[0] - self.values[1]).re;
         let closing: [f64; D] = std::array::from_fn(|a| (self.slopes[0][a] - self.slopes[1][a]).re);
-        let mut steepest = 0;
-        for a in 1..D {
-            if closing[a].abs() > closing[steepest].abs() {
-                steepest = a;
+        let steepest = (0..D).fold(0, |most, a| {
+            if closing[a].abs() > closing[most].abs() {
+                a
+            } else {
+                most
             }
-        }
+        });
+        // The place with given coordinates along the other axes at which the branches would cross.
+        let crossing = |mut u: [f64; D]| {
+            u[steepest] = 0.0;
+            let gap = distance
+                + closing
+                    .iter()
+                    .zip(&u)
+                    .map(|(slope, u)| slope * u)
+                    .sum::<f64>();
+            u[steepest] = -gap / closing[steepest];
+            u
+        };
+        let mut look_at = |u: [f64; D]| {
+            let u = crossing(u);
+            if u[steepest].abs() <= 2.0 * REACH {
+                look(u.map(|x| x.clamp(-REACH, REACH)));
+            }
+        };
         for place in 0..PLACES.pow(D as u32 - 1) {
-            let (mut u, mut rest, mut gap) = ([0.0; D], place, distance);
+            let (mut u, mut rest) = ([0.0; D], place);
             for a in (0..D).filter(|a| *a != steepest) {
                 u[a] = REACH * (2.0 * (rest % PLACES) as f64 / (PLACES - 1) as f64 - 1.0);
-                gap += closing[a] * u[a];
                 rest /= PLACES;
             }
-            let crossing = -gap / closing[steepest];
-            if crossing.abs() <= 2.0 * REACH {
-                u[steepest] = crossing.clamp(-REACH, REACH);
-                look(u);
+            look_at(u);
+            // Along each axis the product of the couplings is quadratic, and can be negative between two places only.
+            for a in (0..D).filter(|a| *a != steepest) {
+                let at = |x: f64| {
+                    let mut u = u;
+                    u[a] = x;
+                    self.product(&crossing(u))
+                };
+                let [behind, middle, ahead] = [-REACH, 0.0, REACH].map(at);
+                let (slope, curvature) = (0.5 * (ahead - behind), ahead - 2.0 * middle + behind);
+                if curvature > 0.0 {
+                    u[a] = (-slope / curvature * REACH).clamp(-REACH, REACH);
+                    look_at(u);
+                }
             }
         }
         fastest

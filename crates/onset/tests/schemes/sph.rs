@@ -391,6 +391,7 @@ fn flutter_in_pockets_between_the_points_of_a_grid_in_space_is_found() {
     let choices = UpdatedSphChoices {
         kernel: Kernel::QuinticSpline,
         radius: 2.2306216109299988,
+        support_size: SupportSize::Scaled,
         momentum: MomentumForm::Difference,
         density_evolution: DensityEvolution::Continuity,
         corrected: true,
