@@ -4,12 +4,12 @@ use crate::answer::Answer;
 use crate::arrays::{bytes, deformations, numbers};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::problem::{Source, mode_named, unknown};
+use crate::problem::{Source, mode_named, trusted, unknown};
 use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, Convention, states};
 use onset_study::criteria::{Question, Range};
-use onset_study::settings::{MaterialSettings, Program, Trust, law_from};
+use onset_study::settings::{MaterialSettings, Program, law_from};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -53,8 +53,7 @@ impl Law {
         interrupt::answer(py, move || {
             let (name, text) = file.unwrap_or_default();
             let mut settings = MaterialSettings::of_file(&name, &text, &assignments)?;
-            settings.allow(&Trust::of_user(&libraries));
-            settings.permitted()?;
+            trusted(&mut settings, &libraries)?;
             Ok(Self { settings, notes })
         })
     }

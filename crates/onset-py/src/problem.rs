@@ -13,7 +13,7 @@ use onset_study::answers::{
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::map::{Evaluator, Record};
 use onset_study::output::text;
-use onset_study::settings::{MapSettings, Settings, Trust};
+use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
 use onset_study::simulate::{self, Duration, Place, Question, Seeded, Stepper};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
@@ -46,9 +46,17 @@ pub fn settings(
 ) -> Result<Settings, Failure> {
     let (name, text) = file.map_or(("", ""), |(name, text)| (name, text));
     let mut settings = Settings::of_file(name, text, assignments, open)?;
-    settings.material.allow(&Trust::of_user(libraries));
-    settings.material.permitted()?;
+    trusted(&mut settings.material, libraries)?;
     Ok(settings)
+}
+
+/// Lets a file load the libraries that the caller names, and no others.
+///
+/// # Errors
+/// [`Failure`] for a library that the file names and the caller does not.
+pub fn trusted(material: &mut MaterialSettings, libraries: &[PathBuf]) -> Result<(), Failure> {
+    material.allow(&Trust::of_user(libraries));
+    Ok(material.permitted()?)
 }
 
 /// A material with a method.

@@ -3,10 +3,10 @@
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
-use crate::problem::Source;
+use crate::problem::{Source, trusted};
 use onset_study::boundary::{self, Boundaries, Tracing, files};
 use onset_study::map::{self, Plan, Summary};
-use onset_study::settings::{self, Trust};
+use onset_study::settings;
 use onset_study::store::ZarrStore;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -67,8 +67,7 @@ impl Study {
             let (name, text) = file;
             let study = settings::Study::parse(&name, &text)?;
             let mut study = study.override_with(&assignments)?;
-            study.settings.material.allow(&Trust::of_user(&libraries));
-            study.settings.material.permitted()?;
+            trusted(&mut study.settings.material, &libraries)?;
             Ok(Self(study))
         })
     }

@@ -70,9 +70,9 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// Adds `block` times a function of `k.R`, given with its first two derivatives.
+    /// Adds `block` times a function of `k.R`, given with its first two derivatives; second derivatives where the order is two.
     #[inline(always)]
-    fn add(
+    fn add<const ORDER: usize>(
         &mut self,
         block: &SMatrix<f64, D, D>,
         [value, first, second]: [f64; 3],
@@ -81,6 +81,9 @@ impl<const D: usize> Expansion<f64, D> {
         self.value += block * value;
         for a in 0..D {
             self.gradient[a] += block * (first * vector[a]);
+            if ORDER < 2 {
+                continue;
+            }
             for b in 0..=a {
                 self.hessian[a][b] += block * (second * vector[a] * vector[b]);
             }
@@ -96,6 +99,14 @@ impl<const D: usize> Expansion<f64, D> {
         }
         self
     }
+}
+
+/// A complex matrix from its parts.
+fn joined<const D: usize>(
+    real: &SMatrix<f64, D, D>,
+    imaginary: &SMatrix<f64, D, D>,
+) -> SMatrix<Complex, D, D> {
+    real.zip_map(imaginary, Complex::new)
 }
 
 /// A matrix of force constants, by rows.
@@ -300,32 +311,18 @@ impl<const D: usize> DynamicalMatrix<D> {
                 imaginary += term.odd * (2.0 * half.im * half.re);
             }
         }
-        real.zip_map(&imaginary, Complex::new)
+        joined(&real, &imaginary)
     }
 
     /// The derivatives of `D(k)` with respect to the components of the wave vector.
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
-        self.first_order_at(k).1
+        let [real, imaginary] = self.sums::<1>(k);
+        std::array::from_fn(|a| joined(&real.gradient[a], &imaginary.gradient[a]))
     }
 
     /// `D(k)` with its first and second derivatives with respect to the wave vector.
     pub fn expansion_at(&self, k: &SVector<f64, D>) -> Expansion<Complex, D> {
-        let mut real = Expansion::starting_at(self.rigid);
-        let mut imaginary = Expansion::starting_at(SMatrix::zeros());
-        let phases = HalfPhases::new(self, k);
-        for term in &self.terms {
-            let half = phases.of(term);
-            let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
-            // (cos k.R - 1) even + i sin(k.R) odd, differentiated.
-            real.add(&term.even, [-versine, -sine, versine - 1.0], &term.vector);
-            if !self.centrosymmetric {
-                imaginary.add(&term.odd, [sine, 1.0 - versine, -sine], &term.vector);
-            }
-        }
-        let (real, imaginary) = (real.finished(), imaginary.finished());
-        let joined = |real: &SMatrix<f64, D, D>, imaginary: &SMatrix<f64, D, D>| {
-            real.zip_map(imaginary, Complex::new)
-        };
+        let [real, imaginary] = self.sums::<2>(k).map(Expansion::finished);
         Expansion {
             value: joined(&real.value, &imaginary.value),
             gradient: std::array::from_fn(|a| joined(&real.gradient[a], &imaginary.gradient[a])),
@@ -335,40 +332,34 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
     }
 
-    /// `D(k)` with its first derivatives.
-    fn first_order_at(
-        &self,
-        k: &SVector<f64, D>,
-    ) -> (SMatrix<Complex, D, D>, [SMatrix<Complex, D, D>; D]) {
-        let zeros = SMatrix::<f64, D, D>::zeros();
-        let (mut real, mut imaginary) = ((self.rigid, [zeros; D]), (zeros, [zeros; D]));
+    /// `D(k)` with its first derivatives, as matrices of any size.
+    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
+        let [real, imaginary] = self.sums::<1>(k);
+        let whole = |real: &SMatrix<f64, D, D>, imaginary: &SMatrix<f64, D, D>| {
+            DMatrix::from_fn(D, D, |i, j| Complex::new(real[(i, j)], imaginary[(i, j)]))
+        };
+        let slopes = std::array::from_fn(|a| whole(&real.gradient[a], &imaginary.gradient[a]));
+        (whole(&real.value, &imaginary.value), slopes)
+    }
+
+    /// The real and the imaginary part of `D(k)` with derivatives up to an order.
+    #[inline(always)]
+    fn sums<const ORDER: usize>(&self, k: &SVector<f64, D>) -> [Expansion<f64, D>; 2] {
+        let mut real = Expansion::starting_at(self.rigid);
+        let mut imaginary = Expansion::starting_at(SMatrix::zeros());
         let phases = HalfPhases::new(self, k);
         for term in &self.terms {
             let half = phases.of(term);
             let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
-            real.0 -= term.even * versine;
-            for a in 0..D {
-                real.1[a] -= term.even * (sine * term.vector[a]);
-            }
+            // (cos k.R - 1) even + i sin(k.R) odd, differentiated.
+            let derivatives = [-versine, -sine, versine - 1.0];
+            real.add::<ORDER>(&term.even, derivatives, &term.vector);
             if !self.centrosymmetric {
-                imaginary.0 += term.odd * sine;
-                for a in 0..D {
-                    imaginary.1[a] += term.odd * ((1.0 - versine) * term.vector[a]);
-                }
+                let derivatives = [sine, 1.0 - versine, -sine];
+                imaginary.add::<ORDER>(&term.odd, derivatives, &term.vector);
             }
         }
-        let slope = |a: usize| real.1[a].zip_map(&imaginary.1[a], Complex::new);
-        (
-            real.0.zip_map(&imaginary.0, Complex::new),
-            std::array::from_fn(slope),
-        )
-    }
-
-    /// The same as matrices of any size.
-    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
-        let whole = |matrix: SMatrix<Complex, D, D>| DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
-        let (value, slopes) = self.first_order_at(k);
-        (whole(value), slopes.map(whole))
+        [real, imaginary]
     }
 
     /// The same in real numbers, where `D(k)` is real.
@@ -381,7 +372,8 @@ impl<const D: usize> DynamicalMatrix<D> {
         for term in &self.terms {
             let half = phases.of(term);
             let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
-            real.add(&term.even, [-versine, -sine, versine - 1.0], &term.vector);
+            let derivatives = [-versine, -sine, versine - 1.0];
+            real.add::<2>(&term.even, derivatives, &term.vector);
         }
         Some(real.finished())
     }

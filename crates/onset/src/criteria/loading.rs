@@ -469,10 +469,7 @@ impl<'a> LoadingPath<'a> {
             let size = open.min(f64::EPSILON.sqrt());
             for sign in [size, -size] {
                 let lateral = state.lateral + sense * sign;
-                let mut f = imposed;
-                for (n, axis) in free.iter().enumerate() {
-                    f[(*axis, *axis)] = lateral[n].exp();
-                }
+                let f = with_free(imposed, free, &lateral);
                 let Ok(response) = respond(self.material, &f) else {
                     continue;
                 };
@@ -685,10 +682,7 @@ fn solve(
     // Derivatives that took differences are kept as long as they lead on.
     let mut known = None;
     for _ in 0..ITERATIONS {
-        let mut f = imposed;
-        for (n, axis) in free.iter().enumerate() {
-            f[(*axis, *axis)] = lateral[n].exp();
-        }
+        let f = with_free(imposed, free, &lateral);
         let response = respond(material, &f)?;
         let tangent = Linear::of(&response, free, &imposed_rate);
         let linear = match (material.is_path_dependent(), known) {
@@ -767,16 +761,18 @@ fn traction(
     s: f64,
     lateral: &Vector2<f64>,
 ) -> Option<Vector2<f64>> {
-    let mut f = loading.imposed(s).0;
-    for (n, axis) in loading.free().iter().enumerate() {
+    let (imposed, rate) = loading.imposed(s);
+    let free = loading.free();
+    let response = respond(material, &with_free(imposed, free, lateral)).ok()?;
+    Some(Linear::of(&response, free, &rate).traction)
+}
+
+/// `F` with stretches along the free axes, given by their logarithms.
+fn with_free(mut f: Matrix3<f64>, free: &[usize], lateral: &Vector2<f64>) -> Matrix3<f64> {
+    for (n, axis) in free.iter().enumerate() {
         f[(*axis, *axis)] = lateral[n].exp();
     }
-    let stress = respond(material, &f).ok()?.first_piola;
-    let mut traction = Vector2::zeros();
-    for (n, axis) in loading.free().iter().enumerate() {
-        traction[n] = stress[(*axis, *axis)] * f[(*axis, *axis)];
-    }
-    Some(traction)
+    f
 }
 
 /// The tractions on free faces to first order in the logarithms of the free stretches.

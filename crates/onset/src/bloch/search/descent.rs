@@ -1,7 +1,7 @@
 //! From the wells of the grid to their bottoms.
 
 use super::grid::Grid;
-use super::{Candidate, Objective, ZoneSearch};
+use super::{Candidate, Objective, RAY, ZoneSearch};
 use crate::algebra::{Complex, GoldenSection, eigenvalues, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
@@ -95,7 +95,7 @@ impl<const D: usize> ZoneSearch<D> {
             (self.value_at(matrix, objective, &k), k)
         };
         // A dip on the ray. What falls on beyond is seen from the grid.
-        let ray = [0.15, 0.35, 0.7, 1.2].map(at);
+        let ray = RAY.map(at);
         let is_dip = |n: &usize| {
             let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;
             nearer && ray[n + 1].0 >= ray[*n].0

@@ -4,8 +4,8 @@
 //! which need not have the mirror, at each and at its image. Wells of all objectives are found in one pass over a few lines
 //! of the grid at a time, and followed to their bottoms several at once by Newton's method with exact derivatives.
 
-use super::Objective;
 use super::descent::{newton_step, principal};
+use super::{Objective, RAY};
 use crate::bloch::Expansion;
 use crate::bloch::branches::Taylor;
 use crate::bloch::mirror::{LANES, Lanes, MirrorSums};
@@ -298,8 +298,7 @@ impl<'a> Mirrored<'a> {
         }
         // Between the origin and the first points of the grid, along the softest of the long waves, a well may be too narrow
         // in angle for the grid. What falls on beyond is seen from there.
-        let steps = [0.15, 0.35, 0.7, 1.2];
-        let places = steps.map(|step| soft.map(|x| x * step));
+        let places = RAY.map(|step| soft.map(|x| x * step));
         let expansions = self
             .sums
             .expansions(&places.map(|place| place[0]), &places.map(|place| place[1]));

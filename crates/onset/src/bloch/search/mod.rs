@@ -38,8 +38,10 @@ const ZERO: f64 = 1e-13;
 const POCKETS: usize = 1 << 14;
 /// Of these the fastest ones from which the fastest growth is sought.
 const FOLLOWED: usize = 16;
-/// Wave vectors along the softest long waves, or the fastest growing ones, in steps of a grid on which none need lie near.
-pub(in crate::bloch) const RAY: [f64; 5] = [0.05, 0.15, 0.35, 0.7, 1.2];
+/// Wave vectors along the softest long waves, or the fastest growing ones, in steps of a grid on which none need lie near; and with
+/// nearer ones, for what is so only as long as particles of a cell can relax.
+const RAY: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
+pub(in crate::bloch) const RELAXED_RAY: [f64; 5] = [0.05, RAY[0], RAY[1], RAY[2], RAY[3]];
 /// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
 const COARSE: usize = 6;
 const FINE: usize = 9;
@@ -454,7 +456,7 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let reciprocal = self.reference().reciprocal().column(0).norm();
         let along = |steps: f64| direction * (steps * step * reciprocal / direction.norm());
-        RAY.map(along).to_vec()
+        RELAXED_RAY.map(along).to_vec()
     }
 
     /// The smallest scaled measure at the points of high symmetry.

@@ -76,6 +76,8 @@ impl<const D: usize> WaveSystem<D> {
     pub fn with_drift(mut self, drift: BlochSum<D>) -> Self {
         self.drift = Some(drift);
         self.is_hermitian = false;
+        // It is that of other equations.
+        self.reduced = None;
         self
     }
 

@@ -10,7 +10,7 @@ use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::Pockets;
-use crate::bloch::search::RAY;
+use crate::bloch::search::RELAXED_RAY;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
@@ -464,7 +464,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let reciprocal = self.search.reference().reciprocal().column(0).norm();
         let step = reciprocal / self.waves.resolution() as f64;
         let starts = match softest.is_long_wave {
-            true => RAY.map(|steps| k * (steps * step)).to_vec(),
+            true => RELAXED_RAY.map(|steps| k * (steps * step)).to_vec(),
             false => vec![k],
         };
         let ends = starts.into_iter().map(|k| {
@@ -627,7 +627,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
-            for k in RAY.map(|steps| along * (steps * step)) {
+            for k in RELAXED_RAY.map(|steps| along * (steps * step)) {
                 let start = (self.value(objective, &k), k);
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
