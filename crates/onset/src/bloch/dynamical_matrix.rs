@@ -2,12 +2,11 @@
 
 use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
-use super::pocket::Slopes;
 use super::short_range::ShortRange;
 use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced};
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
 /// `D(k) = sum_R Phi(R) exp(i k.R)`: force constants per mass between a particle and what is displaced
@@ -330,16 +329,6 @@ impl<const D: usize> DynamicalMatrix<D> {
                 std::array::from_fn(|b| joined(&real.hessian[a][b], &imaginary.hessian[a][b]))
             }),
         }
-    }
-
-    /// `D(k)` with its first derivatives, as matrices of any size.
-    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
-        let [real, imaginary] = self.sums::<1>(k);
-        let whole = |real: &SMatrix<f64, D, D>, imaginary: &SMatrix<f64, D, D>| {
-            DMatrix::from_fn(D, D, |i, j| Complex::new(real[(i, j)], imaginary[(i, j)]))
-        };
-        let slopes = std::array::from_fn(|a| whole(&real.gradient[a], &imaginary.gradient[a]));
-        (whole(&real.value, &imaginary.value), slopes)
     }
 
     /// The real and the imaginary part of `D(k)` with derivatives up to an order.

@@ -598,18 +598,17 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     fn pockets_between(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
+        let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
         let pockets = Pockets {
-            slopes: &|k| {
+            expansion: &|k| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
-                is_sought.then(|| matrix.slopes_at(k))
+                is_sought.then(|| matrix.expansion_at(k).into())
             },
+            steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
             threshold: self.flutter_threshold(1),
             most: POCKETS,
         };
-        let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
-        let steps =
-            self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64);
-        pockets.around(points.into_iter(), &steps)
+        pockets.around(points.into_iter())
     }
 
     /// The wells of the zone, with as many points of a grid per period of the fastest phase where there is no mirror.

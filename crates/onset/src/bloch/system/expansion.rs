@@ -2,16 +2,29 @@
 
 use super::{Mass, WaveSystem};
 use crate::algebra::{Complex, Decomposition};
+use crate::bloch::Expansion;
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::Slopes;
 use nalgebra::{DMatrix, SVector};
 
 /// A matrix with its first and second derivatives by the components of the wave vector.
 #[derive(Clone, Debug)]
-pub(super) struct MatrixExpansion<const D: usize> {
-    pub(super) value: DMatrix<Complex>,
+pub(in crate::bloch) struct MatrixExpansion<const D: usize> {
+    pub(in crate::bloch) value: DMatrix<Complex>,
     pub(super) gradient: [DMatrix<Complex>; D],
     pub(super) hessian: [[DMatrix<Complex>; D]; D],
+}
+
+impl<const D: usize> From<Expansion<Complex, D>> for MatrixExpansion<D> {
+    fn from(of: Expansion<Complex, D>) -> Self {
+        Self::from_parts(|indices| {
+            let part = match *indices {
+                [] => &of.value,
+                [a] => &of.gradient[a],
+                [a, b, ..] => &of.hessian[a][b],
+            };
+            DMatrix::from_fn(D, D, |i, j| part[(i, j)])
+        })
+    }
 }
 
 impl<const D: usize> MatrixExpansion<D> {
@@ -94,26 +107,6 @@ impl<const D: usize> WaveSystem<D> {
     }
 }
 
-impl<const D: usize> WaveSystem<D> {
-    /// `D(k)` with its first derivatives.
-    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
-        let (mut value, mut slopes) = self.stiffness.slopes_at(k);
-        if let Some(drift) = &self.drift {
-            let (own, turned) = drift.slopes_at(k);
-            slopes = std::array::from_fn(|a| &slopes[a] * &own + &value * &turned[a]);
-            value *= own;
-        }
-        let divided = |matrix: DMatrix<Complex>| self.divided_by_mass(k, matrix);
-        let value = divided(value);
-        if let Mass::Consistent(mass) = &self.mass {
-            // M D = N, differentiated.
-            let (_, masses) = mass.slopes_at(k);
-            slopes = std::array::from_fn(|a| &slopes[a] - &masses[a] * &value);
-        }
-        (value, slopes.map(divided))
-    }
-}
-
 impl<const D: usize> MatrixExpansion<D> {
     fn part(&self, indices: &[usize]) -> &DMatrix<Complex> {
         match *indices {
@@ -121,6 +114,25 @@ impl<const D: usize> MatrixExpansion<D> {
             [a] => &self.gradient[a],
             [a, b, ..] => &self.hessian[a][b],
         }
+    }
+
+    /// The first derivative along a vector.
+    pub(in crate::bloch) fn slope(&self, along: &SVector<f64, D>) -> DMatrix<Complex> {
+        let zeros = DMatrix::zeros(self.value.nrows(), self.value.ncols());
+        (0..D).fold(zeros, |sum, a| {
+            sum + &self.gradient[a] * Complex::from(along[a])
+        })
+    }
+
+    /// The second derivative along a vector.
+    pub(in crate::bloch) fn curvature(&self, along: &SVector<f64, D>) -> DMatrix<Complex> {
+        let mut sum = DMatrix::zeros(self.value.nrows(), self.value.ncols());
+        for a in 0..D {
+            for b in 0..D {
+                sum += &self.hessian[a][b] * Complex::from(along[a] * along[b]);
+            }
+        }
+        sum
     }
 
     /// The branch through an eigenvalue, by perturbation theory of second order:

@@ -11,6 +11,7 @@ mod spectrum;
 mod sum;
 mod zone;
 
+pub(super) use expansion::MatrixExpansion;
 pub use sum::{BlochBlocks, BlochSum};
 
 use super::short_range::ShortRange;

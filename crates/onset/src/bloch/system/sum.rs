@@ -2,7 +2,6 @@
 
 use super::expansion::MatrixExpansion;
 use crate::algebra::Complex;
-use crate::bloch::pocket::Slopes;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -185,16 +184,6 @@ impl<const D: usize> BlochSum<D> {
                 _ => phase * phase * 0.5,
             }
         })
-    }
-
-    /// `S(k)` with its first derivatives by the components of the wave vector.
-    pub(super) fn slopes_at(&self, k: &SVector<f64, D>) -> Slopes<D> {
-        let phases = self.phases(k);
-        let mut sums = self.sums(1 + D, |term, factors| {
-            term.derivatives(phases.of(term), factors);
-        });
-        let slopes = std::array::from_fn(|a| std::mem::take(&mut sums[1 + a]));
-        (sums.swap_remove(0), slopes)
     }
 
     /// `S(k)` with its derivatives by the components of the wave vector.

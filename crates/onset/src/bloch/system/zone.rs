@@ -423,12 +423,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2`.
     fn pockets(&self) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            slopes: &|k| (!self.is_long(k)).then(|| self.system.slopes_at(k)),
+            expansion: &|k| (!self.is_long(k)).then(|| self.system.expansion_at(k)),
+            steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
             most: self.effort.pockets,
         };
-        let steps = self.search.reference().reciprocal() / self.waves.resolution() as f64;
-        pockets.around(half(&self.waves).iter().copied(), &steps)
+        pockets.around(half(&self.waves).iter().copied())
     }
 
     /// The omega^2 at half of the grid.
