@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from . import _onset
 from ._arrays import Floats, alone, deformations, listed, names, numbers, place, received
 from ._errors import InputError, SettingError, asks
+from ._trace import formula
 
 #: What a key can be set to. A text may have a unit: ``"1 mm"``.
 Value = str | float | int | bool | Sequence[float] | Sequence[str] | os.PathLike[str]
@@ -151,6 +152,9 @@ class _Settings:
         return "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in self._set.items())
 
 
+#: An energy per reference volume.
+Energy = Callable[..., object]
+
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
 
 
@@ -159,6 +163,9 @@ class Material(_Settings):
 
     ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a law of the library (``onset.models()``), ``Material("mu/2*(I1 - 3 - 2*ln(J))",
     mu=0.4)`` an energy per reference volume of your own, ``Material("umat", library="./my_umat.so", ...)`` a user material of Abaqus.
+    An energy can be a Python function too, of ``F``, ``C`` or ``E`` of shape (3, 3), of ``J`` and the other variables of a formula, and of
+    parameters: ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)``. It is called once, with symbols, and what it
+    computes with them is the formula.
     Two of `young`, `poisson`, `bulk` and `shear` stand for the parameters of laws with two moduli. Stresses are in any unit, or have
     one, and then all values have: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
 
@@ -168,20 +175,22 @@ class Material(_Settings):
     _section = "material"
 
     @asks
-    def __init__(self, model: str | None = None, *, energy: str | None = None, **parameters: Value) -> None:
+    def __init__(self, model: str | Energy | None = None, *, energy: str | Energy | None = None, **parameters: Value) -> None:
         settings: dict[str, object] = {}
-        if model is not None and not isinstance(model, str):
-            raise TypeError(f"model is {type(model).__name__}; expected the name of a law, or a formula")
+        if model is not None and not isinstance(model, str) and not callable(model):
+            raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, or a function")
         if model is not None and energy is not None and model != "formula":
             raise InputError("a material has one energy\n  hint: leave out the model, or `energy`")
-        is_word = model is not None and (model in _onset.models() or _WORD.match(model) is not None)
-        if is_word:
+        if isinstance(model, str) and (model in _onset.models() or _WORD.match(model) is not None):
             settings["model"] = model
         elif model is not None:
             energy = model
+        given: dict[str, object] = dict(parameters)
+        if energy is not None and callable(energy):
+            energy, given = formula(energy, given)
         if energy is not None:
             settings |= {"model": "formula", "energy": energy}
-        self._put(settings | parameters)
+        self._put(settings | given)
 
     @classmethod
     @asks

@@ -24,6 +24,11 @@ const POINTS_PER_PERIOD: usize = 10;
 /// What is within this multiple of the rounding error of sums counts as zero: force constants carry the rounding of the shape functions
 /// that they are made of, which is some times that of the sums.
 const ROUNDING: f64 = 16.0;
+/// What a limit of long waves makes of the longest wave that is asked whether it grows, in units of what rounding makes of it; how many
+/// waves are asked, each so many times shorter than the one before.
+const TOLD: f64 = 8.0;
+const FOLLOWED: i32 = 5;
+const SHORTER: f64 = 4.0;
 /// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
 /// is done for them.
 const FREQUENCY_GAP: f64 = 1e-6;
@@ -367,13 +372,29 @@ impl<'a, const D: usize> Sweep<'a, D> {
             mode.scaled = f64::INFINITY;
         }
         let noise = self.system.long_wave_noise();
-        let [tolerance, of_limit] = noise.map(|noise| self.search.told(noise));
+        let [tolerance, mut of_limit] = noise.map(|noise| self.search.told(noise));
+        if mode.scaled < -of_limit && !self.is_followed(&mode) {
+            of_limit = -mode.scaled;
+        }
         LongWaves {
             mode,
             rest: self.rest(mode.scaled),
             tolerance,
             of_limit,
         }
+    }
+
+    /// Whether waves grow where the limit of long ones does: the longest of which rounding can tell so, or some shorter ones.
+    fn is_followed(&self, limit: &Mode<D>) -> bool {
+        let noise = ROUNDING * self.system.noise();
+        let stiffness = limit.scaled.abs() * self.search.speed_squared();
+        let longest = (TOLD * noise / stiffness).sqrt();
+        let direction = limit.wave_vector.normalize();
+        (0..FOLLOWED).any(|n| {
+            let k = direction * (longest * SHORTER.powi(n));
+            let values = self.system.omega_squared(&k).into_iter();
+            values.map(|value| value.re).fold(f64::INFINITY, f64::min) < -noise
+        })
     }
 
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
@@ -405,7 +426,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .unwrap_or(rest);
         // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
         let is_rounding = softest.is_long_wave
-            && softest.scaled > -long.of_limit
+            && softest.scaled >= -long.of_limit
             && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
         Softest {
             softest,
