@@ -184,7 +184,7 @@ fn compared<const D: usize>(
     // Where modes grow at k = 0 this has no minimum.
     let at_rest = waves.omega_squared(&nalgebra::SVector::zeros());
     let at_rest = at_rest.iter().map(|z| z.re).fold(0.0, f64::min);
-    let has_minimum = at_rest > -1e-9 * waves.scale;
+    let has_minimum = at_rest > -1e-13 * waves.scale;
     // What is not told from the minimum is stated: by the bound.
     let stated = (told - spectrum.bound) / told.abs().max(1.0) < DIFFERENCE;
     if has_minimum && !stated && told > scaled + DIFFERENCE * (scaled.abs() + 1e-3) {

@@ -654,7 +654,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             }
         }
         // At points of high symmetry slopes vanish, and none of the grid need lie near.
-        for k in self.search.symmetric_points() {
+        for k in self.search.symmetric_points().flat_map(|k| self.beside(k)) {
             let value = self.value(objective, &k);
             if value < to_beat(&ends) {
                 ends.push(self.followed(objective, 0, (value, k), to_beat(&ends)));
@@ -667,6 +667,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
             }
         }
         ends
+    }
+
+    /// A point of high symmetry and others near it: folded branches that nearly cross there bend within a part of a step. Beyond one
+    /// dimension that would be as many as those of the grid.
+    fn beside(&self, k: SVector<f64, D>) -> Vec<SVector<f64, D>> {
+        let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
+        let near = RELAXED_RAY.map(|share| k + step * share);
+        let near = near.into_iter().filter(|_| D == 1);
+        std::iter::once(k).chain(near).collect()
     }
 
     /// Differences of an objective that mean nothing: modes that no force answers have many wells of rounding.
