@@ -356,3 +356,38 @@ fn a_limit_of_long_waves_that_no_wave_follows_is_rounding() {
     assert!(spectrum.is_stable(), "{spectrum:?}");
     assert!(waves.searched(64, 20).growth.0 < 1e-6);
 }
+
+/// Two particles that hardly resist each other: they relax in waves of thousands of spacings only, which grow, and shorter ones do not.
+/// The growth that is said is that of such a wave.
+#[test]
+fn waves_longer_than_all_of_the_grid_grow_with_a_number() {
+    let cell = 2.0_f64.sqrt();
+    let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * cell).expect("a lattice");
+    let second = SVector::from([0.7529480832740633, 0.47485021702222896]);
+    let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
+    let choices = KernelChoices {
+        kernel: onset::kernel::Kernel::QuarticSpline,
+        radius: 1.6035639012576168,
+        approximation: Approximation::Mls,
+        frame: Frame::Lagrangian,
+        ..KernelChoices::default()
+    };
+    let scheme = KernelScheme::new(crystal, CrystalQuadrature::Nodal, choices);
+    let f = DeformationGradient::from_components([
+        [-0.5581874915063255, 0.8347972787432606, 0.0],
+        [-0.8217802735697843, -0.5678977367696438, 0.0],
+        [0.0, 0.0, 1.0],
+    ]);
+    let (spectrum, waves) = answer(&scheme.expect("a method"), &*law("fung"), &f);
+    assert!(!spectrum.is_stable(), "{spectrum:?}");
+    let mode = &spectrum.fastest_growing;
+    assert!(mode.wave_vector.norm() < 0.01, "{spectrum:?}");
+    let (said, own) = (
+        spectrum.growth_rate(),
+        waves.growth_with_rounding(&mode.wave_vector),
+    );
+    assert!(
+        said > 0.0 && (own - said).abs() < 1e-2 * said,
+        "{said} {own}"
+    );
+}

@@ -6,7 +6,7 @@
 //! slope, can get lower are divided, again and again, and what lies lower there is followed too.
 
 use super::WaveSystem;
-use crate::algebra::{Complex, Decomposition, is_well, neighbors, settled};
+use crate::algebra::{Complex, Decomposition, GoldenSection, is_well, neighbors, settled};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::Pockets;
@@ -16,6 +16,7 @@ use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
+use std::convert::Infallible;
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
@@ -25,10 +26,10 @@ const POINTS_PER_PERIOD: usize = 10;
 /// that they are made of, which is some times that of the sums.
 const ROUNDING: f64 = 16.0;
 /// What a limit of long waves makes of the longest wave that is asked whether it grows, in units of what rounding makes of it; how many
-/// waves are asked, each so many times shorter than the one before.
+/// waves are asked, two octaves apart; and steps in which the fastest growing one is found.
 const TOLD: f64 = 8.0;
 const FOLLOWED: i32 = 5;
-const SHORTER: f64 = 4.0;
+const NARROWED: usize = 24;
 /// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
 /// is done for them.
 const FREQUENCY_GAP: f64 = 1e-6;
@@ -384,17 +385,43 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// Whether waves grow where the limit of long ones does: the longest of which rounding can tell so, or some shorter ones.
-    fn is_followed(&self, limit: &Mode<D>) -> bool {
-        let noise = ROUNDING * self.system.noise();
-        let stiffness = limit.scaled.abs() * self.search.speed_squared();
-        let longest = (TOLD * noise / stiffness).sqrt();
+    /// The longest wave along the direction of a limit below zero of which rounding can tell that it grows, and `Re omega^2` of the lowest
+    /// branch at the wave that is so many octaves shorter.
+    fn longest_told(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
+        let stiffness = -limit.scaled * self.search.speed_squared();
+        let longest = (TOLD * ROUNDING * self.system.noise() / stiffness).sqrt();
         let direction = limit.wave_vector.normalize();
-        (0..FOLLOWED).any(|n| {
-            let k = direction * (longest * SHORTER.powi(n));
+        let lowest = move |octaves: f64| {
+            let k = direction * (longest * octaves.exp2());
             let values = self.system.omega_squared(&k).into_iter();
-            values.map(|value| value.re).fold(f64::INFINITY, f64::min) < -noise
-        })
+            values.map(|value| value.re).fold(f64::INFINITY, f64::min)
+        };
+        (longest, lowest)
+    }
+
+    /// Whether waves grow where the limit of long ones does.
+    fn is_followed(&self, limit: &Mode<D>) -> bool {
+        let (_, lowest) = self.longest_told(limit);
+        let noise = ROUNDING * self.system.noise();
+        (0..FOLLOWED).any(|n| lowest(f64::from(2 * n)) < -noise)
+    }
+
+    /// The fastest growing wave along the direction of a limit below zero, among those longer than a step of the grid: particles of a cell
+    /// that hardly resist each other relax in these only.
+    fn growing_long_wave(&self, limit: &Mode<D>) -> Option<Mode<D>> {
+        let (longest, lowest) = self.longest_told(limit);
+        let step = self.search.reference().reciprocal().column(0).norm();
+        let octaves = (step / self.waves.resolution() as f64 / longest).log2();
+        let values = (0..=octaves as usize).map(|n| (lowest(n as f64), n as f64));
+        let best = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut at = |octaves: f64| Ok::<f64, Infallible>(lowest(octaves));
+        let Ok(mut section) = GoldenSection::new(best.1 - 1.0, best.1 + 1.0, &mut at);
+        for _ in 0..NARROWED {
+            let Ok(()) = section.narrow(section.inner[0].1 <= section.inner[1].1, &mut at);
+        }
+        let k = limit.wave_vector.normalize() * (longest * section.middle().exp2());
+        let mode = self.mode(&k);
+        (mode.omega_squared.re < -ROUNDING * self.system.noise()).then_some(mode)
     }
 
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
@@ -423,6 +450,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .flatten()
             .map(|(_, k)| self.mode(&k))
             .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
+            .or_else(|| {
+                let is_limit = softest.is_long_wave && softest.scaled < -long.of_limit;
+                is_limit.then(|| self.growing_long_wave(&softest)).flatten()
+            })
             .unwrap_or(rest);
         // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
         let is_rounding = softest.is_long_wave
