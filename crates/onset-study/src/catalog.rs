@@ -192,7 +192,9 @@ impl KeyList {
         const METHOD: &str = "discretization.method";
         let mut settings = Settings::default();
         let origin = Origin::CommandLine(format!("onset list method {name}"));
-        settings.set(METHOD, &Value::Word(name.to_owned()), origin)?;
+        let set = settings.set(METHOD, &Value::Word(name.to_owned()), origin);
+        // A hint to set a key helps nobody who asks for a list.
+        set.map_err(|error| error.with_words_of_hint(&format!("{METHOD}="), "onset list method "))?;
         let entry = |key: &'static Key| {
             let lacking = key.lacking(METHOD, &|name| settings.value(name))?;
             let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
