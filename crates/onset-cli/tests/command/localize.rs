@@ -250,6 +250,10 @@ fn a_user_material_is_followed_like_the_law_that_it_has() {
             "no effect",
         ),
         (
+            &format!("{routine} --set material.increments=10"),
+            "plasticity.increments is the number",
+        ),
+        (
             &format!("{routine} --set plasticity.increments=0"),
             "whole number",
         ),

@@ -439,6 +439,13 @@ impl PlasticSettings {
                 ))),
             };
         }
+        let counts = |one: &&&str| one.trim_start().starts_with("material.increments");
+        if let Some(one) = assignments.iter().find(counts) {
+            let origin = Origin::CommandLine(format!("--set {one}"));
+            let message = "`material.increments` has no effect here".to_owned();
+            return Err(SettingError::new(origin, message)
+                .hint("plasticity.increments is the number of increments along the path"));
+        }
         let model = [format!("material.model={UMAT}")];
         let all = model.iter().map(String::as_str);
         let all: Vec<&str> = all.chain(assignments.iter().copied()).collect();
