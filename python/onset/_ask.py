@@ -356,9 +356,11 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
     """When does a plastic material localize, in which band, at which angle? ``onset localize``.
 
     Keywords are the keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any unit, or have one.
+    With the model ``"umat"`` those of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and ``memory_limit``.
     """
     named = {"model": model, "path": path, "load": load} | parameters
-    keys = {_key("plasticity", name): value for name, value in named.items() if value is not None}
+    routine = {"library", "properties", "state_variables", "time_limit", "memory_limit"}
+    keys = {_key("material" if name in routine else "plasticity", name): value for name, value in named.items() if value is not None}
     return Localization(_onset.localize([f"{key}={_typed(value, key)}" for key, value in keys.items()]))
 
 

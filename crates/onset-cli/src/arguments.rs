@@ -149,7 +149,7 @@ const AUDIT_EXAMPLES: &str = "Examples:
 const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model drucker-prager --path plane-strain
   onset localize --model mohr-coulomb --set plasticity.confinement=50 --out band
-  onset localize --set plasticity.friction=0.7";
+  onset localize --model umat --set material.library=./my_umat.so --set material.properties=200e3,0.3,250,2e3";
 
 const CHECK_EXAMPLES: &str = "Examples:
   onset check studies/rubber.toml
@@ -931,8 +931,8 @@ pub struct MapArguments {
 /// A plastic material and its loading.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage or deformation-theory; short for
-    /// --set plasticity.model=MODEL.
+    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with keys of
+    /// [material]: library, properties, state-variables); short for --set plasticity.model=MODEL.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
     /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for
@@ -942,7 +942,7 @@ pub struct LocalizeArguments {
     /// tension or compression; short for --set plasticity.load=LOAD.
     #[arg(long, value_name = "LOAD")]
     pub load: Option<String>,
-    /// Set a parameter, for example plasticity.friction=0.7 (may be given several times).
+    /// Set a parameter, for example plasticity.friction=0.7, or material.library=./my_umat.so with --model umat (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
     /// Folder for localize.svg, localize.png, localize.csv and localize-directions.csv; nothing is written without it.

@@ -180,7 +180,7 @@ impl KeyList {
         let entry = |key: &'static Key| KeyEntry::new(key, key.readers());
         Self {
             method: None,
-            keys: study_keys().map(entry).collect(),
+            keys: listed(study_keys()).map(entry).collect(),
         }
     }
 
@@ -192,7 +192,9 @@ impl KeyList {
         const METHOD: &str = "discretization.method";
         let mut settings = Settings::default();
         let origin = Origin::CommandLine(format!("onset list method {name}"));
-        settings.set(METHOD, &Value::Word(name.to_owned()), origin)?;
+        let set = settings.set(METHOD, &Value::Word(name.to_owned()), origin);
+        // A hint to set a key helps nobody who asks for a list.
+        set.map_err(|error| error.with_words_of_hint(&format!("{METHOD}="), "onset list method "))?;
         let entry = |key: &'static Key| {
             let lacking = key.lacking(METHOD, &|name| settings.value(name))?;
             let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
@@ -206,9 +208,18 @@ impl KeyList {
                 Some(Value::Word(word)) => Some(word),
                 _ => None,
             },
-            keys: own.filter_map(entry).collect(),
+            keys: listed(own).filter_map(entry).collect(),
         })
     }
+}
+
+/// Keys as they are listed: beside the support the smoothing length, by which it can be set.
+fn listed(keys: impl Iterator<Item = &'static Key>) -> impl Iterator<Item = &'static Key> {
+    keys.flat_map(|key| {
+        let sets_support = key.name == "discretization.support";
+        let beside = sets_support.then(|| Key::named("discretization.smoothing-length"));
+        std::iter::once(key).chain(beside.flatten())
+    })
 }
 
 impl KeyEntry {

@@ -9,6 +9,7 @@ use crate::voigt::VOIGT;
 use nalgebra::{Matrix3, Matrix6};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError, Response};
+use onset::plasticity::IncrementalLaw;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -280,8 +281,23 @@ fn place(at: usize) -> String {
 }
 
 impl Hyperelastic for Umat {
+    /// What a routine delivers is the tangent of its last increment, of flow that goes on or of a step of the algorithm: neither is the derivative of the stress by
+    /// the end of the path, on which a routine that flows depends.
+    fn is_path_dependent(&self) -> bool {
+        true
+    }
+
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let outcome = self.along(self.path(f)?)?;
         outcome.delivered.response(f).finite()
+    }
+}
+
+impl IncrementalLaw for Umat {
+    fn after(&self, history: &[DeformationGradient]) -> Result<Response, MaterialError> {
+        let path = history.iter().map(DeformationGradient::matrix).collect();
+        let end = history.last().copied();
+        let end = end.unwrap_or_else(DeformationGradient::identity);
+        self.along(path)?.delivered.response(&end).finite()
     }
 }

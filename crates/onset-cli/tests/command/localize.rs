@@ -1,5 +1,6 @@
 //! `onset localize`: onset, files, and refusals.
 
+use crate::fortran::library;
 use crate::{assert_close, document, fresh_place, number, numbers, onset, onset_line};
 
 #[test]
@@ -198,5 +199,67 @@ fn every_model_answers_without_settings() {
         let answer = onset_line(&format!("localize --model {model}"));
         assert_eq!(answer.code, Some(0), "{model}: {}", answer.stderr);
         assert!(!answer.stdout.contains("e0"), "{}", answer.stdout);
+    }
+}
+
+/// The routine has the default law of `localize`.
+#[test]
+fn a_user_material_is_followed_like_the_law_that_it_has() {
+    let routine = library(&["fortran/drucker_prager.f90"]);
+    let routine = format!(
+        "localize --model umat --set material.library={} --set material.state-variables=1 \
+         --set material.properties=10000,13333.333333333334,0.6,0.2,20,10,2000,0.05 --set plasticity.slip=0.1",
+        routine.display()
+    );
+    let own = document(&format!("{routine} --set plasticity.increments=60"));
+    let law = document("localize --set plasticity.slip=0.1");
+    for (place, tolerance) in [
+        ("/first_yield/plastic_modulus", 1e-4),
+        ("/first_yield/critical_modulus", 1e-4),
+        ("/localization/slip", 0.02),
+        ("/localization/band/angle_to_minor", 0.01),
+    ] {
+        assert_close(number(&own, place), number(&law, place), tolerance);
+    }
+    assert_eq!(
+        own["localization"]["band"]["kind"],
+        law["localization"]["band"]["kind"]
+    );
+    assert_eq!(own["settings"]["material.state-variables"], 1.0);
+    let sentence = own["sentence"].as_str().expect("a sentence");
+    assert!(
+        sentence.contains("In half as many increments"),
+        "{sentence}"
+    );
+    for (line, fact) in [
+        ("localize --model umat", "material.library"),
+        (
+            "localize --model umat --set material.library=none.so",
+            "no library",
+        ),
+        (
+            "localize --set material.library=none.so",
+            "only with plasticity.model = umat",
+        ),
+        (
+            "localize --model umat --set material.model=ogden",
+            "material",
+        ),
+        (
+            &format!("{routine} --set plasticity.friction=1"),
+            "no effect",
+        ),
+        (
+            &format!("{routine} --set material.increments=10"),
+            "plasticity.increments is the number",
+        ),
+        (
+            &format!("{routine} --set plasticity.increments=0"),
+            "whole number",
+        ),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
     }
 }

@@ -1,5 +1,6 @@
 //! Metals beyond yield, crystals and fluids, as a user asks of them.
 
+use crate::fortran::library;
 use crate::{assert_close, document, fresh_place, number, onset_line};
 use std::time::{Duration, Instant};
 
@@ -81,6 +82,43 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     let notes = card["material"]["notes"].to_string();
     assert!(notes.contains("--mode simple-shear asks for it"), "{notes}");
     assert!(begin.elapsed() < Duration::from_secs(90));
+}
+
+/// The tangent of a routine is that of its last increment.
+#[test]
+fn a_routine_of_a_metal_is_pulled_with_free_faces_to_the_end() {
+    let routine = library(&["fortran/j2_plasticity.f90"]);
+    for increments in [1, 8] {
+        let answer = document(&format!(
+            "path --mode uniaxial --to 1.2 --set material.model=umat --set material.library={} --set material.state-variables=1 \
+             --set material.properties=200e3,0.3,250,2e3 --set material.increments={increments}",
+            routine.display()
+        ));
+        assert_close(number(&answer, "/loading/to"), 1.2, 1e-12);
+        let strain = |axis: usize| number(&answer, &format!("/to/{axis}/{axis}")).ln();
+        // Flow keeps the volume: s = y + H (e - s/E), and the lateral strain is -e/2 but for the elastic one.
+        let stress = (250.0 + 2e3 * strain(0)) / (1.0 + 2e3 / 200e3);
+        let lateral = -0.5 * strain(0) + stress / 200e3 * (0.5 - 0.3);
+        for axis in [1, 2] {
+            assert_close(strain(axis), lateral, 1e-6);
+        }
+    }
+}
+
+#[test]
+fn methods_for_a_fluid_are_in_the_order_of_their_cost() {
+    let answer =
+        onset_line("recommend --dimension 1 --set material.model=tait --set material.mu=0");
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(!answer.stdout.contains("score inf"), "{}", answer.stdout);
+    let at_rest = onset_line(
+        "state --stretch 1,1 --set material.model=tait --set material.mu=0 set method=updated-sph",
+    );
+    assert!(
+        !at_rest.stdout.contains("Only the stress of this state"),
+        "{}",
+        at_rest.stdout
+    );
 }
 
 #[test]

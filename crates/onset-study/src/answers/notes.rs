@@ -2,6 +2,7 @@
 
 use crate::number::told_of;
 use crate::settings::{Bonds, Family, Settings};
+use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 
@@ -19,6 +20,13 @@ pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
 /// Whether a law has stress at `F = 1`.
 pub fn is_stressed(material: &dyn Hyperelastic) -> bool {
     stress_at_rest(material).is_some()
+}
+
+/// Whether a law has no stress at a state, to rounding.
+pub(super) fn is_unstressed(material: &dyn Hyperelastic, f: &DeformationGradient) -> bool {
+    let response = material.response(f);
+    response
+        .is_ok_and(|response| response.cauchy().amax() <= UNSTRESSED * response.tangent.largest())
 }
 
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
@@ -81,9 +89,25 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
             )
         })
         .collect();
+    let pressure = cauchy.trace() / 3.0;
+    let is_pressure =
+        (cauchy - Matrix3::from_diagonal_element(pressure)).amax() <= UNSTRESSED * stiffness;
+    // ln J has the stress 1 at F = 1.
+    let remedy = match is_pressure {
+        true => {
+            let (sign, size) = if pressure > 0.0 {
+                ("-", pressure)
+            } else {
+                ("+", -pressure)
+            };
+            let size = told_of(size, stiffness);
+            format!("; the term {sign} {size} ln J in the energy would remove it")
+        }
+        false => String::new(),
+    };
     Some(format!(
         "the law has stress at F = 1 ({}): its reference state is stressed, F = 1 is not an unstressed reference configuration, and stretches are \
-         not measured from one",
+         not measured from one{remedy}",
         told.join(", ")
     ))
 }

@@ -1,6 +1,7 @@
 //! Verdicts in plain English.
 
 use super::mode::{critical_mode, finite_wave_vector};
+use super::notes::is_unstressed;
 use super::problem::Problem;
 use super::state::list;
 use crate::number::{told, vector};
@@ -98,9 +99,12 @@ pub(super) fn of(
             let is_lagrangian =
                 assessment.is_gradient && settings.discretization.frame == Frame::Lagrangian;
             let unseen = if assessment.gradient_norm > NO_STRAIN {
+                let resisted = match is_unstressed(&*problem.material, f) {
+                    true => "This state has no stress that could resist it",
+                    false => "Only the stress of this state resists that",
+                };
                 format!(
-                    "The {whose} sees no strain where neighbors alternate. Only the stress of this state resists that, and the softest wave \
-                     is one beside it ({which})."
+                    "The {whose} sees no strain where neighbors alternate. {resisted}, and the softest wave is one beside it ({which})."
                 )
             } else if is_lagrangian {
                 format!("The {whose} sees no strain in a wave ({which}), at any state.")

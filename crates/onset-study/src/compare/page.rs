@@ -75,9 +75,9 @@ impl Table {
         let ranking = recommended(self);
         for ranked in ranking.iter().filter(|ranked| ranked.excluded.is_none()) {
             page.push_str(&format!(
-                "<li>{} (score {:.3})</li>\n",
+                "<li>{} ({})</li>\n",
                 escaped(&ranked.name),
-                ranked.score
+                ranked.measure(3)
             ));
         }
         page.push_str("</ol>\n<h2>Not recommended</h2>\n<ul>\n");

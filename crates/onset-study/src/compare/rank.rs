@@ -46,8 +46,10 @@ pub struct Ranked {
     pub name: String,
     /// The rule that excludes it, counted from 1, with the number; `None` when it is recommended.
     pub excluded: Option<(usize, String)>,
-    /// The score of rule 6; the smaller the better.
+    /// The score of rule 6; the smaller the better. Infinite where a wave of the material has no frequency, as the transverse ones of a fluid.
     pub score: f64,
+    /// The cost: neighbors over the Courant number.
+    pub cost: f64,
 }
 
 /// Which methods of a table to take, and why.
@@ -76,6 +78,27 @@ pub struct Dependence {
     pub more: Vec<String>,
     /// Methods that would not be recommended any more.
     pub less: Vec<String>,
+}
+
+impl Ranked {
+    /// The score, or the cost where there is none, with so many digits.
+    pub(super) fn measure(&self, digits: usize) -> String {
+        match self.score.is_infinite() {
+            true => format!("cost {:.digits$}", self.cost),
+            false => format!("score {:.digits$}", self.score),
+        }
+    }
+}
+
+/// By what recommended methods are in order.
+fn recommended_by(good: &[&Ranked]) -> &'static str {
+    match good.iter().all(|ranked| ranked.score.is_infinite()) {
+        true => {
+            "recommended, cheapest first: the material has waves without a frequency, as the transverse ones of a fluid, so that errors of frequencies (rule 6) have \
+             no size"
+        }
+        false => "recommended, best first",
+    }
 }
 
 impl Recommendation {
@@ -188,12 +211,12 @@ impl fmt::Display for Recommendation {
             if good.is_empty() {
                 "none of the methods can be recommended"
             } else {
-                "recommended, best first"
+                recommended_by(&good)
             }
         )?;
         for (n, ranked) in good.iter().enumerate() {
-            let (name, score) = (&ranked.name, ranked.score);
-            writeln!(formatter, "  {:>2}  {name:width$}  score {score:.4}", n + 1)?;
+            let (name, measure) = (&ranked.name, ranked.measure(4));
+            writeln!(formatter, "  {:>2}  {name:width$}  {measure}", n + 1)?;
         }
         if !bad.is_empty() {
             writeln!(formatter, "\nnot recommended")?;
@@ -230,11 +253,13 @@ fn ranked(table: &Table, limits: &Thresholds) -> Vec<Ranked> {
                 name: row.name.clone(),
                 excluded: Some((1, why.lines().next().unwrap_or_default().to_owned())),
                 score: f64::NAN,
+                cost: f64::NAN,
             },
             Ok(measured) => Ranked {
                 name: row.name.clone(),
                 excluded: excluded(measured, limits),
                 score: measured.dispersion_at(limits.wavelength) * measured.cost(),
+                cost: measured.cost(),
             },
         })
         .collect();
@@ -244,7 +269,11 @@ fn ranked(table: &Table, limits: &Thresholds) -> Vec<Ranked> {
             .as_ref()
             .map_or(usize::MAX, |(rule, _)| *rule)
     };
-    ranked.sort_by(|a, b| place(b).cmp(&place(a)).then(a.score.total_cmp(&b.score)));
+    ranked.sort_by(|a, b| {
+        let by_score = a.score.total_cmp(&b.score);
+        let by_cost = a.cost.total_cmp(&b.cost);
+        place(b).cmp(&place(a)).then(by_score).then(by_cost)
+    });
     ranked
 }
 

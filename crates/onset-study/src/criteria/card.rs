@@ -1,7 +1,7 @@
 //! The safe range card of a law: where it is strongly elliptic, on one page.
 
 use super::figure::{held, stretches};
-use super::sentence::{heading, opening, witness};
+use super::sentence::{opening, title, witness};
 use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
     SideAnswer, kink,
@@ -333,7 +333,7 @@ impl CardAnswer {
                 panel = panel.with(bar.named("imposed stretch of the loading"));
             }
         }
-        Figure::new(format!("Safe range: {}", heading(&self.material)))
+        Figure::new(format!("Safe range: {}", title(&self.material)))
             .columns(1)
             .caption(
                 "Bars: the law is strongly elliptic, all wave speeds are real. Grey lines: it is not. Boxes: all principal stretches between their ends.",

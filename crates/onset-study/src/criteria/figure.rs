@@ -12,7 +12,7 @@ impl CriteriaAnswer {
     pub fn figure(&self) -> Figure {
         let figure = Figure::new(format!(
             "Where stability criteria hold: {}",
-            super::sentence::heading(&self.material)
+            super::sentence::title(&self.material)
         ))
         .caption(
             "Bars: stretches at which the criterion holds. Grey lines: it does not. Neither: there is no state, or the criterion is not \

@@ -2,7 +2,7 @@
 
 use super::card::{CardAnswer, Limits};
 use super::kink;
-use super::sentence::{heading, witness};
+use super::sentence::{heading, title, witness};
 use crate::html::{embedded, escaped};
 use crate::number::{told_above, told_below};
 use onset::criteria::Criterion;
@@ -17,12 +17,13 @@ impl CardAnswer {
     /// The card as a page.
     pub fn html(&self) -> String {
         let [low, high] = self.range;
-        let title = escaped(&heading(&self.material));
+        let title = escaped(&title(&self.material));
+        let law = escaped(&heading(&self.material));
         let mut page = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
              <title>Safe range: {title}</title>\n<style>{STYLE}</style></head><body>\n\
-             <h1>Safe range of a law</h1>\n<p>{title}.</p>\n\
+             <h1>Safe range of a law</h1>\n<p>{law}.</p>\n\
              <p>Within these ranges the law is strongly elliptic: <code>{}</code>. All wave speeds are real, and no band can form \
              because of the law. Stretches from {low} to {high} were looked at.</p>\n",
             escaped(Criterion::StrongEllipticity.definition())

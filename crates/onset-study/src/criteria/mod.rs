@@ -253,7 +253,7 @@ impl Question {
         let parameters = settings.entries().into_iter();
         let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
         let units = settings.entries().into_iter();
-        let turns = material.is_path_dependent();
+        let turns = material.is_path_dependent() && !settings.is_library();
         let asked = |loading: &Loading| match modes.is_empty() {
             true => !(turns && loading.mode == Mode::SimpleShear),
             false => modes.contains(&loading.mode),

@@ -80,8 +80,20 @@ impl Display for CriteriaAnswer {
     }
 }
 
+/// Letters of a typed energy that a title has room for.
+const LETTERS: usize = 60;
+
 /// The law in a line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
+    in_a_line(law, usize::MAX)
+}
+
+/// The law in a title, with the beginning of a long energy.
+pub(super) fn title(law: &super::LawAnswer) -> String {
+    in_a_line(law, LETTERS)
+}
+
+fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     // What has a name of its own does not tell its energy too.
     let told = |(name, _): &&(String, serde_json::Value)| law.name.is_none() || name != "energy";
     let parameters: Vec<String> = law
@@ -93,7 +105,13 @@ pub(super) fn heading(law: &super::LawAnswer) -> String {
                 Some(unit) => format!("{name} = {} {unit}", number::told(value)),
                 None => format!("{name} = {}", number::told(value)),
             },
-            None => format!("{name} = {value}"),
+            None => match value.as_str() {
+                Some(text) if text.chars().count() > letters => {
+                    let begin: String = text.chars().take(letters).collect();
+                    format!("{name} = \"{} ...\"", begin.trim_end())
+                }
+                _ => format!("{name} = {value}"),
+            },
         })
         .collect();
     let symmetry = match (law.isotropic, law.incompressible) {

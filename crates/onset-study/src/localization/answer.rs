@@ -1,10 +1,10 @@
 //! The answer to: where along this path does the material localize?
 
-use super::{LocalizationError, PlasticSettings};
+use super::{LocalizationError, PlasticLaw, PlasticSettings};
 use crate::number::{told as number, told_of, vector};
 use crate::settings::{Units, Value};
 use nalgebra::Vector3;
-use onset::plasticity::{BandKind, Bands, Criterion, End, PathPoint, follow};
+use onset::plasticity::{BandKind, Bands, Criterion, End, PathPoint, follow, follow_increments};
 use serde::Serialize;
 
 /// Onset of localization along a path, and what led to it.
@@ -33,6 +33,24 @@ pub struct LocalizationAnswer {
     pub directions: Vec<DirectionAnswer>,
     /// States of the path.
     pub path: Vec<PointAnswer>,
+    /// Of a law that is known by increments: the onset with half as many, which tells how far their number matters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_half_the_increments: Option<HalfAnswer>,
+    /// What such a law says where it fails and the path ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refusal: Option<String>,
+    /// The elastic stiffness of shear, which moduli are compared with.
+    #[serde(skip)]
+    stiffness: f64,
+}
+
+/// The onset of localization in half as many increments, where there is one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HalfAnswer {
+    /// Its plastic shear strain.
+    pub localization_slip: Option<f64>,
+    /// Its strain along axis 1.
+    pub localization_strain: Option<f64>,
 }
 
 /// A state of the path. Stresses are Cauchy's, tension positive; axes are those of the path.
@@ -116,8 +134,14 @@ impl LocalizationAnswer {
     /// # Errors
     /// [`LocalizationError`] when the law does not admit its parameters or cannot follow the path.
     pub fn new(settings: &PlasticSettings) -> Result<Self, LocalizationError> {
-        let (law, loading) = (settings.law()?, settings.loading());
-        let found = follow(law.as_ref(), &loading)?;
+        let loading = settings.loading();
+        let (found, coarser) = match settings.law()? {
+            PlasticLaw::Flow(law) => (follow(law.as_ref(), &loading)?, None),
+            PlasticLaw::Increments(law, count) => (
+                follow_increments(law.as_ref(), &loading, count)?,
+                Some(follow_increments(law.as_ref(), &loading, count / 2)?),
+            ),
+        };
         let margin = |point: &PathPoint| point.modulus - point.ellipticity.modulus;
         let closest = found.onset.as_ref().unwrap_or_else(|| {
             found
@@ -127,11 +151,16 @@ impl LocalizationAnswer {
                 .unwrap_or(&found.points[0])
         });
         let answer = |point: &PathPoint| PointAnswer::from(point);
+        let routine = settings.routine_entries().into_iter();
+        let routine = routine.map(|(name, value)| (format!("material.{name}"), json(&value)));
+        let elastic = found.points[0].moduli;
+        let elastic = elastic.elastic_acoustic_tensor(&Vector3::x());
         let mut told = Self {
             sentence: String::new(),
             settings: settings
                 .values()
                 .map(|(parameter, value)| (parameter.name.to_owned(), json(value)))
+                .chain(routine)
                 .collect(),
             units: settings.units(),
             told: settings.told(),
@@ -142,6 +171,12 @@ impl LocalizationAnswer {
             end: found.end,
             directions: directions(closest, loading.bands)?,
             path: found.points.iter().map(answer).collect(),
+            with_half_the_increments: coarser.as_ref().map(|coarser| HalfAnswer {
+                localization_slip: coarser.onset.as_ref().map(|point| point.slip),
+                localization_strain: coarser.onset.as_ref().map(|point| point.strain[0]),
+            }),
+            refusal: found.refusal.as_ref().map(ToString::to_string),
+            stiffness: elastic.symmetric_eigenvalues().min(),
         };
         told.sentence = told.tell(loading.slip);
         Ok(told)
@@ -186,12 +221,6 @@ impl LocalizationAnswer {
             ]));
         }
         text
-    }
-
-    /// The shear modulus: what moduli are compared with.
-    fn stiffness(&self) -> f64 {
-        let modulus = self.settings.get("plasticity.shear-modulus");
-        modulus.and_then(serde_json::Value::as_f64).unwrap_or(1.0)
     }
 
     /// What forms: in a sheet a neck, whose thickness changes as the kind of the band says.
@@ -244,7 +273,7 @@ impl LocalizationAnswer {
                 self.units.of(
                     told_of(
                         self.closest.plastic_modulus - self.closest.critical_modulus,
-                        self.stiffness()
+                        self.stiffness
                     ),
                     "Pa"
                 )
@@ -285,8 +314,40 @@ impl LocalizationAnswer {
             End::TooStiff => sentence.push_str(
                 " The path ends early: strength is too small against stiffness for so much slip.",
             ),
+            End::Law => {
+                let refusal = self.refusal.as_deref().unwrap_or("its numbers are not finite");
+                sentence.push_str(&format!(
+                    " The path ends where the law fails: {}.",
+                    refusal.lines().next().unwrap_or_default()
+                ));
+            }
+            End::NoBalance => sentence.push_str(
+                " The path ends where no lateral strains were found that keep the lateral stresses.",
+            ),
+            End::Unloads => sentence.push_str(
+                " The path ends where loading and unloading have the same tangent: the material flows no further.",
+            ),
+            End::SeveralMechanisms => sentence.push_str(
+                " The path ends where several mechanisms flow at once.",
+            ),
         }
+        sentence.push_str(&self.tell_increments());
         sentence
+    }
+
+    /// How far the number of increments matters.
+    fn tell_increments(&self) -> String {
+        let Some(half) = self.with_half_the_increments else {
+            return String::new();
+        };
+        match (&self.localization, half.localization_slip) {
+            (Some(_), Some(slip)) => format!(
+                " In half as many increments it would localize at {}.",
+                number(slip)
+            ),
+            (None, None) => String::new(),
+            _ => " In half as many increments the answer is another one: set plasticity.increments higher.".to_owned(),
+        }
     }
 }
 
@@ -331,7 +392,7 @@ fn line(numbers: &[f64]) -> String {
 impl std::fmt::Display for LocalizationAnswer {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(formatter, "{}\n", self.sentence)?;
-        let stiffness = self.stiffness();
+        let stiffness = self.stiffness;
         let stress = |modulus: f64| self.units.of(told_of(modulus, stiffness), "Pa");
         let mut point = |name: &str, point: &PointAnswer| {
             writeln!(formatter, "{name}")?;

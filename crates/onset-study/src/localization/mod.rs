@@ -5,7 +5,7 @@ mod figure;
 mod parameters;
 
 pub use answer::{BandAnswer, DirectionAnswer, LocalizationAnswer, PointAnswer};
-pub use parameters::{PARAMETERS, Parameter, PlasticSettings};
+pub use parameters::{PARAMETERS, Parameter, PlasticLaw, PlasticSettings};
 
 use crate::settings::SettingError;
 use onset::plasticity::PlasticityError;
@@ -50,7 +50,21 @@ fn hint(error: &PlasticityError) -> String {
         PlasticityError::NotASheet => {
             "take --path uniaxial-stress or sheet-stretch and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
         }
-        PlasticityError::Exhausted { .. } | PlasticityError::NotFinite => return String::new(),
+        PlasticityError::NoElasticRange => {
+            "add plasticity.confinement if the law has no strength without pressure; laws without an elastic range are not followed".to_owned()
+        }
+        PlasticityError::NoBalance => {
+            "see with `onset audit` whether DDSDDE is the tangent of the stress; choose another path or a plasticity.confinement".to_owned()
+        }
+        PlasticityError::NotAlongAxes => {
+            "turn the axes of the material to those of the path; of other laws `onset path` tells the ellipticity along a path".to_owned()
+        }
+        PlasticityError::SeveralMechanisms | PlasticityError::Unloads => {
+            "`onset path` tells the ellipticity of any user material along a path".to_owned()
+        }
+        PlasticityError::Exhausted { .. }
+        | PlasticityError::NotFinite
+        | PlasticityError::Law(_) => return String::new(),
     };
     format!("\n  hint: {hint}")
 }

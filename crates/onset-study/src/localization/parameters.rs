@@ -1,12 +1,16 @@
 //! The parameters of plastic laws and loading paths, each defined once.
 
 use super::LocalizationError;
-use crate::settings::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
+use crate::settings::{
+    Key, Kind, MaterialSettings, Origin, SettingError, Settings, Units, Value, units, unknown_key,
+};
+use onset::material::MaterialError;
 use onset::plasticity::{
     Bands, CamClay, DeformationTheory, DruckerPrager, Elasticity, EllipticCap, FlowLaw, Gurson,
-    Hardening, HillOrthotropic, Kinematic, Load, Loading, LoadingPath, MohrCoulomb,
+    Hardening, HillOrthotropic, IncrementalLaw, Kinematic, Load, Loading, LoadingPath, MohrCoulomb,
     PlasticityError, ScalarDamage, Strains,
 };
+use onset_umat::Umat;
 use serde::de::DeserializeOwned;
 
 /// A parameter that can be set.
@@ -75,6 +79,8 @@ impl Parameter {
 const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
+/// The model that is a routine, chosen by keys of `[material]`.
+const UMAT: &str = "umat";
 
 /// The laws.
 const MODELS: &[&str] = &[
@@ -88,7 +94,10 @@ const MODELS: &[&str] = &[
     "cap",
     "damage",
     "deformation-theory",
+    UMAT,
 ];
+/// Those that are isotropic elastic before they flow.
+const WITH_ELASTICITY: &[&str] = MODELS.split_at(MODELS.len() - 1).0;
 /// Those whose strength follows plasticity.hardening.
 const HARDENING_WITH_SLIP: &[&str] = &[
     "drucker-prager",
@@ -126,13 +135,15 @@ pub const PARAMETERS: &[Parameter] = &[
         Kind::Positive("stress"),
         "10000",
         "elastic shear modulus G",
-    ),
+    )
+    .only_with(MODEL, WITH_ELASTICITY),
     parameter(
         "plasticity.poisson-ratio",
         Kind::Number("1"),
         "0.2",
         "Poisson's ratio, above -1 and below 0.5",
-    ),
+    )
+    .only_with(MODEL, WITH_ELASTICITY),
     parameter(
         "plasticity.friction",
         Kind::Number("1"),
@@ -337,6 +348,13 @@ pub const PARAMETERS: &[Parameter] = &[
         "0.2",
         "plastic shear strain up to which the path is followed",
     ),
+    parameter(
+        "plasticity.increments",
+        Kind::Whole(2, 10_000),
+        "200",
+        "increments in which a user material comes to that strain, shorter near first yield",
+    )
+    .only_with(MODEL, &[UMAT]),
 ];
 
 /// A plastic law and a loading path, as set.
@@ -348,6 +366,16 @@ pub struct PlasticSettings {
     origins: Vec<Option<Origin>>,
     /// Whether the value of each has a unit; it is in SI then.
     with_units: Vec<bool>,
+    /// The user material, where the model is one.
+    routine: Option<MaterialSettings>,
+}
+
+/// A law by what is known of it.
+pub enum PlasticLaw {
+    /// Its flow.
+    Flow(Box<dyn FlowLaw>),
+    /// Its answers to increments, and how many of them are taken.
+    Increments(Box<dyn IncrementalLaw>, usize),
 }
 
 impl Default for PlasticSettings {
@@ -356,6 +384,7 @@ impl Default for PlasticSettings {
             values: PARAMETERS.iter().map(Parameter::default_value).collect(),
             origins: vec![None; PARAMETERS.len()],
             with_units: vec![false; PARAMETERS.len()],
+            routine: None,
         }
     }
 }
@@ -373,8 +402,13 @@ impl PlasticSettings {
     /// [`SettingError`] for an unknown parameter, a value of the wrong kind, or a parameter that has no effect.
     pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
         let mut settings = Self::default();
+        let mut of_material = Vec::new();
         for assignment in assignments {
             let assignment = assignment.as_ref();
+            if assignment.trim_start().starts_with("material.") {
+                of_material.push(assignment);
+                continue;
+            }
             let origin = Origin::CommandLine(format!("--set {assignment}"));
             let Some((name, text)) = assignment.split_once('=') else {
                 return Err(SettingError::new(
@@ -387,7 +421,45 @@ impl PlasticSettings {
         }
         settings.confine();
         settings.check()?;
+        settings.choose_routine(&of_material)?;
         Ok(settings)
+    }
+
+    /// The user material of `plasticity.model = umat`, by the keys that it has everywhere.
+    fn choose_routine(&mut self, assignments: &[&str]) -> Result<(), SettingError> {
+        if !self.is(MODEL, UMAT) {
+            return match assignments.first() {
+                None => Ok(()),
+                Some(first) => Err(SettingError::new(
+                    Origin::CommandLine(format!("--set {first}")),
+                    "keys of [material] have no effect here".to_owned(),
+                )
+                .hint(format!(
+                    "plastic laws are set by {MODEL} and its keys; those of a user material are used only with {MODEL} = {UMAT}"
+                ))),
+            };
+        }
+        let counts = |one: &&&str| one.trim_start().starts_with("material.increments");
+        if let Some(one) = assignments.iter().find(counts) {
+            let origin = Origin::CommandLine(format!("--set {one}"));
+            let message = "`material.increments` has no effect here".to_owned();
+            return Err(SettingError::new(origin, message)
+                .hint("plasticity.increments is the number of increments along the path"));
+        }
+        let model = [format!("material.model={UMAT}")];
+        let all = model.iter().map(String::as_str);
+        let all: Vec<&str> = all.chain(assignments.iter().copied()).collect();
+        let material = Settings::from_assignments(&all)?.material;
+        if !material.is_library() {
+            let origin = Origin::CommandLine(format!("--set {}", assignments.join(" --set ")));
+            return Err(SettingError::new(
+                origin,
+                format!("{MODEL} = {UMAT} is a user material of its own"),
+            )
+            .hint("leave material.model out, and name the library: --set material.library=./my_umat.so"));
+        }
+        self.routine = Some(material);
+        Ok(())
     }
 
     /// Sets one parameter; whether it has an effect is checked by [`PlasticSettings::from_assignments`].
@@ -496,7 +568,18 @@ impl PlasticSettings {
                 (other, _) => format!("{name} {other}"),
             }
         };
-        self.values().map(one).collect::<Vec<_>>().join(", ")
+        let own = self.values().map(one);
+        let routine = self.routine_entries();
+        let routine = routine
+            .iter()
+            .map(|(name, value)| format!("{name} {value}"));
+        own.chain(routine).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The keys of the user material, with their values.
+    pub fn routine_entries(&self) -> Vec<(&'static str, Value)> {
+        let entries = self.routine.as_ref().map(MaterialSettings::entries);
+        entries.unwrap_or_default()
     }
 
     /// The parameters that have an effect, with their values.
@@ -529,7 +612,27 @@ impl PlasticSettings {
     ///
     /// # Errors
     /// [`LocalizationError::Plasticity`] when it does not admit its parameters.
-    pub fn law(&self) -> Result<Box<dyn FlowLaw>, LocalizationError> {
+    pub fn law(&self) -> Result<PlasticLaw, LocalizationError> {
+        match &self.routine {
+            Some(routine) => self.routine_law(routine),
+            None => self.flow_law().map(PlasticLaw::Flow),
+        }
+    }
+
+    fn routine_law(&self, routine: &MaterialSettings) -> Result<PlasticLaw, LocalizationError> {
+        let of_law = |error: MaterialError| LocalizationError::from(PlasticityError::from(error));
+        let settings = routine.umat_permitted().map_err(of_law)?;
+        let settings = settings.ok_or_else(|| {
+            of_law(MaterialError::External {
+                message: "material.library is missing".to_owned(),
+            })
+        })?;
+        let umat = Umat::new(settings).map_err(|error| of_law(error.into()))?;
+        let count = self.number("plasticity.increments") as usize;
+        Ok(PlasticLaw::Increments(Box::new(umat), count))
+    }
+
+    fn flow_law(&self) -> Result<Box<dyn FlowLaw>, LocalizationError> {
         let number = |name: &str| self.number(&format!("plasticity.{name}"));
         let (shear, poisson) = (number("shear-modulus"), number("poisson-ratio"));
         let elasticity = Elasticity::new(shear, poisson)?;
@@ -657,8 +760,11 @@ mod tests {
     fn every_word_is_the_name_that_serialization_uses() {
         for parameter in PARAMETERS {
             for word in parameter.words() {
-                let set = format!("{}={word}", parameter.name);
-                let settings = PlasticSettings::from_assignments(&[set]).expect("valid");
+                let mut set = vec![format!("{}={word}", parameter.name)];
+                if *word == UMAT {
+                    set.push("material.library=a.so".to_owned());
+                }
+                let settings = PlasticSettings::from_assignments(&set).expect("valid");
                 let loading = settings.loading();
                 let told = match parameter.name {
                     "plasticity.path" => word_of(&loading.path),
@@ -687,6 +793,9 @@ mod tests {
         );
         assert!(error("plasticity.strength=-1").contains("expected a positive number (stress)"));
         assert!(error("plasticity.strength").contains("not an assignment"));
+        assert!(error("plasticity.model=umat").contains("material.library"));
+        assert!(error("material.library=a.so").contains("only with plasticity.model = umat"));
+        assert!(error("plasticity.increments=10").contains("only with plasticity.model = umat"));
     }
 
     #[test]

@@ -96,6 +96,12 @@ impl SettingError {
         self
     }
 
+    /// With other words in the hint.
+    pub(crate) fn with_words_of_hint(mut self, words: &str, others: &str) -> Self {
+        self.hint = self.hint.map(|hint| hint.replace(words, others));
+        self
+    }
+
     /// Names the word nearest to the one typed, where words are expected.
     pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&'static str]) -> Self {
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)

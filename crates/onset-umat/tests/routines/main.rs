@@ -5,6 +5,7 @@ mod failures;
 mod fortran;
 mod interface;
 mod laws;
+mod localization;
 mod utilities;
 
 use fortran::library;

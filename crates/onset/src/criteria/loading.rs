@@ -388,6 +388,10 @@ impl<'a> LoadingPath<'a> {
     ) -> Result<Self, LoadingError> {
         let start = solve(material, loading, volume, 0.0, Vector2::zeros());
         let reference = start.map_err(|missing| match missing {
+            // A law with numbers at F = 1 has lost them on the way to stretches that would free the faces.
+            Missing::Law(_) if respond(material, &Matrix3::identity()).is_ok() => {
+                LoadingError::NoReference
+            }
             Missing::Law(error) => LoadingError::Law(error),
             Missing::Equilibrium => LoadingError::NoReference,
         })?;

@@ -31,11 +31,18 @@ pub(super) fn integrate<const N: usize, E>(
         return Ok(y);
     }
     let mut step = to - from;
+    let mut first = None;
     for _ in 0..MOST_STEPS {
         let last = x + step >= to;
         let length = if last { to - x } else { step };
         let shortest = length <= SHORTEST * to;
-        let (next, difference) = match dormand_prince(&y, x, length, &rates) {
+        // The last rates of a step are the first ones of the next.
+        let begun = first.map_or_else(|| rates(&y, x), Ok);
+        let reached = begun.and_then(|begun| {
+            first = Some(begun);
+            dormand_prince(&y, &begun, x, length, &rates)
+        });
+        let [next, difference, ended] = match reached {
             Ok(reached) => reached,
             Err(end) if shortest => return Err(Stop::Rates(end)),
             // Too long a step may have left the path; only short ones tell that it ends.
@@ -47,7 +54,7 @@ pub(super) fn integrate<const N: usize, E>(
         let error = difference.component_div(size).amax();
         let factor = 0.9 * (accuracy / error.max(1e-30)).powf(0.2);
         if error <= accuracy || shortest {
-            y = next;
+            (y, first) = (next, Some(ended));
             x = if last { to } else { x + length };
         }
         if x >= to {
@@ -58,13 +65,14 @@ pub(super) fn integrate<const N: usize, E>(
     Err(Stop::TooManySteps)
 }
 
-/// One step, and an estimate of its error.
+/// One step from a state with its rates: the state that it leads to, an estimate of its error, and the rates there.
 fn dormand_prince<const N: usize, E>(
     y: &SVector<f64, N>,
+    begun: &SVector<f64, N>,
     x: f64,
     step: f64,
     rates: &impl Fn(&SVector<f64, N>, f64) -> Result<SVector<f64, N>, E>,
-) -> Result<(SVector<f64, N>, SVector<f64, N>), E> {
+) -> Result<[SVector<f64, N>; 3], E> {
     const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
     const WEIGHTS: [&[f64]; 7] = [
         &[],
@@ -104,8 +112,9 @@ fn dormand_prince<const N: usize, E>(
         -1.0 / 40.0,
     ];
     let mut stages = [SVector::<f64, N>::zeros(); 7];
+    stages[0] = *begun;
     let mut next = *y;
-    for stage in 0..7 {
+    for stage in 1..7 {
         next = *y;
         for (weight, rate) in WEIGHTS[stage].iter().zip(&stages) {
             next += rate * (weight * step);
@@ -117,5 +126,5 @@ fn dormand_prince<const N: usize, E>(
         .zip(&stages)
         .map(|(weight, rate)| rate * (weight * step))
         .sum();
-    Ok((next, error))
+    Ok([next, error, stages[6]])
 }

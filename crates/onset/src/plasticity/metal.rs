@@ -22,18 +22,16 @@
 //! everywhere, which growing waves on a growing load do.
 
 use super::integration::{Stop, integrate};
+use crate::algebra::symmetric_eigen;
 use crate::kinematics::DeformationGradient;
 use crate::material::{
     Admitted, FourthOrder, Hyperelastic, Law, Made, MaterialError, Parameter, Response, Symmetry,
     hooke,
 };
-use nalgebra::{Matrix3, SVector, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 
 /// Relative error of the elastic strains along a path that is integrated.
 const ACCURACY: f64 = 1e-10;
-
-/// Iterations allowed to a spectral decomposition.
-const MAXIMUM_ITERATIONS: usize = 500;
 
 const MU: Parameter = Parameter::new("mu", "stress", 80.0, Admitted::Positive, "shear modulus");
 const KAPPA: Parameter =
@@ -212,13 +210,19 @@ struct Spectral {
 }
 
 impl Spectral {
-    fn of(tensor: &Matrix3<f64>) -> Option<Self> {
+    fn of(tensor: &Matrix3<f64>) -> Self {
         let symmetric = (tensor + tensor.transpose()) * 0.5;
-        let found = SymmetricEigen::try_new(symmetric, f64::EPSILON, MAXIMUM_ITERATIONS)?;
-        Some(Self {
-            values: found.eigenvalues,
-            axes: found.eigenvectors,
-        })
+        // The rows of a symmetric matrix are its columns.
+        let (values, axes) = symmetric_eigen(&symmetric.data.0);
+        Self {
+            values: values.into(),
+            axes: axes.into(),
+        }
+    }
+
+    /// Of a tensor with positive principal values.
+    fn positive(tensor: &Matrix3<f64>) -> Option<Self> {
+        Some(Self::of(tensor)).filter(|found| found.values.min() > 0.0)
     }
 
     /// The tensor with a function of the principal values.
@@ -347,10 +351,7 @@ impl Metal {
     /// How flow goes on at an elastic deformation.
     fn flow(&self, elastic: &Matrix3<f64>) -> Option<Flow> {
         let metric = elastic.transpose() * elastic;
-        let spectrum = Spectral::of(&metric)?;
-        if spectrum.values.min() <= 0.0 {
-            return None;
-        }
+        let spectrum = Spectral::positive(&metric)?;
         let strain = spectrum.map(|square| 0.5 * square.ln());
         let (_, normal) = self.hill.yield_stress(&self.stiff(&strain));
         let dual = spectrum.dual_of_logarithm(&self.stiff(&normal));
@@ -371,8 +372,8 @@ impl Metal {
         }
         if self.is_isotropic {
             let slip = self.slip_of_trial(trial)?;
-            let inverse = Spectral::of(&(normal * -slip)).map(|flow| flow.map(f64::exp));
-            return Ok(inverse.map(|inverse| (inverse, slip)));
+            let inverse = Spectral::of(&(normal * -slip)).map(f64::exp);
+            return Ok(Some((inverse, slip)));
         }
         let first = self.flow_stress.first / trial;
         let end = match is_diagonal(&strain) {
@@ -513,8 +514,7 @@ impl Metal {
     /// The response of a state whose material axes are the fixed ones.
     fn along_axes(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let matrix = f.matrix();
-        let logarithm = Spectral::of(&(matrix.transpose() * matrix))
-            .filter(|squares| squares.values.min() > 0.0)
+        let logarithm = Spectral::positive(&(matrix.transpose() * matrix))
             .map(|squares| Spectral {
                 values: squares.values.map(|square| 0.5 * square.ln()),
                 ..squares

@@ -17,6 +17,7 @@
 //! - [`FlowLaw`]: other laws along fixed axes, each by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
 //!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
 //! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
+//! - [`follow_increments`]: the same for laws that are known by their answers to increments alone, [`IncrementalLaw`].
 //!
 //! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
 //! flows; waves, bands and every condition of localization are statements on rates and use it. The *consistent* tangent is
@@ -27,6 +28,7 @@ mod cubic;
 mod finite;
 mod flow;
 mod hardening;
+mod increments;
 mod integration;
 mod law;
 mod laws;
@@ -41,6 +43,7 @@ mod walk;
 pub use finite::{FiniteState, FiniteUpdate};
 pub use flow::{Elasticity, Flow, FlowLaw};
 pub use hardening::Hardening;
+pub use increments::{IncrementalLaw, follow_increments};
 pub use law::DruckerPrager;
 pub use laws::{
     CamClay, DeformationTheory, EllipticCap, Gurson, HillOrthotropic, Kinematic, MohrCoulomb,
@@ -52,6 +55,7 @@ pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
 pub use return_mapping::{Branch, State, Update};
 
+use crate::material::MaterialError;
 use thiserror::Error;
 
 /// What can be wrong with a plastic law or with a state of it.
@@ -122,6 +126,31 @@ pub enum PlasticityError {
         "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress or sheet-stretch without confinement"
     )]
     NotASheet,
+    /// A law that is known by increments fails.
+    #[error(transparent)]
+    Law(#[from] MaterialError),
+    /// Its tangent couples shear with normal strains along the axes of the path.
+    #[error(
+        "the tangent couples shears with strains along the axes of the path; expected a law that is isotropic, or orthotropic along these axes"
+    )]
+    NotAlongAxes,
+    /// What flow takes away from its elastic tangent is not of rank one.
+    #[error(
+        "flow takes a part from the elastic tangent that is not of rank one: several mechanisms flow at once; expected a law with one, away from corners of its \
+         yield surface"
+    )]
+    SeveralMechanisms,
+    /// Loading and unloading have the same tangent.
+    #[error("the law does not flow: its tangents of loading and of unloading are the same")]
+    Unloads,
+    /// It flows from the first increment on.
+    #[error(
+        "the law flows from the first small increment on; expected an elastic range, whose tangent tells what flow takes away"
+    )]
+    NoElasticRange,
+    /// The lateral stresses cannot be kept.
+    #[error("no lateral strains were found that keep the lateral stresses")]
+    NoBalance,
 }
 
 impl PlasticityError {

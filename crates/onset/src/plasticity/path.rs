@@ -3,6 +3,7 @@
 use super::law::{deviator, equivalent_shear, mean};
 use super::walk::Walk;
 use super::{Criterion, Critical, FlowLaw, PlasticityError, RateModuli};
+use crate::material::MaterialError;
 use nalgebra::{Matrix3, Vector3};
 
 /// How strain is measured.
@@ -133,6 +134,32 @@ pub enum End {
     ElasticNotElliptic,
     /// The stress turns so fast per slip that the integration would take too many steps.
     TooStiff,
+    /// The law that is known by increments fails at the next one.
+    Law,
+    /// No lateral strains were found that keep the lateral stresses.
+    NoBalance,
+    /// The law that is known by increments flows no further: loading and unloading have the same tangent.
+    Unloads,
+    /// What flow takes away from the elastic tangent is not of rank one.
+    SeveralMechanisms,
+}
+
+impl End {
+    /// Why a path ends with an error of its law or of its equations.
+    pub(super) fn of(error: &PlasticityError) -> Self {
+        match error {
+            PlasticityError::Exhausted { .. } => Self::Exhausted,
+            PlasticityError::Corner => Self::Corner,
+            PlasticityError::ElasticNotElliptic => Self::ElasticNotElliptic,
+            PlasticityError::Law(_) | PlasticityError::NotFinite => Self::Law,
+            PlasticityError::NoBalance => Self::NoBalance,
+            PlasticityError::Unloads => Self::Unloads,
+            PlasticityError::SeveralMechanisms | PlasticityError::NotAlongAxes => {
+                Self::SeveralMechanisms
+            }
+            _ => Self::Apex,
+        }
+    }
 }
 
 /// What a path shows.
@@ -146,6 +173,90 @@ pub struct Localization {
     pub strong_ellipticity_lost: Option<PathPoint>,
     /// Why the path ends.
     pub end: End,
+    /// What a law that is known by increments says of the next one, where it fails at it.
+    pub refusal: Option<MaterialError>,
+}
+
+impl Localization {
+    pub(super) fn new(points: usize) -> Self {
+        Self {
+            points: Vec::with_capacity(points + 1),
+            onset: None,
+            strong_ellipticity_lost: None,
+            end: End::Slip,
+            refusal: None,
+        }
+    }
+
+    /// Takes notice of a state: where it is the first without a criterion, of the crossing before it, and of itself where there is none.
+    pub(super) fn notice(
+        &mut self,
+        point: &PathPoint,
+        crossing: impl Fn(Criterion) -> Option<PathPoint>,
+    ) {
+        for criterion in [Criterion::Ellipticity, Criterion::StrongEllipticity] {
+            let lost = match criterion {
+                Criterion::Ellipticity => &mut self.onset,
+                Criterion::StrongEllipticity => &mut self.strong_ellipticity_lost,
+            };
+            if lost.is_none() && point.margin(criterion) <= 0.0 {
+                *lost = Some(crossing(criterion).unwrap_or(*point));
+            }
+        }
+        self.points.push(*point);
+    }
+}
+
+/// What a loading prescribes along the axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    /// Rate of strain by that of the driving strain where strain is prescribed, nothing where stress is.
+    pub(super) prescribed: [Option<f64>; 3],
+}
+
+impl Course {
+    pub(super) fn new(loading: &Loading) -> Result<Self, PlasticityError> {
+        let require = PlasticityError::require;
+        let (confinement, slip) = (loading.confinement, loading.slip);
+        require(
+            confinement >= 0.0,
+            "confinement",
+            confinement,
+            "zero or a positive pressure",
+        )?;
+        require(slip > 0.0, "slip", slip, "a positive plastic shear strain")?;
+        let sense = match (loading.path, loading.load) {
+            (LoadingPath::TriaxialCompression, _) | (_, Load::Compression) => -1.0,
+            (_, Load::Tension) => 1.0,
+        };
+        let prescribed = match loading.path {
+            LoadingPath::UniaxialStress | LoadingPath::TriaxialCompression => {
+                [Some(sense), None, None]
+            }
+            LoadingPath::UniaxialStrain => [Some(sense), Some(0.0), Some(0.0)],
+            LoadingPath::PlaneStrain => [Some(sense), None, Some(0.0)],
+            LoadingPath::PureShear => [Some(sense), Some(-sense), Some(0.0)],
+            LoadingPath::SheetStretch => {
+                let ratio = loading.strain_ratio;
+                require(
+                    ratio > -1.0 && ratio <= 1.0,
+                    "strain-ratio",
+                    ratio,
+                    "a number above -1 and at most 1",
+                )?;
+                [Some(sense), Some(sense * ratio), None]
+            }
+        };
+        if loading.bands == Bands::Sheet && (prescribed[2].is_some() || confinement > 0.0) {
+            return Err(PlasticityError::NotASheet);
+        }
+        Ok(Self { prescribed })
+    }
+
+    /// Rates of the prescribed strains, the others zero.
+    pub(super) fn direction(&self) -> Vector3<f64> {
+        Vector3::from(self.prescribed.map(Option::unwrap_or_default))
+    }
 }
 
 /// Points at which a path is looked at; closer near first yield.
@@ -177,12 +288,7 @@ const POINTS: usize = 200;
 pub fn follow(law: &dyn FlowLaw, loading: &Loading) -> Result<Localization, PlasticityError> {
     let walk = Walk::new(law, loading)?;
     let mut y = walk.first_yield()?;
-    let mut found = Localization {
-        points: Vec::with_capacity(POINTS + 1),
-        onset: None,
-        strong_ellipticity_lost: None,
-        end: End::Slip,
-    };
+    let mut found = Localization::new(POINTS);
     let mut slip = 0.0;
     for count in 0..=POINTS {
         let fraction = count as f64 / POINTS as f64;
@@ -208,20 +314,10 @@ pub fn follow(law: &dyn FlowLaw, loading: &Loading) -> Result<Localization, Plas
             }
             Err(_) => return Err(PlasticityError::NoDeviator),
         };
-        for criterion in [Criterion::Ellipticity, Criterion::StrongEllipticity] {
-            let lost = match criterion {
-                Criterion::Ellipticity => &mut found.onset,
-                Criterion::StrongEllipticity => &mut found.strong_ellipticity_lost,
-            };
-            if lost.is_none() && point.margin(criterion) <= 0.0 {
-                *lost = Some(if count == 0 {
-                    point
-                } else {
-                    walk.crossing(&y, slip, next, criterion).unwrap_or(point)
-                });
-            }
-        }
-        found.points.push(point);
+        found.notice(&point, |criterion| match count {
+            0 => None,
+            _ => walk.crossing(&y, slip, next, criterion),
+        });
         (y, slip) = (reached, next);
     }
     Ok(found)

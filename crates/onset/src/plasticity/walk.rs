@@ -1,7 +1,7 @@
 //! The equations of a loading path along its fixed axes, and their integration.
 
 use super::integration::{Stop, integrate};
-use super::path::{Bands, End, Load, Loading, LoadingPath, PathPoint, Strains};
+use super::path::{Bands, Course, End, Loading, PathPoint, Strains};
 use super::{Criterion, Flow, FlowLaw, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -18,60 +18,26 @@ pub(super) type Point = SVector<f64, 9>;
 pub(super) struct Walk<'a> {
     law: &'a dyn FlowLaw,
     loading: &'a Loading,
-    /// Rate of strain by that of the driving strain where strain is prescribed, nothing where stress is.
-    prescribed: [Option<f64>; 3],
+    course: Course,
     /// The strain of the confined state, along every axis.
     initial: f64,
 }
 
 impl<'a> Walk<'a> {
     pub(super) fn new(law: &'a dyn FlowLaw, loading: &'a Loading) -> Result<Self, PlasticityError> {
-        let require = PlasticityError::require;
-        let (confinement, slip) = (loading.confinement, loading.slip);
-        require(
-            confinement >= 0.0,
-            "confinement",
-            confinement,
-            "zero or a positive pressure",
-        )?;
-        require(slip > 0.0, "slip", slip, "a positive plastic shear strain")?;
+        let course = Course::new(loading)?;
         let strength = law.strength();
         // Below this, elastic strains are lost to rounding beside those of the path.
-        require(
+        PlasticityError::require(
             strength >= 1e-10 * law.elasticity().shear,
             "strength",
             strength,
             "at least 1e-10 of the shear modulus",
         )?;
-        let sense = match (loading.path, loading.load) {
-            (LoadingPath::TriaxialCompression, _) | (_, Load::Compression) => -1.0,
-            (_, Load::Tension) => 1.0,
-        };
-        let prescribed = match loading.path {
-            LoadingPath::UniaxialStress | LoadingPath::TriaxialCompression => {
-                [Some(sense), None, None]
-            }
-            LoadingPath::UniaxialStrain => [Some(sense), Some(0.0), Some(0.0)],
-            LoadingPath::PlaneStrain => [Some(sense), None, Some(0.0)],
-            LoadingPath::PureShear => [Some(sense), Some(-sense), Some(0.0)],
-            LoadingPath::SheetStretch => {
-                let ratio = loading.strain_ratio;
-                require(
-                    ratio > -1.0 && ratio <= 1.0,
-                    "strain-ratio",
-                    ratio,
-                    "a number above -1 and at most 1",
-                )?;
-                [Some(sense), Some(sense * ratio), None]
-            }
-        };
-        if loading.bands == Bands::Sheet && (prescribed[2].is_some() || confinement > 0.0) {
-            return Err(PlasticityError::NotASheet);
-        }
         let mut walk = Self {
             law,
             loading,
-            prescribed,
+            course,
             initial: 0.0,
         };
         walk.initial = walk.confined_strain()?;
@@ -111,14 +77,16 @@ impl<'a> Walk<'a> {
     /// The elastic state at a driving strain.
     fn elastic(&self, driving: f64) -> Point {
         let elasticity = self.law.elasticity();
-        let mut strain =
-            Vector3::from_fn(|i, _| self.initial + driving * self.prescribed[i].unwrap_or(0.0));
+        let mut strain = self
+            .course
+            .direction()
+            .map(|rate| self.initial + driving * rate);
         let mut stress = elasticity.stress(&strain);
         for _ in 0..if self.is_finite_strain() { 30 } else { 2 } {
             let mut matrix = Matrix3::identity();
             let mut rest = Vector3::zeros();
             let pressure = self.pressure(&strain);
-            for i in (0..3).filter(|i| self.prescribed[*i].is_none()) {
+            for i in (0..3).filter(|i| self.course.prescribed[*i].is_none()) {
                 rest[i] = stress[i] + pressure;
                 for j in 0..3 {
                     let volume = if self.is_finite_strain() {
@@ -182,7 +150,7 @@ impl<'a> Walk<'a> {
         let mut matrix = SMatrix::<f64, 4, 4>::zeros();
         let mut right = SVector::<f64, 4>::zeros();
         for i in 0..3 {
-            match self.prescribed[i] {
+            match self.course.prescribed[i] {
                 Some(ratio) => {
                     matrix[(i, i)] = shear;
                     matrix[(i, 3)] = -shear * ratio;
