@@ -531,15 +531,16 @@ pub struct SimulateArguments {
     /// The problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// The state.
+    /// The state; of a body its start.
     #[command(flatten)]
-    pub strain: StrainArguments,
-    /// Cells of the patch along each primitive vector: one number, or one for each.
-    #[arg(long, value_name = "N", default_value = "8", help_heading = "Patch")]
-    pub cells: String,
+    pub strain: Option<StrainArguments>,
+    /// Cells of the patch along each primitive vector: one number, or one for each [default: 8].
+    #[arg(long, value_name = "N", help_heading = "Patch")]
+    pub cells: Option<String>,
     /// What moves at the start: critical, the wave of the patch with the least omega^2, or noise, of which that wave is measured.
-    #[arg(long, value_name = "MODE", default_value = "critical", value_parser = ["critical", "noise"], help_heading = "Patch")]
-    pub mode: String,
+    /// [default: critical]
+    #[arg(long, value_name = "MODE", value_parser = ["critical", "noise"], help_heading = "Patch")]
+    pub mode: Option<String>,
     /// Seed this wave instead, by its reference wave vector (in units of 1/length); it must fit into the patch.
     #[arg(
         long,
@@ -558,16 +559,16 @@ pub struct SimulateArguments {
         help_heading = "Patch"
     )]
     pub turns: Option<String>,
-    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2.
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Patch")]
-    pub branch: usize,
-    /// The largest displacement at the start, in particle spacings.
-    #[arg(long, value_name = "A", default_value_t = 1e-6, value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
-    pub amplitude: f64,
+    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2 [default: 1].
+    #[arg(long, value_name = "N", help_heading = "Patch")]
+    pub branch: Option<usize>,
+    /// The largest displacement at the start, in particle spacings; of a body at random [default: 1e-6, of a body 0].
+    #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
+    pub amplitude: Option<f64>,
     /// The seed of the noise.
     #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
     pub seed: u64,
-    /// Steps [default: about a period of the wave, or four e-folding times].
+    /// Steps [default: about a period of the wave, or four e-folding times; a body must be told].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
     pub steps: Option<u64>,
     /// Time, instead of steps.
@@ -583,12 +584,12 @@ pub struct SimulateArguments {
     #[arg(long, help_heading = "Time")]
     pub supercritical: bool,
     /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), or sixth-order, a
-    /// composition of nine steps of the first.
-    #[arg(long, value_name = "NAME", default_value = "kick-drift-kick", value_parser = stepper, help_heading = "Time")]
-    pub integrator: Stepper,
-    /// The relative difference of rates that counts as agreement.
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = share)]
-    pub tolerance: f64,
+    /// composition of nine steps of the first [default: kick-drift-kick; bodies have central-differences].
+    #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
+    pub integrator: Option<Stepper>,
+    /// The relative difference of rates that counts as agreement [default: 1e-6].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub tolerance: Option<f64>,
     /// Folder for history.csv, fields and checkpoints; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
