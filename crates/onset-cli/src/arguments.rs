@@ -533,7 +533,7 @@ pub struct SimulateArguments {
     pub problem: ProblemArguments,
     /// The state; of a body its start.
     #[command(flatten)]
-    pub strain: Option<StrainArguments>,
+    pub strain: StrainArguments,
     /// Cells of the patch along each primitive vector: one number, or one for each [default: 8].
     #[arg(long, value_name = "N", help_heading = "Patch")]
     pub cells: Option<String>,
@@ -1091,9 +1091,9 @@ pub struct ProblemArguments {
     pub trust: TrustArguments,
 }
 
-/// The state.
+/// The state. That one is given is told by who needs it: a body may start at rest.
 #[derive(Debug, Args)]
-#[group(required = true, multiple = false)]
+#[group(required = false, multiple = false)]
 pub struct StrainArguments {
     /// Principal stretches along the axes, for example 1.2,0.9 (a third one is the stretch out of plane).
     #[arg(

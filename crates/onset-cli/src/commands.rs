@@ -359,6 +359,10 @@ impl ProblemArguments {
 }
 
 impl StrainArguments {
+    fn is_given(&self) -> bool {
+        self.stretch.is_some() || self.deformation_gradient.is_some()
+    }
+
     fn build(&self, problem: &Problem) -> Result<Strain, Failure> {
         let dimension = problem.dimension();
         match (&self.stretch, &self.deformation_gradient) {
@@ -368,7 +372,9 @@ impl StrainArguments {
                 components,
                 dimension,
             )?),
-            (None, None) => Err(Failure::input("give --stretch or --deformation-gradient")),
+            (None, None) => Err(Failure::input(
+                "no state is given: expected --stretch or --deformation-gradient\n  hint: for example --stretch 1.2,0.9",
+            )),
         }
     }
 }

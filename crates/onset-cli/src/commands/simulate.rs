@@ -5,8 +5,6 @@ use crate::arguments::SimulateArguments;
 use crate::interrupt;
 use crate::printing::{is_quiet, print, tell};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
-use onset::kinematics::DeformationGradient;
-use onset::time_step::Integrator;
 use onset_study::answers::{Problem, numbers};
 use onset_study::settings::BodySettings;
 use onset_study::simulate::{
@@ -75,11 +73,6 @@ fn duration(arguments: &SimulateArguments) -> Duration {
 }
 
 fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, Failure> {
-    let Some(strain) = &arguments.strain else {
-        return Err(Failure::input(
-            "a patch needs a state: give --stretch or --deformation-gradient\n  hint: or a study with a [body]",
-        ));
-    };
     let seeded = match (
         &arguments.wave_vector,
         &arguments.turns,
@@ -91,7 +84,7 @@ fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, F
         (None, None, _) => Seeded::Critical,
     };
     Ok(Question {
-        f: strain.build(problem)?.0,
+        f: arguments.strain.build(problem)?.0,
         cells: whole("--cells", arguments.cells.as_deref().unwrap_or("8"))?,
         seeded,
         branch: arguments.branch.unwrap_or(1),
@@ -114,7 +107,6 @@ fn body_question(
     problem: &Problem,
     body: BodySettings,
 ) -> Result<BodyQuestion, Failure> {
-    let leapfrog = Stepper::of(Integrator::CentralDifferences);
     let idle = [
         ("--cells", arguments.cells.is_some()),
         ("--mode", arguments.mode.is_some()),
@@ -124,7 +116,9 @@ fn body_question(
         ("--tolerance", arguments.tolerance.is_some()),
         (
             "--integrator",
-            arguments.integrator.is_some_and(|own| own != leapfrog),
+            arguments
+                .integrator
+                .is_some_and(|own| own.name() != "central-differences"),
         ),
     ];
     if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
@@ -134,9 +128,9 @@ fn body_question(
     }
     Ok(BodyQuestion {
         body,
-        f: match &arguments.strain {
-            Some(strain) => strain.build(problem)?.0,
-            None => DeformationGradient::identity(),
+        f: match arguments.strain.is_given() {
+            true => Some(arguments.strain.build(problem)?.0),
+            false => None,
         },
         amplitude: arguments.amplitude.unwrap_or(0.0),
         seed: arguments.seed,

@@ -1,5 +1,6 @@
 //! A body with its grips, run.
 
+use super::picture::{DRAWN, figure};
 use super::plan::{Duration, HALF, checked, every, fields, mark, refused, stable};
 use super::run::{Course, Keeper, Moving, Place, Watch};
 use super::{SimulateError, fields as vtk};
@@ -37,8 +38,8 @@ const COLUMNS: &[&str] = &[
 pub struct BodyQuestion {
     /// The body and its grips.
     pub body: BodySettings,
-    /// The homogeneous deformation at the start.
-    pub f: DeformationGradient,
+    /// The homogeneous deformation at the start; none when left out.
+    pub f: Option<DeformationGradient>,
     /// The largest random displacement along each axis at the start, in particle spacings.
     pub amplitude: f64,
     /// Of the random displacements.
@@ -55,6 +56,12 @@ pub struct BodyQuestion {
     pub every: Option<u64>,
     /// Fields that are written, from the first step to the last.
     pub fields: u64,
+}
+
+impl BodyQuestion {
+    fn start(&self) -> DeformationGradient {
+        self.f.unwrap_or_else(DeformationGradient::identity)
+    }
 }
 
 /// What became of a body.
@@ -119,7 +126,7 @@ pub fn run_body(
                 "settings": problem.settings.effective(),
                 "particles": format!("{particles:?}"),
                 "grips": format!("{grips:?}"),
-                "state": question.f.components(),
+                "state": question.start().components(),
                 "amplitude": question.amplitude,
                 "seed": question.seed,
             });
@@ -127,7 +134,7 @@ pub fn run_body(
             answer =
                 Some(course.and_then(|course| run(problem, question, &course, body, place, watch)));
         })?;
-    answer.unwrap_or(Err(SimulateError::Body(BodyError::Empty)))
+    answer.unwrap_or(Err(BodyError::Empty.into()))
 }
 
 fn course(
@@ -137,7 +144,7 @@ fn course(
     mut decisive: serde_json::Value,
 ) -> Result<Course, SimulateError> {
     let start = Start {
-        f: question.f,
+        f: question.start(),
         noise: question.amplitude * spacing,
         seed: question.seed,
     };
@@ -199,17 +206,23 @@ fn run(
     watch: &dyn Watch,
 ) -> Result<BodyAnswer, SimulateError> {
     let mut keeper = Keeper::begun(course, place)?;
-    body.put(&keeper.progress.state, &question.f);
+    body.put(&keeper.progress.state, &question.start());
     let mut moving = MovingBody {
         places: body.positions(),
         step: course.step,
         body,
     };
     let is_interrupted = keeper.follow(&mut moving, watch)?;
-    let last = match is_interrupted {
-        true => Vec::new(),
-        false => keeper.collection(),
-    };
+    let mut last = Vec::new();
+    if !is_interrupted {
+        last = keeper.collection();
+        if place.is_some() && problem.dimension() == 2 && moving.places.len() <= DRAWN {
+            let time = course.step * course.steps as f64;
+            let units = problem.settings.effective().units();
+            let drawn = figure(&*moving.body, time, units).files("body");
+            last.extend(drawn.map_err(|error| refused(error.to_string(), "leave --out out"))?);
+        }
+    }
     let files = keeper.keep(&moving, last)?;
     let lines = || keeper.progress.history.chunks_exact(COLUMNS.len());
     let largest = |of: &dyn Fn(&[f64]) -> f64| lines().map(of).fold(0.0, f64::max);

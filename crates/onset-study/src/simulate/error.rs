@@ -21,8 +21,12 @@ pub enum SimulateError {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// A body that cannot be.
-    #[error("{0}\n  hint: {}", of_body(.0))]
-    Body(#[from] BodyError),
+    #[error("{source}\n  hint: {}", of_body(source))]
+    Body {
+        /// Why.
+        #[from]
+        source: BodyError,
+    },
     /// A choice that cannot be.
     #[error("{what}\n  hint: {hint}")]
     Refused {

@@ -12,6 +12,7 @@ mod error;
 mod fields;
 mod page;
 mod patch;
+mod picture;
 mod plan;
 mod run;
 
