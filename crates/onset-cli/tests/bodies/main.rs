@@ -34,7 +34,7 @@ impl Place {
     }
 
     /// Into a folder of this place.
-    fn into(&self, line: &str) -> Command {
+    fn kept(&self, line: &str) -> Command {
         let mut command = self.command(line);
         command.arg("--out").arg(self.out());
         command
@@ -97,7 +97,7 @@ const LINE: &str = "--steps 400 --every 10 --fields 3 --amplitude 1e-4 --checkpo
 #[test]
 fn a_bar_is_pulled_and_everything_is_kept() {
     let place = Place::new(&pulled());
-    let answer = run(place.into(&format!("{LINE} --json")));
+    let answer = run(place.kept(&format!("{LINE} --json")));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
     assert_eq!(document["particles"], 120);
@@ -126,20 +126,25 @@ fn a_bar_is_pulled_and_everything_is_kept() {
     assert!(history.starts_with("step,time,kinetic_energy,strain_energy,energy,work_of_grips,"));
     let field = std::fs::read_to_string(place.out().join("field-0002.vtu")).expect("a field");
     assert!(field.contains("Name=\"volume_ratio\"") && field.contains("NumberOfPoints=\"120\""));
+    // Of a run that has come to its end nothing is left, and nothing changes.
+    let files = tree(&place.out());
+    let again = run(place.kept(&format!("{LINE} --resume")));
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
+    assert!(tree(&place.out()) == files);
 }
 
 #[test]
 fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
     let whole = Place::new(&pulled());
     let start = Instant::now();
-    assert_eq!(run(whole.into(LINE)).code, Some(0));
+    assert_eq!(run(whole.kept(LINE)).code, Some(0));
     let duration = start.elapsed();
     let files = tree(&whole.out());
     let mut resumed = 0;
     for case in 1..8 {
         let place = Place::new(&pulled());
         let mut child = place
-            .into(LINE)
+            .kept(LINE)
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
@@ -150,7 +155,7 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
         let is_kept = place.out().join("checkpoint.onset").exists();
         resumed += usize::from(is_kept);
         let more = if is_kept { "--resume" } else { "" };
-        let answer = run(place.into(&format!("{LINE} {more}")));
+        let answer = run(place.kept(&format!("{LINE} {more}")));
         assert_eq!(answer.code, Some(0), "case {case}: {}", answer.stderr);
         assert!(tree(&place.out()) == files, "case {case}: other bytes");
     }
@@ -162,10 +167,10 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
 fn an_interrupted_body_goes_on_to_the_same_bytes() {
     let whole = Place::new(&pulled());
     let line = "--steps 4000 --every 100 --fields 3 --checkpoint 50";
-    assert_eq!(run(whole.into(line)).code, Some(0));
+    assert_eq!(run(whole.kept(line)).code, Some(0));
     let place = Place::new(&pulled());
     let mut child = place
-        .into(line)
+        .kept(line)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -179,7 +184,7 @@ fn an_interrupted_body_goes_on_to_the_same_bytes() {
     let sent = Command::new("kill").args(["-INT", &number]).status();
     assert!(sent.expect("kill").success());
     assert_eq!(child.wait().expect("an end").code(), Some(130));
-    let answer = run(place.into(&format!("{line} --resume")));
+    let answer = run(place.kept(&format!("{line} --resume")));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(tree(&place.out()) == tree(&whole.out()));
 }
@@ -201,7 +206,7 @@ fn told(place: &Place, line: &str, code: i32) -> String {
 fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
     let study = pulled().replace("velocity = [0.05, 0]", "velocity = [-3, 0]");
     let place = Place::new(&study);
-    let answer = run(place.into("--steps 4000 --checkpoint 5 --quiet"));
+    let answer = run(place.kept("--steps 4000 --checkpoint 5 --quiet"));
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);
     for word in [
         "the motion ends at time",
@@ -219,7 +224,7 @@ fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
         );
     }
     // It is whole: a resumed run goes on from it, to the same end.
-    let again = run(place.into("--steps 4000 --checkpoint 5 --quiet --resume"));
+    let again = run(place.kept("--steps 4000 --checkpoint 5 --quiet --resume"));
     assert_eq!(again.code, Some(1));
     let ends = |text: &str| text.lines().next().map(str::to_owned);
     assert_eq!(ends(&again.stderr), ends(&answer.stderr));
@@ -229,7 +234,7 @@ fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
 fn a_particle_beyond_the_domain_of_its_law_is_told() {
     // Chains that lock at a small stretch.
     let study = pulled()
-        .replace("model = 'neo-hooke'", "model = 'gent'\nJm = 0.05")
+        .replace("model = 'neo-hooke'", "model = 'gent'\njm = 0.05")
         .replace("[0.05, 0]", "[0.3, 0]");
     let told = told(&Place::new(&study), "--steps 100000 --quiet", 1);
     assert!(told.contains("the law is not defined there"), "{told}");

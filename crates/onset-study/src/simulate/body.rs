@@ -217,6 +217,9 @@ fn run(
     if !is_interrupted {
         last = keeper.collection();
         if place.is_some() && problem.dimension() == 2 && moving.places.len() <= DRAWN {
+            // A run that had come to its end has evaluated nothing.
+            let evaluated = moving.body.quantities(course.step);
+            evaluated.map_err(|fault| keeper.failed(fault))?;
             let time = course.step * course.steps as f64;
             let units = problem.settings.effective().units();
             let drawn = figure(&*moving.body, time, units).files("body");

@@ -59,7 +59,7 @@ pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
             continue;
         }
         let middle = 0.5 * (edge(class) + edge(class + 1));
-        let named = format!("{} to {}", told(edge(class)), told(edge(class + 1)));
+        let named = format!("{:.3} to {:.3}", edge(class), edge(class + 1));
         let points = Points::new(own)
             .size(size)
             .color(ColorMap::Viridis.color(middle, (low, high)))

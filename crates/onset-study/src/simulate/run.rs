@@ -212,7 +212,8 @@ impl<'a> Keeper<'a> {
         Ok(written)
     }
 
-    fn failed(&self, fault: Box<Fault>) -> SimulateError {
+    /// What to tell of a motion that ends.
+    pub(super) fn failed(&self, fault: Box<Fault>) -> SimulateError {
         let hint = match fault.ground {
             _ if self.course.step > self.course.critical => {
                 "the step is above the largest stable one: leave --supercritical out"

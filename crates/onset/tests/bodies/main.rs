@@ -1,6 +1,7 @@
 //! Bodies: the engine against the general way, against the continuum, and what mechanics conserves.
 
 #[path = "../shared/random.rs"]
+#[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;
 
 use nalgebra::{DVector, SMatrix, SVector};
@@ -565,4 +566,75 @@ fn bodies_that_cannot_be_are_told() {
     let updated = analysis(&updated, law()).expect("a method");
     let none = with(&*updated, &block(&[8.0, 8.0]), &[], |_| ());
     assert_eq!(none, Err(BodyError::NoBodies));
+}
+
+#[test]
+fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
+    // Of all waves those grow that the acoustic tensor says: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
+    let material: Arc<dyn Hyperelastic> = Arc::from(
+        Law::named("blatz-ko")
+            .expect("a law")
+            .build(&[])
+            .expect("a material"),
+    );
+    let particles = KernelMethodChoices {
+        lattice: LatticeKind::Square,
+        ..KernelMethodChoices::default()
+    };
+    let choices = choices(2.4, 0.5, PenaltyForm::Published);
+    let method = MethodChoices::TotalLagrangianSph(Box::new(particles), choices);
+    let method = analysis(&method, material).expect("a method");
+    let f = DeformationGradient::from_stretches([0.25, 1.0, 1.0]).expect("stretches");
+    let predicted = method.acoustic_minimum(&f).expect("a minimum");
+    assert!(predicted.eigenvalue.re < 0.0);
+    // Rims that stay: the free surface would move first.
+    let (length, height) = (72.0, 20.0);
+    let rim = |low: [f64; 2], high: [f64; 2]| Grip {
+        low: low.to_vec(),
+        high: high.to_vec(),
+        velocity: vec![0.0; 2],
+        ramp: 0.0,
+    };
+    let grips = [
+        rim([0.0, 0.0], [3.0, height]),
+        rim([length - 3.0, 0.0], [length, height]),
+        rim([3.1, 0.0], [length - 3.1, 3.0]),
+        rim([3.1, height - 3.0], [length - 3.1, height]),
+    ];
+    let normal = with(&*method, &block(&[length, height]), &grips, |body| {
+        let start = Start {
+            f,
+            noise: 1e-7,
+            seed: 2,
+        };
+        body.start(&start, 0.0).expect("forces");
+        let step = 0.5 * body.critical_time_step().expect("a step");
+        body.start(&start, step).expect("forces");
+        for _ in 0..(3.0 / step) as usize {
+            body.advance(step).expect("a step");
+        }
+        let mut grown = [0.0; 2];
+        let mut largest = 0.0_f64;
+        for own in body.deformations() {
+            for i in 0..2 {
+                for j in 0..2 {
+                    let change = own[i][j] - f.components()[i][j];
+                    grown[j] += change * change;
+                    largest = largest.max(change.abs());
+                }
+            }
+        }
+        assert!((1e-6..0.05).contains(&largest), "{largest:e}");
+        grown.map(f64::sqrt)
+    })
+    .expect("a body");
+    let angle = |x: f64, y: f64| (y.abs() / x.abs()).atan().to_degrees();
+    let direction = predicted.direction;
+    // In the current state, F^-T N.
+    let seen = angle(normal[0] / 0.25, normal[1]);
+    let told = angle(direction[0] / 0.25, direction[1]);
+    assert!(
+        (seen - told).abs() < 2.0,
+        "{seen} degrees, predicted {told}"
+    );
 }
