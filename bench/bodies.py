@@ -29,14 +29,14 @@ lattice sc 1.0
 region box block 0 {side} 0 {side} 0 {side} units box
 create_box 1 box
 create_atoms 1 region box
-group solid type 1
+group tlsph type 1
 neighbor 0.5 bin
 set group all volume 1
 set group all smd/mass/density 1
 set group all diameter 2.01
 pair_style smd/tlsph
 pair_coeff 1 1 *COMMON 1 1.0 0.3 0.06 0.0 10.0 1.0 *STRENGTH_LINEAR *EOS_LINEAR *END
-fix move solid smd/integrate_tlsph
+fix move tlsph smd/integrate_tlsph
 timestep 0.05
 velocity all create 1e-6 12345 dist gaussian
 thermo 1000000

@@ -9,7 +9,7 @@ use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::Program;
-use onset_study::settings::{COMPARISON_KEYS, KEYS, Key, did_you_mean};
+use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
 use onset_study::simulate::Stepper;
 use onset_study::verify::Stepping;
 use std::ops::Range;
@@ -140,8 +140,9 @@ const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
   onset simulate --stretch 1,1 --wave-vector 3.141592654,0 --set discretization.lattice=square --cells 4
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
+  onset simulate studies/bodies/notched-plate.toml --time 60 --amplitude 0.01 --out plate
 
-Exit codes: 0 agrees, 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
+Exit codes: 0 agrees (or a body has come to its end), 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -174,6 +175,16 @@ fn comparison_keys() -> String {
         "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
          A method in [[methods]] has a name and keys of [discretization].\n",
         COMPARISON_KEYS.iter().map(line).collect::<String>()
+    )
+}
+
+/// The keys of bodies and grips, from the one table that defines them.
+fn body_keys() -> String {
+    let of = |keys: &[Key]| keys.iter().map(line).collect::<String>();
+    format!(
+        "\nKeys of [body] in a study:\n{}\nKeys of [[grips]], as many as there are:\n{}",
+        of(BODY_KEYS),
+        of(GRIP_KEYS)
     )
 }
 
@@ -377,7 +388,8 @@ pub enum Command {
     ///
     /// A patch of cells about a homogeneous state, one wave or noise, the nonlinear forces of the method: the measured rate of a wave beside the
     /// predicted one in discrete time, with histories, fields and checkpoints.
-    #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &keys()))]
+    /// Of a study with a [body] that body instead, with its grips.
+    #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &(keys() + &body_keys())))]
     Simulate(Box<SimulateArguments>),
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
