@@ -1,6 +1,7 @@
 //! Benchmarks: our own, and the same work by what a user would write in Python.
 
 use crate::python;
+use crate::verify::lammps;
 use std::path::Path;
 use std::process::Command;
 
@@ -22,6 +23,7 @@ pub fn run(quick: bool) -> Result<(), String> {
         "the command",
         Command::new(&cargo).args(["build", "--release", "--package", "onset-cli"]),
     )?;
+    bodies(&cargo, &interpreter, quick)?;
     // Built before it is timed.
     step(
         "the map",
@@ -53,6 +55,43 @@ pub fn run(quick: bool) -> Result<(), String> {
         ["--out", "bench/README.md"].as_slice()
     });
     step("the peers against the map", &mut compare)
+}
+
+/// Steps of a body here and in LAMMPS, where that can be had.
+fn bodies(cargo: &str, interpreter: &Path, quick: bool) -> Result<(), String> {
+    let lammps = match lammps() {
+        Ok(program) => program,
+        Err(error) => {
+            eprintln!("== NOT MEASURED: bodies against LAMMPS: {error}");
+            return Ok(());
+        }
+    };
+    let built = Command::new(cargo)
+        .args(["bench", "--package", "onset", "--features", "rayon"])
+        .args(["--bench", "bodies", "--no-run", "--message-format", "json"])
+        .output()
+        .map_err(|error| format!("bodies: cannot run: {error}"))?;
+    let told = String::from_utf8_lossy(&built.stdout);
+    let program = told.lines().rev().find_map(|line| {
+        let (_, rest) = line.split_once("\"executable\":\"")?;
+        rest.split('"').next()
+    });
+    let program = program.ok_or("bodies: the bench was not built")?;
+    let out = match quick {
+        true => "target/bench/bodies.md",
+        false => "bench/bodies.md",
+    };
+    if let Some(folder) = Path::new(out).parent() {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+    }
+    let mut compare = Command::new(interpreter);
+    compare.arg("bench/bodies.py").args(["--onset", program]);
+    compare.arg("--lammps").arg(lammps).args(["--out", out]);
+    if quick {
+        compare.arg("--quick");
+    }
+    step("bodies against LAMMPS", &mut compare)
 }
 
 fn step(purpose: &str, command: &mut Command) -> Result<(), String> {

@@ -9,7 +9,7 @@ use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::Program;
-use onset_study::settings::{COMPARISON_KEYS, KEYS, Key, did_you_mean};
+use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
 use onset_study::simulate::Stepper;
 use onset_study::verify::Stepping;
 use std::ops::Range;
@@ -140,8 +140,9 @@ const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
   onset simulate --stretch 1,1 --wave-vector 3.141592654,0 --set discretization.lattice=square --cells 4
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
+  onset simulate studies/bodies/notched-plate.toml --time 60 --amplitude 0.01 --out plate
 
-Exit codes: 0 agrees, 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
+Exit codes: 0 agrees (or a body has come to its end), 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -174,6 +175,16 @@ fn comparison_keys() -> String {
         "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
          A method in [[methods]] has a name and keys of [discretization].\n",
         COMPARISON_KEYS.iter().map(line).collect::<String>()
+    )
+}
+
+/// The keys of bodies and grips, from the one table that defines them.
+fn body_keys() -> String {
+    let of = |keys: &[Key]| keys.iter().map(line).collect::<String>();
+    format!(
+        "\nKeys of [body] in a study:\n{}\nKeys of [[grips]], as many as there are:\n{}",
+        of(BODY_KEYS),
+        of(GRIP_KEYS)
     )
 }
 
@@ -377,7 +388,8 @@ pub enum Command {
     ///
     /// A patch of cells about a homogeneous state, one wave or noise, the nonlinear forces of the method: the measured rate of a wave beside the
     /// predicted one in discrete time, with histories, fields and checkpoints.
-    #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &keys()))]
+    /// Of a study with a [body] that body instead, with its grips.
+    #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &(keys() + &body_keys())))]
     Simulate(Box<SimulateArguments>),
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
     ///
@@ -531,15 +543,16 @@ pub struct SimulateArguments {
     /// The problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// The state.
+    /// The state; of a body its start.
     #[command(flatten)]
     pub strain: StrainArguments,
-    /// Cells of the patch along each primitive vector: one number, or one for each.
-    #[arg(long, value_name = "N", default_value = "8", help_heading = "Patch")]
-    pub cells: String,
+    /// Cells of the patch along each primitive vector: one number, or one for each [default: 8].
+    #[arg(long, value_name = "N", help_heading = "Patch")]
+    pub cells: Option<String>,
     /// What moves at the start: critical, the wave of the patch with the least omega^2, or noise, of which that wave is measured.
-    #[arg(long, value_name = "MODE", default_value = "critical", value_parser = ["critical", "noise"], help_heading = "Patch")]
-    pub mode: String,
+    /// [default: critical]
+    #[arg(long, value_name = "MODE", value_parser = ["critical", "noise"], help_heading = "Patch")]
+    pub mode: Option<String>,
     /// Seed this wave instead, by its reference wave vector (in units of 1/length); it must fit into the patch.
     #[arg(
         long,
@@ -558,16 +571,16 @@ pub struct SimulateArguments {
         help_heading = "Patch"
     )]
     pub turns: Option<String>,
-    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2.
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Patch")]
-    pub branch: usize,
-    /// The largest displacement at the start, in particle spacings.
-    #[arg(long, value_name = "A", default_value_t = 1e-6, value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
-    pub amplitude: f64,
+    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2 [default: 1].
+    #[arg(long, value_name = "N", help_heading = "Patch")]
+    pub branch: Option<usize>,
+    /// The largest displacement at the start, in particle spacings; of a body at random [default: 1e-6, of a body 0].
+    #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
+    pub amplitude: Option<f64>,
     /// The seed of the noise.
     #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
     pub seed: u64,
-    /// Steps [default: about a period of the wave, or four e-folding times].
+    /// Steps [default: about a period of the wave, or four e-folding times; a body must be told].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
     pub steps: Option<u64>,
     /// Time, instead of steps.
@@ -583,12 +596,12 @@ pub struct SimulateArguments {
     #[arg(long, help_heading = "Time")]
     pub supercritical: bool,
     /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), or sixth-order, a
-    /// composition of nine steps of the first.
-    #[arg(long, value_name = "NAME", default_value = "kick-drift-kick", value_parser = stepper, help_heading = "Time")]
-    pub integrator: Stepper,
-    /// The relative difference of rates that counts as agreement.
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = share)]
-    pub tolerance: f64,
+    /// composition of nine steps of the first [default: kick-drift-kick; bodies have central-differences].
+    #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
+    pub integrator: Option<Stepper>,
+    /// The relative difference of rates that counts as agreement [default: 1e-6].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub tolerance: Option<f64>,
     /// Folder for history.csv, fields and checkpoints; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
@@ -1090,9 +1103,9 @@ pub struct ProblemArguments {
     pub trust: TrustArguments,
 }
 
-/// The state.
+/// The state. That one is given is told by who needs it: a body may start at rest.
 #[derive(Debug, Args)]
-#[group(required = true, multiple = false)]
+#[group(required = false, multiple = false)]
 pub struct StrainArguments {
     /// Principal stretches along the axes, for example 1.2,0.9 (a third one is the stretch out of plane).
     #[arg(

@@ -337,12 +337,21 @@ impl ProblemArguments {
 
     /// The settings, where some keys are about to be varied.
     fn settings_with(&self, open: &[&str]) -> Result<Settings, Failure> {
-        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
         let (name, text) = match &self.file {
             Some(file) => source(file)?,
             None => Default::default(),
         };
-        let settings = Settings::of_file(&name, &text, &assignments, open);
+        self.settings_in(&name, &text, open)
+    }
+
+    /// The settings of a file that was read.
+    fn settings_of(&self, name: &str, text: &str) -> Result<Settings, Failure> {
+        self.settings_in(name, text, &[])
+    }
+
+    fn settings_in(&self, name: &str, text: &str, open: &[&str]) -> Result<Settings, Failure> {
+        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
+        let settings = Settings::of_file(name, text, &assignments, open);
         let mut settings = settings.map_err(Failure::input)?;
         settings.material = permitted(settings.material, &self.trust.trust())?;
         Ok(settings)
@@ -350,6 +359,10 @@ impl ProblemArguments {
 }
 
 impl StrainArguments {
+    fn is_given(&self) -> bool {
+        self.stretch.is_some() || self.deformation_gradient.is_some()
+    }
+
     fn build(&self, problem: &Problem) -> Result<Strain, Failure> {
         let dimension = problem.dimension();
         match (&self.stretch, &self.deformation_gradient) {
@@ -359,7 +372,9 @@ impl StrainArguments {
                 components,
                 dimension,
             )?),
-            (None, None) => Err(Failure::input("give --stretch or --deformation-gradient")),
+            (None, None) => Err(Failure::input(
+                "no state is given: expected --stretch or --deformation-gradient\n  hint: for example --stretch 1.2,0.9",
+            )),
         }
     }
 }

@@ -1,13 +1,15 @@
-//! `onset simulate`: predictions seen in motion.
+//! `onset simulate`: predictions seen in motion, and bodies.
 
-use super::{Failure, with_files};
+use super::{Failure, source, with_files};
 use crate::arguments::SimulateArguments;
 use crate::interrupt;
 use crate::printing::{is_quiet, print, tell};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
-use onset_study::answers::numbers;
+use onset_study::answers::{Problem, numbers};
+use onset_study::settings::BodySettings;
 use onset_study::simulate::{
-    Duration, Place, Question, Seeded, SimulateError, Watch, simulate as run,
+    BodyQuestion, Duration, Place, Question, Seeded, SimulateError, Stepper, Watch, run_body,
+    simulate as run,
 };
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -21,49 +23,135 @@ impl From<SimulateError> for Failure {
     }
 }
 
-/// Runs a patch.
+/// Runs a patch, or the body of the study.
 pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
-    let problem = arguments.problem.build()?;
-    let strain = arguments.strain.build(&problem)?;
-    let seeded = match (&arguments.wave_vector, &arguments.turns, &*arguments.mode) {
-        (Some(text), ..) => Seeded::Wave(numbers("--wave-vector", text)?),
-        (None, Some(text), _) => Seeded::Turns(whole("--turns", text)?),
-        (None, None, "noise") => Seeded::Noise,
-        (None, None, _) => Seeded::Critical,
+    let (name, text) = match &arguments.problem.file {
+        Some(file) => source(file)?,
+        None => Default::default(),
     };
-    let question = Question {
-        f: strain.0,
-        cells: whole("--cells", &arguments.cells)?,
-        seeded,
-        branch: arguments.branch,
-        amplitude: arguments.amplitude,
-        seed: arguments.seed,
-        duration: match (arguments.steps, arguments.time) {
-            (Some(steps), _) => Duration::Steps(steps),
-            (None, Some(time)) => Duration::Time(time),
-            (None, None) => Duration::Natural,
-        },
-        fraction: arguments.fraction,
-        time_step: arguments.time_step,
-        is_supercritical: arguments.supercritical,
-        stepper: arguments.integrator,
-        every: arguments.every,
-        fields: arguments.fields,
-        tolerance: arguments.tolerance,
-    };
+    let body = BodySettings::of_file(&name, &text).map_err(Failure::input)?;
+    let problem = Problem::new(arguments.problem.settings_of(&name, &text)?)?;
     let place = arguments.out.as_ref().map(|folder| Place {
         folder: folder.clone(),
         is_resumed: arguments.resume,
         is_overwritten: arguments.overwrite,
         checkpoint: arguments.checkpoint,
     });
-    let told = match place {
-        Some(_) => "writing a checkpoint; interrupt again to end at once",
-        None => "ending; interrupt again to end at once",
+    let is_kept = place.is_some();
+    match body {
+        None => {
+            let question = patch(arguments, &problem)?;
+            let progress = watched(is_kept)?;
+            let answer = run(&problem, &question, place.as_ref(), &progress)?;
+            progress.0.finish_and_clear();
+            print(&answer, &with_files(&answer, &answer.files), None)?;
+            match answer.interrupted {
+                true => Ok(interrupted(answer.steps_taken, is_kept)),
+                false => Ok(ExitCode::from(answer.outcome.code())),
+            }
+        }
+        Some(body) => {
+            let question = body_question(arguments, &problem, body)?;
+            let progress = watched(is_kept)?;
+            let answer = run_body(&problem, &question, place.as_ref(), &progress)?;
+            progress.0.finish_and_clear();
+            print(&answer, &with_files(&answer, &answer.files), None)?;
+            match answer.interrupted {
+                true => Ok(interrupted(answer.steps_taken, is_kept)),
+                false => Ok(ExitCode::SUCCESS),
+            }
+        }
+    }
+}
+
+fn duration(arguments: &SimulateArguments) -> Duration {
+    match (arguments.steps, arguments.time) {
+        (Some(steps), _) => Duration::Steps(steps),
+        (None, Some(time)) => Duration::Time(time),
+        (None, None) => Duration::Natural,
+    }
+}
+
+fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, Failure> {
+    let seeded = match (
+        &arguments.wave_vector,
+        &arguments.turns,
+        arguments.mode.as_deref(),
+    ) {
+        (Some(text), ..) => Seeded::Wave(numbers("--wave-vector", text)?),
+        (None, Some(text), _) => Seeded::Turns(whole("--turns", text)?),
+        (None, None, Some("noise")) => Seeded::Noise,
+        (None, None, _) => Seeded::Critical,
     };
-    let at_end = match place {
-        Some(_) => "interrupted; the same command with --resume goes on from the last checkpoint",
-        None => "interrupted; nothing was kept: give --out",
+    Ok(Question {
+        f: arguments.strain.build(problem)?.0,
+        cells: whole("--cells", arguments.cells.as_deref().unwrap_or("8"))?,
+        seeded,
+        branch: arguments.branch.unwrap_or(1),
+        amplitude: arguments.amplitude.unwrap_or(1e-6),
+        seed: arguments.seed,
+        duration: duration(arguments),
+        fraction: arguments.fraction,
+        time_step: arguments.time_step,
+        is_supercritical: arguments.supercritical,
+        stepper: arguments.integrator.unwrap_or(Stepper::KICK_DRIFT_KICK),
+        every: arguments.every,
+        fields: arguments.fields,
+        tolerance: arguments.tolerance.unwrap_or(1e-6),
+    })
+}
+
+/// The question about a body; refuses what is about waves.
+fn body_question(
+    arguments: &SimulateArguments,
+    problem: &Problem,
+    body: BodySettings,
+) -> Result<BodyQuestion, Failure> {
+    let idle = [
+        ("--cells", arguments.cells.is_some()),
+        ("--mode", arguments.mode.is_some()),
+        ("--wave-vector", arguments.wave_vector.is_some()),
+        ("--turns", arguments.turns.is_some()),
+        ("--branch", arguments.branch.is_some()),
+        ("--tolerance", arguments.tolerance.is_some()),
+        (
+            "--integrator",
+            arguments
+                .integrator
+                .is_some_and(|own| own.name() != "central-differences"),
+        ),
+    ];
+    if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::input(format!(
+            "{option} has no effect on a body, which moves by central differences and has no waves of its own\n  hint: leave it out, or [body] of the study"
+        )));
+    }
+    Ok(BodyQuestion {
+        body,
+        f: match arguments.strain.is_given() {
+            true => Some(arguments.strain.build(problem)?.0),
+            false => None,
+        },
+        amplitude: arguments.amplitude.unwrap_or(0.0),
+        seed: arguments.seed,
+        duration: duration(arguments),
+        fraction: arguments.fraction,
+        time_step: arguments.time_step,
+        is_supercritical: arguments.supercritical,
+        every: arguments.every,
+        fields: arguments.fields,
+    })
+}
+
+/// Watches a run, and answers to an interrupt.
+fn watched(is_kept: bool) -> Result<Progress, Failure> {
+    let told = match is_kept {
+        true => "writing a checkpoint; interrupt again to end at once",
+        false => "ending; interrupt again to end at once",
+    };
+    let at_end = match is_kept {
+        true => "interrupted; the same command with --resume goes on from the last checkpoint",
+        false => "interrupted; nothing was kept: give --out",
     };
     let answer = interrupt::Answer {
         told: (!is_quiet()).then_some(told),
@@ -71,22 +159,16 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         patience: None,
     };
     interrupt::answer_with(answer).map_err(Failure::machine)?;
-    let progress = Progress::new(is_quiet());
-    let answer = run(&problem, &question, place.as_ref(), &progress)?;
-    progress.0.finish_and_clear();
-    print(&answer, &with_files(&answer, &answer.files), None)?;
-    if answer.interrupted {
-        let how = match place {
-            Some(_) => "the same command with --resume goes on",
-            None => "nothing was kept: give --out",
-        };
-        tell(format_args!(
-            "interrupted after {} steps; {how}",
-            answer.steps_taken
-        ));
-        return Ok(ExitCode::from(interrupt::CODE));
-    }
-    Ok(ExitCode::from(answer.outcome.code()))
+    Ok(Progress::new(is_quiet()))
+}
+
+fn interrupted(steps: u64, is_kept: bool) -> ExitCode {
+    let how = match is_kept {
+        true => "the same command with --resume goes on",
+        false => "nothing was kept: give --out",
+    };
+    tell(format_args!("interrupted after {steps} steps; {how}"));
+    ExitCode::from(interrupt::CODE)
 }
 
 /// Whole numbers, separated by commas.

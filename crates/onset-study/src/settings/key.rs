@@ -564,6 +564,7 @@ impl Key {
             }
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
+            ("body" | "grips", _) => serde_json::Value::Null,
             (_, name) => match field(serde_json::to_value(KernelMethodChoices::default()), name) {
                 serde_json::Value::Null => {
                     field(serde_json::to_value(MethodSettings::default()), name)

@@ -5,6 +5,7 @@
 
 mod aliases;
 mod axis;
+mod body;
 mod comparison;
 mod effective;
 mod error;
@@ -28,6 +29,7 @@ pub(crate) mod units;
 
 pub(crate) use aliases::all as aliases;
 pub use axis::{Axis, Quantity};
+pub use body::{BODY_KEYS, BodySettings, GRIP_KEYS};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use effective::{Choice, Effective};
 pub use error::{Origin, SettingError, did_you_mean};

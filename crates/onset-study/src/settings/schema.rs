@@ -3,7 +3,9 @@
 use super::key::smoothing_length;
 use super::moduli::MODULI;
 use super::study::STATES;
-use super::{COMPARISON_KEYS, KEYS, Key, Kind, Model, Need, Quantity, study_keys};
+use super::{
+    BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, Kind, Model, Need, Quantity, study_keys,
+};
 use onset::material::{Admitted, Parameter, Symmetry};
 use serde_json::{Map, Value, json};
 
@@ -18,8 +20,15 @@ pub fn schema() -> Value {
         }
         sections.insert(section.to_owned(), table(section));
     }
-    sections.insert("compare".to_owned(), comparison());
+    sections.insert("compare".to_owned(), table_of(COMPARISON_KEYS));
     sections.insert("methods".to_owned(), methods());
+    sections.insert("body".to_owned(), table_of(BODY_KEYS));
+    let grips = json!({
+        "type": "array",
+        "description": "particles of the body that move as told",
+        "items": table_of(GRIP_KEYS)
+    });
+    sections.insert("grips".to_owned(), grips);
     let title = json!({ "type": "string", "description": "what the study shows" });
     let mut properties = Map::from_iter([("title".to_owned(), title)]);
     properties.extend(sections);
@@ -29,7 +38,7 @@ pub fn schema() -> Value {
         "description": "Material, discretization, what is held fixed, what is varied, and how the map is made",
         "type": "object",
         "properties": properties,
-        "required": ["axes"],
+        "anyOf": [{ "required": ["axes"] }, { "required": ["body"] }],
         "additionalProperties": false
     })
 }
@@ -189,9 +198,9 @@ fn property(key: &Key) -> Value {
     property
 }
 
-/// What is asked of methods that are compared.
-fn comparison() -> Value {
-    let properties: Map<String, Value> = COMPARISON_KEYS
+/// A table of keys that no other command reads.
+fn table_of(keys: &[Key]) -> Value {
+    let properties: Map<String, Value> = keys
         .iter()
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();

@@ -1,7 +1,7 @@
 //! What a run says of a prediction.
 
 use super::checkpoint::Progress;
-use super::plan::Plan;
+use super::plan::{COLUMNS, Plan};
 use super::{Question, Seeded};
 use crate::answers::{Problem, notes};
 use crate::number::{counted, told, told_of, vector};
@@ -104,7 +104,8 @@ impl SimulateAnswer {
             (false, _) => moving(plan, progress),
         };
         let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0_f64, f64::max);
-        let displacement = largest(&mut progress.history.iter().map(|line| line[8]));
+        let lines = || progress.history.chunks_exact(COLUMNS.len());
+        let displacement = largest(&mut lines().map(|line| line[8]));
         let (outcome, reason) = match outcome {
             Outcome::Agrees => (outcome, reason),
             _ => {
@@ -114,13 +115,9 @@ impl SimulateAnswer {
                 explained((outcome, reason), plan, patch, moved, is_noise)
             }
         };
-        let energies = progress.history.iter().map(|line| line[4]);
-        let first = progress.history.first().map_or(0.0, |line| line[4]);
-        let sizes = progress
-            .history
-            .iter()
-            .map(|line| line[2].abs() + line[3].abs());
-        let size = largest(&mut sizes.into_iter());
+        let energies = lines().map(|line| line[4]);
+        let first = lines().next().map_or(0.0, |line| line[4]);
+        let size = largest(&mut lines().map(|line| line[2].abs() + line[3].abs()));
         let changed = largest(&mut energies.map(|energy| (energy - first).abs()));
         let mut continuous = Rate::from(wave.rate);
         if wave.has_zero_energy {
@@ -139,9 +136,9 @@ impl SimulateAnswer {
             omega_squared: [wave.omega_squared.re, wave.omega_squared.im],
             has_zero_energy: wave.has_zero_energy,
             integrator: plan.stepper.name(),
-            time_step: plan.step,
-            critical_time_step: plan.critical,
-            steps: plan.steps,
+            time_step: plan.course.step,
+            critical_time_step: plan.course.critical,
+            steps: plan.course.steps,
             steps_taken: progress.state.step,
             continuous,
             predicted: match wave.has_zero_energy {
@@ -215,7 +212,7 @@ fn explained(
 fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     let rates = plan.rates();
     let samples: Vec<(f64, f64)> = progress.samples.iter().map(|[t, y]| (*t, *y)).collect();
-    if (samples.len() as u64) < plan.samples {
+    if (samples.len() as u64) < plan.course.samples {
         return undecided("the run has not come to the end of the record".to_owned());
     }
     if samples.len() < FEWEST {

@@ -10,20 +10,15 @@ use std::path::Path;
 /// The file of a checkpoint.
 pub const CHECKPOINT: &str = "checkpoint.onset";
 
-const FORMAT: &[u8; 8] = b"onsetck1";
+const FORMAT: &[u8; 8] = b"onsetck2";
 /// Digits of a mark.
 const MARK: usize = 12;
-/// Numbers in a line of the history.
-pub(super) const COLUMNS: usize = 10;
-
-/// A line of the history: step, time, kinetic and potential energy, their sum, momentum, largest displacement, amplitude of the wave.
-pub(super) type Line = [f64; COLUMNS];
-
 /// What a run has come to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Progress {
     pub(super) state: PatchState,
-    pub(super) history: Vec<Line>,
+    /// Lines of numbers, one after the other.
+    pub(super) history: Vec<f64>,
     /// Times and amplitudes.
     pub(super) samples: Vec<[f64; 2]>,
     /// The displacements of the fields so far, one field after the other; of small patches only.
@@ -47,10 +42,10 @@ impl Progress {
             .state
             .displacements
             .iter()
-            .chain(&self.state.velocities);
+            .chain(&self.state.velocities)
+            .chain([&self.state.work]);
         let lists = self
             .history
-            .as_flattened()
             .iter()
             .chain(self.samples.as_flattened())
             .chain(&self.fields);
@@ -84,7 +79,7 @@ impl Progress {
         let (own, rest) = rest.split_at_checked(MARK).ok_or_else(damaged)?;
         if own != mark.as_bytes() {
             return Err(wrong(
-                "the checkpoint is of another run: study, state, wave or steps differ",
+                "the checkpoint is of another run: study, state, wave, body or steps differ",
                 "resume with the arguments of that run, or run this one into another folder",
             ));
         }
@@ -93,8 +88,9 @@ impl Progress {
         let counts: [u64; 5] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
         let numbers: Vec<f64> = numbers.iter().map(|own| f64::from_le_bytes(*own)).collect();
         let [step, components, lines, samples, fields] = counts;
+        // The work is one number.
         let total = lines
-            .checked_mul(COLUMNS as u64)
+            .checked_add(1)
             .and_then(|all| all.checked_add(samples.checked_mul(2)?))
             .and_then(|all| all.checked_add(components.checked_mul(2)?))
             .and_then(|all| all.checked_add(fields));
@@ -119,15 +115,17 @@ impl Progress {
         }
         let (displacements, rest) = numbers.split_at(size);
         let (velocities, rest) = rest.split_at(size);
-        let (history, rest) = rest.split_at(lines as usize * COLUMNS);
+        let (work, rest) = rest.split_at(1);
+        let (history, rest) = rest.split_at(lines as usize);
         let (samples, fields) = rest.split_at(2 * samples as usize);
         Ok(Self {
             state: PatchState {
                 step,
                 displacements: displacements.to_vec(),
                 velocities: velocities.to_vec(),
+                work: work[0],
             },
-            history: history.as_chunks().0.to_vec(),
+            history: history.to_vec(),
             samples: samples.as_chunks().0.to_vec(),
             fields: fields.to_vec(),
         })
@@ -146,8 +144,9 @@ mod tests {
                 step: 7,
                 displacements: vec![0.1, -0.2],
                 velocities: vec![1e-300, 3.0],
+                work: 0.125,
             },
-            history: vec![[0.5; 10], [1.5; 10]],
+            history: vec![0.5, 1.5, 2.5],
             samples: vec![[0.0, 1.0], [0.1, 0.9], [0.2, 0.7]],
             fields: vec![0.25, 0.5],
         }

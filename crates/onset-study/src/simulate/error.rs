@@ -2,8 +2,9 @@
 
 use crate::answers::ProblemError;
 use crate::output::OutputError;
+use crate::settings::SettingError;
 use onset::method::MethodError;
-use onset::motion::Fault;
+use onset::motion::{BodyError, Fault};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -16,6 +17,16 @@ pub enum SimulateError {
     /// The method or the law at the homogeneous state.
     #[error(transparent)]
     Method(#[from] MethodError),
+    /// A body as a study has it.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A body that cannot be.
+    #[error("{source}\n  hint: {}", of_body(source))]
+    Body {
+        /// Why.
+        #[from]
+        source: BodyError,
+    },
     /// A choice that cannot be.
     #[error("{what}\n  hint: {hint}")]
     Refused {
@@ -58,6 +69,27 @@ impl SimulateError {
     /// Whether the input is at fault, not the machine or the motion.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Fault { .. } | Self::Output { .. })
+    }
+}
+
+/// What to do about a body that cannot be.
+fn of_body(error: &BodyError) -> &'static str {
+    match error {
+        BodyError::NoBodies => {
+            "bodies are run with discretization.method = \"total-lagrangian-sph\", without viscosity and velocity smoothing"
+        }
+        BodyError::Lonely { .. } => {
+            "choose a larger discretization.support, or a body of more rows of particles"
+        }
+        BodyError::EmptyGrip { .. } => "boxes are in the reference state, from and to in spacings",
+        BodyError::HeldTwice { .. } => "boxes of grips must not share particles",
+        BodyError::Method(_)
+        | BodyError::Empty
+        | BodyError::TooMany { .. }
+        | BodyError::Number { .. }
+        | BodyError::Coincident { .. } => {
+            "sizes of bodies are in spacings, particles of files in lengths"
+        }
     }
 }
 

@@ -10,8 +10,13 @@ pub(super) fn name(number: usize) -> String {
     format!("field-{number:04}.vtu")
 }
 
-/// Particles at their current places with the vectors `displacement`, from the homogeneous state, and `velocity`.
-pub(super) fn vtu(dimension: usize, places: &[[f64; 3]], state: &PatchState) -> String {
+/// Particles at their current places with the vectors `displacement`, from the places that are given, and `velocity`; and with numbers that have names.
+pub(super) fn vtu(
+    dimension: usize,
+    places: &[[f64; 3]],
+    state: &PatchState,
+    scalars: &[(&str, Vec<f64>)],
+) -> String {
     let count = places.len();
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
@@ -45,6 +50,16 @@ pub(super) fn vtu(dimension: usize, places: &[[f64; 3]], state: &PatchState) -> 
     text.push_str("</Points>\n<PointData Vectors=\"displacement\">\n");
     vectors(&mut text, "displacement", &|n| of(&state.displacements, n));
     vectors(&mut text, "velocity", &|n| of(&state.velocities, n));
+    for (name, all) in scalars {
+        let _ = writeln!(
+            text,
+            "<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">"
+        );
+        for own in all {
+            let _ = writeln!(text, "{own:e}");
+        }
+        text.push_str("</DataArray>\n");
+    }
     text.push_str("</PointData>\n<Cells>\n");
     let mut numbers = |name: &str, kind: &str, of: &dyn Fn(usize) -> usize| {
         let all: Vec<String> = (0..count).map(|n| of(n).to_string()).collect();

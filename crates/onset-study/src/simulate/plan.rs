@@ -1,6 +1,7 @@
 //! What is run, settled before the first step.
 
 use super::SimulateError;
+use super::run::Course;
 use crate::answers::Problem;
 use crate::number::{exact, told, vector};
 use onset::algebra::{Complex, uniform};
@@ -67,28 +68,28 @@ pub struct Question {
     pub tolerance: f64,
 }
 
-/// A run, settled.
+/// The columns of the history of a patch.
+pub(super) const COLUMNS: &[&str] = &[
+    "step",
+    "time",
+    "kinetic_energy",
+    "potential_energy",
+    "energy",
+    "momentum_1",
+    "momentum_2",
+    "momentum_3",
+    "largest_displacement",
+    "amplitude",
+];
+
+/// A run of a patch, settled.
 pub(super) struct Plan {
+    pub(super) course: Course,
     pub(super) stepper: Stepper,
     pub(super) cells: Vec<usize>,
     pub(super) seeding: &'static str,
     pub(super) tolerance: f64,
-    /// Marks the checkpoints of the run: the first twelve digits of the SHA-256 sum of all that decides about it.
-    pub(super) mark: String,
     pub(super) wave: SteppedWave,
-    /// Time.
-    pub(super) step: f64,
-    /// The largest stable step for the waves of the patch; time.
-    pub(super) critical: f64,
-    pub(super) steps: u64,
-    /// Steps between lines of the history.
-    pub(super) every: u64,
-    /// Steps between samples of the record that is fitted, and how many there are at most.
-    pub(super) sampling: u32,
-    pub(super) samples: u64,
-    /// The steps after which fields are written.
-    pub(super) fields: Vec<u64>,
-    pub(super) start: PatchState,
 }
 
 /// The most particles.
@@ -96,7 +97,7 @@ const PARTICLES: usize = 1_000_000;
 /// The most waves of a patch, which all are computed.
 const WAVES: usize = 200_000;
 /// The most numbers of a page with moving particles.
-const SHOWN: usize = 100_000;
+pub(super) const SHOWN: usize = 100_000;
 /// Lines of a history.
 const LINES: u64 = 400;
 /// The most of them.
@@ -108,7 +109,7 @@ const FEWEST: f64 = 160.0;
 /// Steps of a zero-energy mode whose length is not told.
 const OF_ZERO_ENERGY: f64 = 1000.0;
 /// The step over the largest stable one where nobody says.
-const HALF: f64 = 0.5;
+pub(super) const HALF: f64 = 0.5;
 /// The most samples of a record.
 const SAMPLES: u64 = 400;
 /// Samples of a period, and of an e-folding time.
@@ -119,7 +120,7 @@ const E_FOLDINGS: f64 = 4.0;
 /// A wave vector may miss the nearest one that fits by this share of a turn, as when typed.
 const TYPED: f64 = 1e-6;
 
-fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
+pub(super) fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
     SimulateError::Refused {
         what: what.into(),
         hint: hint.into(),
@@ -187,16 +188,7 @@ impl Plan {
             )
         })?;
         let steps = steps(question, &wave, step)?;
-        let every = question.every.unwrap_or(steps.div_ceil(LINES)).max(1);
-        if steps / every > MOST_LINES {
-            return Err(refused(
-                format!("the history would have {} lines", steps / every),
-                format!(
-                    "at most {MOST_LINES} are kept: choose --every {}",
-                    steps.div_ceil(MOST_LINES)
-                ),
-            ));
-        }
+        let every = every(question.every, steps)?;
         let (sampling, samples) = sampled(&wave, step, steps);
         let amplitude = question.amplitude * problem.analysis.spacing();
         let start = match question.seeded {
@@ -208,11 +200,7 @@ impl Plan {
             Seeded::Critical => "critical",
             Seeded::Wave(_) | Seeded::Turns(_) => "wave",
         };
-        let last = question.fields.saturating_sub(1).max(1);
-        let mut fields: Vec<u64> = (0..question.fields)
-            .map(|n| (u128::from(steps) * u128::from(n) / u128::from(last)) as u64)
-            .collect();
-        fields.dedup();
+        let fields = fields(question.fields, steps);
         let decisive = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "settings": problem.settings.effective(),
@@ -229,37 +217,33 @@ impl Plan {
             "every": every,
             "fields": fields,
         });
-        let sum = Sha256::digest(decisive.to_string().as_bytes());
+        let is_shown = fields.len() > 1 && start.displacements.len() * fields.len() <= SHOWN;
         Ok(Self {
+            course: Course {
+                mark: mark(&decisive),
+                step,
+                critical,
+                steps,
+                every,
+                sampling,
+                samples,
+                fields,
+                is_shown,
+                columns: COLUMNS,
+                start,
+                grown: "a wave that grows has left the small perturbations, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
+            },
             stepper,
             cells,
             seeding,
             tolerance: question.tolerance,
-            mark: sum
-                .iter()
-                .take(6)
-                .map(|byte| format!("{byte:02x}"))
-                .collect(),
             wave,
-            step,
-            critical,
-            steps,
-            every,
-            sampling,
-            samples,
-            fields,
-            start,
         })
-    }
-
-    /// Whether a page shows the run moving.
-    pub(super) fn is_shown(&self) -> bool {
-        self.fields.len() > 1 && self.start.displacements.len() * self.fields.len() <= SHOWN
     }
 
     /// The two rates of the wave as its record tells them; of those that travel that with the positive frequency first.
     pub(super) fn rates(&self) -> [Complex; 2] {
-        let rates = self.wave.rates(self.step, self.sampling);
+        let rates = self.wave.rates(self.course.step, self.course.sampling);
         match rates[0].im.abs() > 1e-9 * rates[0].norm() {
             true => {
                 let first = Complex::new(rates[0].re, rates[0].im.abs());
@@ -405,10 +389,19 @@ fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, Sim
             "give --time-step",
         ));
     }
-    if step > critical * (1.0 + 1e-12) && !question.is_supercritical {
+    stable(step, critical, question.is_supercritical)
+}
+
+/// A step, unless it is above the largest stable one and not meant to be.
+pub(super) fn stable(
+    step: f64,
+    critical: f64,
+    is_supercritical: bool,
+) -> Result<f64, SimulateError> {
+    if step > critical * (1.0 + 1e-12) && !is_supercritical {
         return Err(refused(
             format!(
-                "the step {} is {} of the largest stable one, {}: the fastest waves of the patch would grow whatever the material does",
+                "the step {} is {} of the largest stable one, {}: the fastest waves of the particles would grow whatever the material does",
                 told(step),
                 told(step / critical),
                 told(critical)
@@ -417,6 +410,38 @@ fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, Sim
         ));
     }
     Ok(step)
+}
+
+/// Marks the checkpoints of a run: the first twelve digits of the SHA-256 sum of all that decides about it.
+pub(super) fn mark(decisive: &serde_json::Value) -> String {
+    let sum = Sha256::digest(decisive.to_string().as_bytes());
+    let digits = sum.iter().take(6).map(|byte| format!("{byte:02x}"));
+    digits.collect()
+}
+
+/// Steps between lines of the history.
+pub(super) fn every(asked: Option<u64>, steps: u64) -> Result<u64, SimulateError> {
+    let every = asked.unwrap_or(steps.div_ceil(LINES)).max(1);
+    if steps / every > MOST_LINES {
+        return Err(refused(
+            format!("the history would have {} lines", steps / every),
+            format!(
+                "at most {MOST_LINES} are kept: choose --every {}",
+                steps.div_ceil(MOST_LINES)
+            ),
+        ));
+    }
+    Ok(every)
+}
+
+/// The steps after which so many fields are written.
+pub(super) fn fields(count: u64, steps: u64) -> Vec<u64> {
+    let last = count.saturating_sub(1).max(1);
+    let mut fields: Vec<u64> = (0..count)
+        .map(|n| (u128::from(steps) * u128::from(n) / u128::from(last)) as u64)
+        .collect();
+    fields.dedup();
+    fields
 }
 
 /// How long a wave is followed where nobody says: a period, or some e-folding times. None of zero-energy modes, which have no time. Time.
@@ -441,7 +466,8 @@ fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, Simu
     checked(count)
 }
 
-fn checked(count: f64) -> Result<u64, SimulateError> {
+/// A number of steps, unless it is none or beyond all patience.
+pub(super) fn checked(count: f64) -> Result<u64, SimulateError> {
     match count >= 1.0 && count <= STEPS as f64 {
         true => Ok(count as u64),
         false => Err(refused(
@@ -493,5 +519,6 @@ fn noise(patch: &dyn PatchMotion, amplitude: f64, seed: u64) -> PatchState {
         step: 0,
         velocities: vec![0.0; displacements.len()],
         displacements,
+        work: 0.0,
     }
 }

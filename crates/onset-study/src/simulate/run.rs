@@ -1,12 +1,9 @@
-//! A run: steps, what is kept of them, and how it goes on after an end before the end.
+//! A run: steps, what is kept of them, and how it goes on after an end before the end. The same for patches and bodies.
 
-use super::checkpoint::{CHECKPOINT, Line, Progress};
-use super::page::page;
-use super::plan::Plan;
-use super::{Question, SimulateAnswer, SimulateError, fields};
-use crate::answers::Problem;
+use super::checkpoint::{CHECKPOINT, Progress};
+use super::{SimulateError, fields};
 use crate::output::{Files, Output, text, write};
-use onset::motion::{Fault, Ground, PatchMotion};
+use onset::motion::{Fault, Ground, PatchState};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -38,94 +35,204 @@ pub trait Watch {
     fn is_interrupted(&self) -> bool;
 }
 
-/// Runs a patch; into a folder, where there is one.
-///
-/// # Errors
-/// [`SimulateError`] for a question that cannot be run, a motion that breaks down, and files that cannot be written.
-pub fn simulate(
-    problem: &Problem,
-    question: &Question,
-    place: Option<&Place>,
-    watch: &dyn Watch,
-) -> Result<SimulateAnswer, SimulateError> {
-    let cells = question.patch(problem)?;
-    let mut answer = None;
-    problem
-        .analysis
-        .with_motion(&question.f, &cells, &mut |patch| {
-            let plan = Plan::new(problem, question, patch, cells.clone());
-            answer = Some(plan.and_then(|plan| run(problem, question, &plan, patch, place, watch)));
-        })?;
-    answer.unwrap_or(Err(SimulateError::Method(
-        onset::method::MethodError::NotFinite,
-    )))
+/// What is run, and how long, settled before the first step.
+pub(super) struct Course {
+    /// Marks the checkpoints of the run.
+    pub(super) mark: String,
+    /// Time.
+    pub(super) step: f64,
+    /// The largest stable step; time.
+    pub(super) critical: f64,
+    pub(super) steps: u64,
+    /// Steps between lines of the history.
+    pub(super) every: u64,
+    /// Steps between samples of the record that is fitted, and how many there are at most.
+    pub(super) sampling: u32,
+    pub(super) samples: u64,
+    /// The steps after which fields are written.
+    pub(super) fields: Vec<u64>,
+    /// Whether fields are kept for a page.
+    pub(super) is_shown: bool,
+    /// The columns of the history, step and time first.
+    pub(super) columns: &'static [&'static str],
+    pub(super) start: PatchState,
+    /// What to do where the motion grows beyond its law.
+    pub(super) grown: &'static str,
 }
 
-fn run(
-    problem: &Problem,
-    question: &Question,
-    plan: &Plan,
-    patch: &mut dyn PatchMotion,
-    place: Option<&Place>,
-    watch: &dyn Watch,
-) -> Result<SimulateAnswer, SimulateError> {
-    let mut progress = begun(plan, place)?;
-    patch.put(&progress.state);
-    let mut keeper = Keeper {
-        plan,
-        place,
-        places: current(question, patch),
-        pending: Vec::new(),
-        last: None,
-        written: Instant::now(),
-    };
-    if progress.history.is_empty() {
-        keeper.looked_at(patch, 0, &mut progress)?;
-    } else {
-        keeper.last = place.map(|place| (place.folder.join(CHECKPOINT), progress.state.step));
+/// What moves.
+pub(super) trait Moving {
+    /// One step.
+    fn advance(&mut self) -> Result<(), Box<Fault>>;
+
+    /// The state.
+    fn state(&self) -> PatchState;
+
+    /// A line of the history, after step and time.
+    fn line(&mut self) -> Result<Vec<f64>, Box<Fault>>;
+
+    /// A sample of the record; of what is fitted only.
+    fn sample(&self) -> f64;
+
+    /// The particles as a field of VTK.
+    fn field(&mut self) -> Result<String, Box<Fault>>;
+}
+
+/// A run, kept in its folder.
+pub(super) struct Keeper<'a> {
+    course: &'a Course,
+    place: Option<&'a Place>,
+    pub(super) progress: Progress,
+    /// Fields that wait for the next checkpoint.
+    pending: Files,
+    /// The last checkpoint, and its step.
+    last: Option<(PathBuf, u64)>,
+    written: Instant,
+}
+
+impl<'a> Keeper<'a> {
+    /// At the start, or at the checkpoint.
+    pub(super) fn begun(
+        course: &'a Course,
+        place: Option<&'a Place>,
+    ) -> Result<Self, SimulateError> {
+        let progress = begun(course, place)?;
+        let last = match progress.history.is_empty() {
+            true => None,
+            false => place.map(|place| (place.folder.join(CHECKPOINT), progress.state.step)),
+        };
+        Ok(Self {
+            course,
+            place,
+            progress,
+            pending: Vec::new(),
+            last,
+            written: Instant::now(),
+        })
     }
-    let mut is_interrupted = false;
-    for step in progress.state.step + 1..=plan.steps {
-        if watch.is_interrupted() {
-            is_interrupted = true;
-            break;
+
+    /// All steps that are left; tells whether it was interrupted. What moves is in the state of [`Self::progress`].
+    pub(super) fn follow(
+        &mut self,
+        moving: &mut dyn Moving,
+        watch: &dyn Watch,
+    ) -> Result<bool, SimulateError> {
+        let steps = self.course.steps;
+        if self.progress.history.is_empty() {
+            self.look(moving, 0)?;
         }
-        patch
-            .advance(plan.stepper, plan.step)
-            .map_err(|fault| keeper.failed(fault))?;
-        keeper.looked_at(patch, step, &mut progress)?;
-        if keeper.is_due(step) {
-            keeper.keep(patch, &mut progress, Vec::new())?;
-            watch.advance(step, plan.steps);
-        } else if step.is_multiple_of(LOOK) {
-            watch.advance(step, plan.steps);
-        }
-    }
-    progress.state = patch.state();
-    let mut answer = SimulateAnswer::new(problem, question, plan, patch, &progress);
-    answer.interrupted = is_interrupted;
-    let last = match is_interrupted || plan.fields.is_empty() {
-        true => Vec::new(),
-        false => {
-            let times = plan.fields.iter().map(|step| *step as f64 * plan.step);
-            let pvd = fields::pvd(&times.collect::<Vec<_>>());
-            let mut last = vec![text("fields.pvd", pvd)];
-            if plan.is_shown() {
-                let spacing = problem.analysis.spacing();
-                let page = page(&answer, &keeper.places, &progress.fields, spacing);
-                last.push(text("simulate.html", page));
+        let mut is_interrupted = false;
+        for step in self.progress.state.step + 1..=steps {
+            if watch.is_interrupted() {
+                is_interrupted = true;
+                break;
             }
-            last
+            moving.advance().map_err(|fault| self.failed(fault))?;
+            self.look(moving, step)?;
+            if self.is_due(step) {
+                self.keep(moving, Vec::new())?;
+                watch.advance(step, steps);
+            } else if step.is_multiple_of(LOOK) {
+                watch.advance(step, steps);
+            }
         }
-    };
-    answer.files = keeper.keep(patch, &mut progress, last)?;
-    Ok(answer)
+        self.progress.state = moving.state();
+        Ok(is_interrupted)
+    }
+
+    /// The table of the fields, at the end of a run with some.
+    pub(super) fn collection(&self) -> Files {
+        let course = self.course;
+        if course.fields.is_empty() {
+            return Vec::new();
+        }
+        let times = course.fields.iter().map(|step| *step as f64 * course.step);
+        vec![text("fields.pvd", fields::pvd(&times.collect::<Vec<_>>()))]
+    }
+
+    /// Takes down what is due after a step.
+    fn look(&mut self, moving: &mut dyn Moving, step: u64) -> Result<(), SimulateError> {
+        let course = self.course;
+        let time = step as f64 * course.step;
+        let sampling = u64::from(course.sampling);
+        let is_sampled = step.is_multiple_of(sampling) && step / sampling <= course.samples;
+        let is_line = step.is_multiple_of(course.every) || step == course.steps;
+        if is_sampled {
+            self.progress.samples.push([time, moving.sample()]);
+        }
+        if is_line {
+            let own = moving.line().map_err(|fault| self.failed(fault))?;
+            self.progress.history.extend([step as f64, time]);
+            self.progress.history.extend(own);
+        }
+        if self.place.is_some()
+            && let Ok(number) = course.fields.binary_search(&step)
+        {
+            let field = moving.field().map_err(|fault| self.failed(fault))?;
+            self.pending.push(text(fields::name(number), field));
+            if course.is_shown {
+                self.progress.fields.extend(moving.state().displacements);
+            }
+        }
+        Ok(())
+    }
+
+    fn is_due(&self, step: u64) -> bool {
+        match self.place.map(|place| place.checkpoint) {
+            None => false,
+            Some(Some(steps)) => step.is_multiple_of(steps),
+            Some(None) => step.is_multiple_of(LOOK) && self.written.elapsed() >= INTERVAL,
+        }
+    }
+
+    /// Writes a checkpoint with all that belongs to it.
+    pub(super) fn keep(
+        &mut self,
+        moving: &dyn Moving,
+        last: Files,
+    ) -> Result<Vec<PathBuf>, SimulateError> {
+        let Some(place) = self.place else {
+            return Ok(Vec::new());
+        };
+        self.progress.state = moving.state();
+        let mut files = std::mem::take(&mut self.pending);
+        files.extend(last);
+        files.push(text(
+            "history.csv",
+            history(self.course.columns, &self.progress.history),
+        ));
+        // Last: whatever a checkpoint counts is there before it.
+        files.push(text(CHECKPOINT, self.progress.bytes(&self.course.mark)));
+        let written = write(&place.folder, &files).map_err(|source| SimulateError::Output {
+            source,
+            checkpoint: self.last.clone(),
+        })?;
+        self.last = Some((place.folder.join(CHECKPOINT), self.progress.state.step));
+        self.written = Instant::now();
+        Ok(written)
+    }
+
+    /// What to tell of a motion that ends.
+    pub(super) fn failed(&self, fault: Box<Fault>) -> SimulateError {
+        let hint = match fault.ground {
+            _ if self.course.step > self.course.critical => {
+                "the step is above the largest stable one: leave --supercritical out"
+            }
+            Ground::NotFinite => "choose a smaller --fraction: the motion outgrew its step",
+            _ => self.course.grown,
+        };
+        SimulateError::Fault {
+            fault,
+            hint: hint.to_owned(),
+            checkpoint: self.last.clone(),
+        }
+    }
 }
 
 /// The start, or the checkpoint.
-fn begun(plan: &Plan, place: Option<&Place>) -> Result<Progress, SimulateError> {
+fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateError> {
     let anew = Progress {
-        state: plan.start.clone(),
+        state: course.start.clone(),
         ..Progress::default()
     };
     let Some(place) = place else {
@@ -158,138 +265,18 @@ fn begun(plan: &Plan, place: Option<&Place>) -> Result<Progress, SimulateError> 
             "leave --resume out to begin",
         )
     })?;
-    Progress::of_bytes(&path, &bytes, &plan.mark, plan.start.displacements.len())
-}
-
-/// Where the particles of the homogeneous state are; length.
-fn current(question: &Question, patch: &dyn PatchMotion) -> Vec<[f64; 3]> {
-    let f = question.f.components();
-    let dimension = patch.dimension();
-    let moved = |x: [f64; 3]| {
-        std::array::from_fn(|i| match i < dimension {
-            true => (0..dimension).map(|j| f[i][j] * x[j]).sum(),
-            false => 0.0,
-        })
-    };
-    patch.positions().into_iter().map(moved).collect()
-}
-
-/// What keeps a run in its folder.
-struct Keeper<'a> {
-    plan: &'a Plan,
-    place: Option<&'a Place>,
-    /// Of the homogeneous state.
-    places: Vec<[f64; 3]>,
-    /// Fields that wait for the next checkpoint.
-    pending: Files,
-    /// The last checkpoint, and its step.
-    last: Option<(PathBuf, u64)>,
-    written: Instant,
-}
-
-impl Keeper<'_> {
-    /// Takes down what is due after a step.
-    fn looked_at(
-        &mut self,
-        patch: &dyn PatchMotion,
-        step: u64,
-        progress: &mut Progress,
-    ) -> Result<(), SimulateError> {
-        let plan = self.plan;
-        let time = step as f64 * plan.step;
-        let sampling = u64::from(plan.sampling);
-        let is_sampled = step.is_multiple_of(sampling) && step / sampling <= plan.samples;
-        let is_line = step.is_multiple_of(plan.every) || step == plan.steps;
-        if is_sampled {
-            progress.samples.push([time, patch.amplitude(&plan.wave)]);
-        }
-        if is_line {
-            let own = patch.quantities(plan.stepper, plan.step);
-            let own = own.map_err(|fault| self.failed(fault))?;
-            let [px, py, pz] = own.momentum;
-            progress.history.push([
-                step as f64,
-                time,
-                own.kinetic,
-                own.potential,
-                own.kinetic + own.potential,
-                px,
-                py,
-                pz,
-                own.largest,
-                patch.amplitude(&plan.wave),
-            ]);
-        }
-        if self.place.is_some()
-            && let Ok(number) = plan.fields.binary_search(&step)
-        {
-            let state = patch.state();
-            let field = fields::vtu(patch.dimension(), &self.places, &state);
-            self.pending.push(text(fields::name(number), field));
-            if plan.is_shown() {
-                progress.fields.extend(state.displacements);
-            }
-        }
-        Ok(())
-    }
-
-    fn is_due(&self, step: u64) -> bool {
-        match self.place.map(|place| place.checkpoint) {
-            None => false,
-            Some(Some(steps)) => step.is_multiple_of(steps),
-            Some(None) => step.is_multiple_of(LOOK) && self.written.elapsed() >= INTERVAL,
-        }
-    }
-
-    /// Writes a checkpoint with all that belongs to it.
-    fn keep(
-        &mut self,
-        patch: &dyn PatchMotion,
-        progress: &mut Progress,
-        last: Files,
-    ) -> Result<Vec<PathBuf>, SimulateError> {
-        let Some(place) = self.place else {
-            return Ok(Vec::new());
-        };
-        progress.state = patch.state();
-        let mut files = std::mem::take(&mut self.pending);
-        files.extend(last);
-        files.push(text("history.csv", history(&progress.history)));
-        // Last: whatever a checkpoint counts is there before it.
-        files.push(text(CHECKPOINT, progress.bytes(&self.plan.mark)));
-        let written = write(&place.folder, &files).map_err(|source| SimulateError::Output {
-            source,
-            checkpoint: self.last.clone(),
-        })?;
-        self.last = Some((place.folder.join(CHECKPOINT), progress.state.step));
-        self.written = Instant::now();
-        Ok(written)
-    }
-
-    fn failed(&self, fault: Box<Fault>) -> SimulateError {
-        let hint = match fault.ground {
-            _ if self.plan.step > self.plan.critical => {
-                "the step is above the largest stable one: leave --supercritical out"
-            }
-            Ground::NotFinite => "choose a smaller --fraction: the motion outgrew its step",
-            _ => {
-                "a wave that grows has left the small perturbations, or --amplitude is large: choose fewer --steps or a smaller --amplitude"
-            }
-        };
-        SimulateError::Fault {
-            fault,
-            hint: hint.to_owned(),
-            checkpoint: self.last.clone(),
-        }
-    }
+    Progress::of_bytes(
+        &path,
+        &bytes,
+        &course.mark,
+        course.start.displacements.len(),
+    )
 }
 
 /// The history as a table.
-fn history(lines: &[Line]) -> String {
-    let mut table = String::from(
-        "step,time,kinetic_energy,potential_energy,energy,momentum_1,momentum_2,momentum_3,largest_displacement,amplitude\n",
-    );
-    for line in lines {
+fn history(columns: &[&str], lines: &[f64]) -> String {
+    let mut table = columns.join(",") + "\n";
+    for line in lines.chunks_exact(columns.len()) {
         let numbers: Vec<String> = line.iter().map(|number| format!("{number:e}")).collect();
         let _ = writeln!(table, "{},{}", line[0], numbers[1..].join(","));
     }

@@ -14,7 +14,9 @@ use crate::measures::{
     fidelity, long_wave_error, onset, spurious_modes,
 };
 use crate::method::{Method, MethodError};
-use crate::motion::{PatchMotion, with_motion};
+use crate::motion::{
+    BodyError, BodyMotion, BodyParticles, Grip, PatchMotion, with_body, with_motion,
+};
 use crate::scheme::{Discretization, PeriodicPatch};
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -297,6 +299,21 @@ impl<const D: usize> Analysis for Body<D> {
     ) -> Result<(), MethodError> {
         let cells = std::array::from_fn(|i| cells.get(i).copied().unwrap_or(1));
         with_motion::<D>(&*self.discretization, &*self.material, f, cells, work)
+    }
+
+    fn with_body(
+        &self,
+        particles: &BodyParticles,
+        grips: &[Grip],
+        work: &mut dyn FnMut(&mut dyn BodyMotion),
+    ) -> Result<(), BodyError> {
+        with_body::<D>(
+            &*self.discretization,
+            &*self.material,
+            particles,
+            grips,
+            work,
+        )
     }
 
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {

@@ -17,7 +17,7 @@ use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
-use crate::motion::PatchMotion;
+use crate::motion::{BodyError, BodyMotion, BodyParticles, Grip, PatchMotion};
 use crate::scheme::MethodChoices;
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -190,6 +190,17 @@ pub trait Analysis: Send + Sync {
         cells: &[usize],
         work: &mut dyn FnMut(&mut dyn PatchMotion),
     ) -> Result<(), MethodError>;
+
+    /// Does something with a body of particles of the method.
+    ///
+    /// # Errors
+    /// [`BodyError`] when the method has no bodies, and when particles or grips cannot be.
+    fn with_body(
+        &self,
+        particles: &BodyParticles,
+        grips: &[Grip],
+        work: &mut dyn FnMut(&mut dyn BodyMotion),
+    ) -> Result<(), BodyError>;
 
     /// The errors of frequencies at wavelengths in particle spacings.
     ///

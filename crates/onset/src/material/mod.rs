@@ -180,6 +180,14 @@ pub trait Hyperelastic: Send + Sync {
         Ok((response.energy, response.first_piola))
     }
 
+    /// Energy and first Piola-Kirchhoff stress at several states at once, each to the last digit the same in any company. Components of states
+    /// with indices from `dimension` on are fixed: the stress that belongs to them is left zero. Units of stress.
+    ///
+    /// Where the law is not defined, and of states that are turned inside out, there is no number.
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        LaneStress::of_each(states, dimension, |f| self.energy_and_stress(f).ok())
+    }
+
     /// The response of the material in the reference state, in whose wave speeds all others are measured. Of a law with a kink there, which
     /// has no tangent, it is that of one side.
     ///
@@ -235,6 +243,92 @@ pub trait Hyperelastic: Send + Sync {
     /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.
     fn enclosure(&self, _f: &DeformationGradient<Interval>) -> ResponseEnclosure {
         ResponseEnclosure::ENTIRE
+    }
+}
+
+/// Energy `W` and first Piola-Kirchhoff stress `P_iJ` of several states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaneStress {
+    /// `W`, per reference volume; no number where there is no stress.
+    pub energy: Lanes,
+    /// `P_iJ`.
+    pub first_piola: [[Lanes; 3]; 3],
+}
+
+impl LaneStress {
+    /// State by state.
+    fn of_each(
+        states: &DeformationGradient<Lanes>,
+        dimension: usize,
+        stress: impl Fn(&DeformationGradient) -> Option<(f64, Matrix3<f64>)>,
+    ) -> Self {
+        let mut all = Self {
+            energy: Lanes([f64::NAN; LANES]),
+            first_piola: [[Lanes([0.0; LANES]); 3]; 3],
+        };
+        for lane in 0..LANES {
+            let state = states
+                .components()
+                .map(|row| row.map(|entry| entry.0[lane]));
+            let own = DeformationGradient::new(state)
+                .ok()
+                .and_then(|f| stress(&f));
+            let Some((energy, first_piola)) = own else {
+                continue;
+            };
+            all.energy.0[lane] = energy;
+            for i in 0..dimension {
+                for j in 0..dimension {
+                    all.first_piola[i][j].0[lane] = first_piola[(i, j)];
+                }
+            }
+        }
+        all
+    }
+
+    /// That of a law by its energy, with the derivatives by the first `D` rows and columns of `F`, which are `N` numbers.
+    fn of_law<const D: usize, const N: usize>(
+        law: &impl StrainEnergy,
+        states: &DeformationGradient<Lanes>,
+    ) -> Self {
+        let f = states.components();
+        let duals = std::array::from_fn(|i| {
+            std::array::from_fn(|j| match i < D && j < D {
+                true => Dual::<N, Lanes>::variable(f[i][j], D * i + j),
+                false => Dual::fixed(f[i][j]),
+            })
+        });
+        let energy = law.energy(&DeformationGradient::from_components(duals));
+        let mut all = Self {
+            energy: energy.value,
+            first_piola: [[Lanes([0.0; LANES]); 3]; 3],
+        };
+        for i in 0..D {
+            for j in 0..D {
+                all.first_piola[i][j] = energy.gradient[D * i + j];
+            }
+        }
+        let volumes = states.determinant();
+        for lane in 0..LANES {
+            let state = f.map(|row| row.map(|entry| entry.0[lane]));
+            let is_defined = volumes.0[lane] > 0.0
+                && law
+                    .admits(&DeformationGradient::from_components(state))
+                    .is_ok();
+            if !is_defined {
+                all.energy.0[lane] = f64::NAN;
+            }
+        }
+        all
+    }
+
+    /// Whether every state has a finite energy and stress.
+    fn is_finite(&self) -> bool {
+        let stresses = self.first_piola.as_flattened().iter();
+        let all = stresses.chain([&self.energy]);
+        // A sum of numbers less themselves is zero, of any other no number.
+        let lost = all.fold(Lanes([0.0; LANES]), |sum, own| sum + (*own - *own));
+        lost.0 == [0.0; LANES]
     }
 }
 
@@ -440,6 +534,18 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             Err(MaterialError::NotFinite {
                 jacobian: f.jacobian(),
             })
+        }
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        let all = match dimension {
+            3 => LaneStress::of_law::<3, 9>(self, states),
+            _ => LaneStress::of_law::<2, 4>(self, states),
+        };
+        // A law may ask for the one number that lanes do not have in common.
+        match all.is_finite() {
+            true => all,
+            false => LaneStress::of_each(states, dimension, |f| self.energy_and_stress(f).ok()),
         }
     }
 

@@ -10,17 +10,24 @@
 //! the matrix by which a step multiplies them. So what is predicted and what moves share the forces of the method, and nothing else: the one
 //! differentiates them, the other adds them up.
 //!
+//! What is finite, with a free surface and grips, is a [body](body).
+//!
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
+pub mod body;
 mod equations;
 mod fault;
 mod patch;
 mod stepper;
 mod waves;
 
+pub use body::{
+    BodyError, BodyMotion, BodyParticles, BodyQuantities, Grip, Notch, PlacedParticle, Shape, Start,
+};
 pub use fault::{Fault, Ground};
 pub use patch::{MovingPatch, PatchMotion, PatchState, Quantities};
 pub use stepper::Stepper;
 pub use waves::{PatchWave, SteppedWave};
 
+pub(crate) use body::with_body;
 pub(crate) use patch::with_motion;

@@ -23,6 +23,8 @@ pub struct PatchState {
     pub displacements: Vec<f64>,
     /// Velocities as the integrator keeps them: of central differences those half a step before. Length/time.
     pub velocities: Vec<f64>,
+    /// What was done on them from outside; energy. Zero of patches.
+    pub work: f64,
 }
 
 /// What a patch has as a whole.
@@ -265,6 +267,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             step: self.count,
             displacements: flat(&self.u),
             velocities: flat(&self.v),
+            work: 0.0,
         }
     }
 
@@ -343,6 +346,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             step: 0,
             displacements: field(&wave.seed[0]),
             velocities: field(&wave.seed[1]),
+            work: 0.0,
         }
     }
 

@@ -1,9 +1,10 @@
 //! First-order forward differentiation.
 
-use super::{Real, Side};
+use super::{Real, Side, Work};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its first derivatives in `N` variables: what a discrete force needs to become a stiffness.
+/// A value with its first derivatives in `N` variables, over the numbers `R`: what a discrete force needs to become a stiffness, and an energy to
+/// become a stress.
 ///
 /// ```
 /// use onset::real::{Dual, Real};
@@ -14,62 +15,90 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// assert_eq!(f.gradient, [0.75, 2.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const N: usize> {
+pub struct Dual<const N: usize, R = f64> {
     /// The value.
-    pub value: f64,
+    pub value: R,
     /// First derivatives.
-    pub gradient: [f64; N],
+    pub gradient: [R; N],
 }
 
-impl<const N: usize> Dual<N> {
+/// A linear combination of gradients, which numbers with several lanes make with vectors.
+enum Combined<'a, const N: usize, R> {
+    Scaled(&'a [R; N], R),
+    Both(&'a [R; N], R, &'a [R; N], R),
+}
+
+impl<const N: usize, R: Real> Work for Combined<'_, N, R> {
+    type Output = [R; N];
+
+    #[inline(always)]
+    fn done(self) -> [R; N] {
+        match self {
+            Self::Scaled(x, factor) => std::array::from_fn(|i| x[i] * factor),
+            Self::Both(x, a, y, b) => std::array::from_fn(|i| x[i] * a + y[i] * b),
+        }
+    }
+}
+
+impl<const N: usize, R: Real> Dual<N, R> {
+    /// A number with vanishing derivatives.
+    #[inline(always)]
+    pub(crate) fn fixed(value: R) -> Self {
+        Self {
+            value,
+            gradient: [R::constant(0.0); N],
+        }
+    }
+
     /// The `N` independent variables at a point.
-    pub fn variables(point: [f64; N]) -> [Self; N] {
+    pub fn variables(point: [R; N]) -> [Self; N] {
         std::array::from_fn(|i| Self::variable(point[i], i))
     }
 
     /// One of the independent variables.
-    pub fn variable(value: f64, number: usize) -> Self {
-        let mut variable = Self::constant(value);
-        variable.gradient[number] = 1.0;
+    pub fn variable(value: R, number: usize) -> Self {
+        let mut variable = Self::fixed(value);
+        variable.gradient[number] = R::constant(1.0);
         variable
     }
 
     /// The composition with a scalar function, from its value and first derivative.
     #[inline(always)]
-    fn chain(self, value: f64, first: f64) -> Self {
+    fn chain(self, value: R, first: R) -> Self {
         Self {
             value,
-            gradient: self.gradient.map(|slope| first * slope),
+            gradient: R::vectorized(Combined::Scaled(&self.gradient, first)),
         }
     }
 
     #[inline(always)]
-    fn with(self, other: Self, value: f64, own: f64, others: f64) -> Self {
-        let slope = |i: usize| own * self.gradient[i] + others * other.gradient[i];
+    fn with(self, other: Self, value: R, own: R, others: R) -> Self {
+        let combined = Combined::Both(&self.gradient, own, &other.gradient, others);
         Self {
             value,
-            gradient: std::array::from_fn(slope),
+            gradient: R::vectorized(combined),
         }
     }
 }
 
-impl<const N: usize> Real for Dual<N> {
+impl<const N: usize, R: Real> Real for Dual<N, R> {
     fn constant(value: f64) -> Self {
-        Self {
-            value,
-            gradient: [0.0; N],
-        }
+        Self::fixed(R::constant(value))
     }
     fn value(self) -> f64 {
-        self.value
+        self.value.value()
+    }
+    fn number(self) -> Option<f64> {
+        self.value.number()
     }
     fn side(self, threshold: f64) -> Option<Side> {
         self.value.side(threshold)
     }
-    fn blended(self, _threshold: f64, _below: Self, _above: Self) -> Self {
+    fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
+        let blended = |x: R, y: R| self.value.blended(threshold, x, y);
         Self {
-            value: f64::NAN,
-            gradient: [f64::NAN; N],
+            value: blended(below.value, above.value),
+            gradient: std::array::from_fn(|i| blended(below.gradient[i], above.gradient[i])),
         }
     }
     fn recip(self) -> Self {
@@ -78,7 +107,7 @@ impl<const N: usize> Real for Dual<N> {
     }
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, R::constant(0.5) / root)
     }
     fn exp(self) -> Self {
         let e = self.value.exp();
@@ -105,9 +134,9 @@ impl<const N: usize> Real for Dual<N> {
     fn powi(self, exponent: i32) -> Self {
         // The exponent is tested first: 0 * x^(n-1) must be 0 also at x = 0.
         let first = if exponent == 0 {
-            0.0
+            R::constant(0.0)
         } else {
-            f64::from(exponent) * self.value.powi(exponent - 1)
+            self.value.powi(exponent - 1) * f64::from(exponent)
         };
         self.chain(self.value.powi(exponent), first)
     }
@@ -117,23 +146,33 @@ impl<const N: usize> Real for Dual<N> {
     }
 }
 
-impl<const N: usize> Add for Dual<N> {
+impl<const N: usize, R: Real> Add for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.with(other, self.value + other.value, 1.0, 1.0)
+        self.with(
+            other,
+            self.value + other.value,
+            R::constant(1.0),
+            R::constant(1.0),
+        )
     }
 }
 
-impl<const N: usize> Sub for Dual<N> {
+impl<const N: usize, R: Real> Sub for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.with(other, self.value - other.value, 1.0, -1.0)
+        self.with(
+            other,
+            self.value - other.value,
+            R::constant(1.0),
+            R::constant(-1.0),
+        )
     }
 }
 
-impl<const N: usize> Mul for Dual<N> {
+impl<const N: usize, R: Real> Mul for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -141,7 +180,7 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
-impl<const N: usize> Div for Dual<N> {
+impl<const N: usize, R: Real> Div for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
@@ -155,43 +194,49 @@ impl<const N: usize> Div for Dual<N> {
     }
 }
 
-impl<const N: usize> Neg for Dual<N> {
+impl<const N: usize, R: Real> Neg for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.chain(-self.value, -1.0)
+        self.chain(-self.value, R::constant(-1.0))
     }
 }
 
-impl<const N: usize> Add<f64> for Dual<N> {
+impl<const N: usize, R: Real> Add<f64> for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, constant: f64) -> Self {
-        self.chain(self.value + constant, 1.0)
+        Self {
+            value: self.value + constant,
+            ..self
+        }
     }
 }
 
-impl<const N: usize> Sub<f64> for Dual<N> {
+impl<const N: usize, R: Real> Sub<f64> for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, constant: f64) -> Self {
-        self.chain(self.value - constant, 1.0)
+        Self {
+            value: self.value - constant,
+            ..self
+        }
     }
 }
 
-impl<const N: usize> Mul<f64> for Dual<N> {
+impl<const N: usize, R: Real> Mul<f64> for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
-        self.chain(self.value * factor, factor)
+        self.chain(self.value * factor, R::constant(factor))
     }
 }
 
-impl<const N: usize> Div<f64> for Dual<N> {
+impl<const N: usize, R: Real> Div<f64> for Dual<N, R> {
     type Output = Self;
     #[inline(always)]
     fn div(self, divisor: f64) -> Self {
-        self.chain(self.value / divisor, divisor.recip())
+        self.chain(self.value / divisor, R::constant(divisor.recip()))
     }
 }
 

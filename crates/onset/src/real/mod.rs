@@ -117,6 +117,7 @@ pub trait Real:
     }
 
     /// Does work in the way that is best for such numbers: in the widest vectors of the machine for those with lanes.
+    #[inline(always)]
     fn vectorized<W: Work>(work: W) -> W::Output {
         work.done()
     }

@@ -15,6 +15,7 @@ mod lagrangian;
 mod layout;
 mod linearized;
 mod material_point;
+mod pairs;
 mod patch;
 mod peridynamics;
 mod products;
@@ -30,6 +31,7 @@ pub use linearized::{Forced, linearized};
 pub use material_point::{
     Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
 };
+pub use pairs::{Bond, PairLaw};
 pub use patch::{Assembled, NoForce, PatchForces, PeriodicPatch};
 pub use peridynamics::{
     BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
@@ -198,6 +200,17 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         _material: &dyn Hyperelastic,
         _f: &DeformationGradient,
     ) -> Result<Option<WaveSystem<D>>, MethodError> {
+        Ok(None)
+    }
+
+    /// How particles act on each other in pairs whose vectors stay with the material, so that [bodies](crate::motion::body) of them can be run.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the material cannot be evaluated in the reference state.
+    fn pairs(
+        &self,
+        _material: &dyn Hyperelastic,
+    ) -> Result<Option<Box<dyn PairLaw<D>>>, MethodError> {
         Ok(None)
     }
 

@@ -65,11 +65,15 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
+            // Read by those who run bodies.
+            ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {}
             ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {
                 study.has_methods = true;
             }
             (other, _) => {
-                let known = SECTIONS.into_iter().chain(["title", "compare", "methods"]);
+                let known = SECTIONS
+                    .into_iter()
+                    .chain(["title", "compare", "methods", "body", "grips"]);
                 return Err(unknown_key(other, known, file.of(key)));
             }
         }

@@ -11,5 +11,6 @@ mod stress;
 mod total;
 mod updated;
 
+pub(crate) use neighborhood::correction;
 pub use total::{TotalLagrangianChoices, TotalLagrangianSph};
 pub use updated::{DensityEvolution, MomentumForm, UpdatedSph, UpdatedSphChoices};

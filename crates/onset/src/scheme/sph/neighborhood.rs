@@ -96,21 +96,29 @@ impl<const D: usize> Neighborhood<D> {
                 }
             }
         }
-        let largest = |m: &[[f64; D]; D]| {
-            m.iter()
-                .flatten()
-                .fold(0.0, |most: f64, x| most.max(x.abs()))
-        };
-        let inverse = inverse(&matrix);
-        let condition = largest(&inverse) * largest(&matrix);
-        let is_regular = determinant(&matrix) != 0.0 && condition < MAXIMUM_CONDITION;
-        if is_regular {
-            return Ok(inverse);
-        }
-        Err(MethodError::SingularMoment {
+        correction(&matrix).map_err(|condition| MethodError::SingularMoment {
             point: "particle",
             neighbors: self.particles.len(),
             source: SingularMoment { condition },
         })
+    }
+}
+
+/// The matrix `K^-1` that corrects gradients, of `K = sum_J X_IJ (x) a_IJ`.
+///
+/// # Errors
+/// The condition number of `K`, where gradients would be noise; that may be no number.
+pub(crate) fn correction<const D: usize>(moment: &[[f64; D]; D]) -> Result<[[f64; D]; D], f64> {
+    let largest = |m: &[[f64; D]; D]| {
+        m.iter()
+            .flatten()
+            .fold(0.0, |most: f64, x| most.max(x.abs()))
+    };
+    let inverse = inverse(moment);
+    let condition = largest(&inverse) * largest(moment);
+    let is_regular = determinant(moment) != 0.0 && condition < MAXIMUM_CONDITION;
+    match is_regular {
+        true => Ok(inverse),
+        false => Err(condition),
     }
 }

@@ -1,14 +1,14 @@
 //! Total-Lagrangian SPH.
 
 use super::super::lagrangian::{LagrangianPoint, strains, stressed};
-use super::super::layout::{Layout, assert_positive};
+use super::super::layout::{Layout, MovingWeight, assert_positive};
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Compliance, PenaltyForm, Slope, ViscousBond, ViscousScales,
     assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
-    Assembled, Discretization, PatchForces, PeriodicPatch, PointResponse, StrainOperator,
-    linearized, lumped_masses,
+    Assembled, Bond, Discretization, PairLaw, PatchForces, PeriodicPatch, PointResponse,
+    StrainOperator, linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -209,6 +209,49 @@ impl<const D: usize> TotalLagrangianSph<D> {
     }
 }
 
+/// What pairs of particles have in common, wherever they are.
+struct TotalLagrangianPairs<const D: usize> {
+    weight: MovingWeight<D>,
+    /// Under a penalty.
+    compliance: Option<Compliance>,
+    choices: TotalLagrangianChoices,
+}
+
+impl<const D: usize> PairLaw<D> for TotalLagrangianPairs<D> {
+    fn radius(&self) -> f64 {
+        self.choices.radius
+    }
+
+    fn bond(&self, x: &[f64; D]) -> Bond<D> {
+        let weight = self.weight.at(x);
+        let form = self.choices.penalty_form;
+        let stiffness = self.compliance.as_ref().map_or(0.0, |compliance| {
+            let squared: f64 = x.iter().map(|x| x * x).sum();
+            let factor = 0.5 * form.coefficient(self.choices.penalty);
+            factor * compliance.young_modulus(x) * weight.value
+                / form.offsets(self.choices.radius).denominator(squared)
+        });
+        Bond {
+            gradient: weight.gradient.map(|slope| -slope),
+            stiffness,
+        }
+    }
+
+    fn is_corrected(&self) -> bool {
+        self.choices.corrected
+    }
+
+    fn penalty_offsets(&self) -> Option<[f64; 2]> {
+        let form = self.choices.penalty_form;
+        let offsets = form.offsets(self.choices.radius).current();
+        self.compliance.as_ref().map(|_| offsets)
+    }
+
+    fn density(&self) -> f64 {
+        self.choices.density
+    }
+}
+
 impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
     fn crystal(&self) -> &Crystal<D> {
         &self.crystal
@@ -278,6 +321,25 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         self.with_interactions(material, f, |interactions| {
             work(&Assembled::new(patch, interactions));
         })
+    }
+
+    fn pairs(
+        &self,
+        material: &dyn Hyperelastic,
+    ) -> Result<Option<Box<dyn PairLaw<D>>>, MethodError> {
+        if self.choices.viscosity.is_some() || self.choices.velocity_smoothing != 0.0 {
+            return Ok(None);
+        }
+        let compliance = match self.choices.penalty > 0.0 {
+            true => Some(Compliance::of(material)?),
+            false => None,
+        };
+        let layout = Layout::reference(self.choices.kernel, self.choices.radius);
+        Ok(Some(Box::new(TotalLagrangianPairs {
+            weight: layout.weight().normalized(),
+            compliance,
+            choices: self.choices.clone(),
+        })))
     }
 
     fn neighbors(&self) -> f64 {

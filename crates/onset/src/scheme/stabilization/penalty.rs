@@ -32,6 +32,18 @@ pub(in super::super) struct Offsets {
     current: [f64; 2],
 }
 
+impl Offsets {
+    /// The squared reference length of a bond with what is added to it.
+    pub(in super::super) fn denominator(&self, squared: f64) -> f64 {
+        squared + self.reference_squared
+    }
+
+    /// What is added to its current length in either factor of its square.
+    pub(in super::super) fn current(&self) -> [f64; 2] {
+        self.current
+    }
+}
+
 impl PenaltyForm {
     /// The `alpha` of a coefficient, denominators apart.
     pub(in super::super) fn coefficient(self, given: f64) -> f64 {
@@ -88,7 +100,7 @@ impl<'a, const D: usize> BondPenalty<'a, D> {
         let both = weights.iter().zip(&vectors);
         Self {
             stiffness: both
-                .map(|(weight, x)| weight / (squared(x) + offsets.reference_squared))
+                .map(|(weight, x)| weight / offsets.denominator(squared(x)))
                 .collect(),
             offsets,
             particles,

@@ -1,0 +1,475 @@
+//! A body and its grips, from TOML: what `onset simulate` runs instead of a periodic patch.
+
+use super::key::key;
+use super::needs::is;
+use super::toml::{File, described, in_order, typed};
+use super::{Key, Kind, Origin, SettingError, Value, unknown_key};
+use crate::number::counted;
+use onset::motion::{BodyParticles, Grip, Notch, PlacedParticle, Shape};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+const BLOCKS: &[&str] = &["bar", "block", "plate"];
+const ROUND: &[&str] = &["disk", "ring"];
+
+/// The keys of a body. Lengths are in units of discretization.spacing.
+pub const BODY_KEYS: &[Key] = &[
+    key(
+        "body.shape",
+        Kind::Words(&["bar", "block", "plate", "disk", "ring", "file"]),
+        "what is cut out of the lattice, or a file of particles",
+    ),
+    key(
+        "body.size",
+        Kind::Numbers,
+        "sides in spacings, from the origin on: of a bar its length and its width, of a block or a plate one for each dimension",
+    )
+    .only_with(&[&[is("body.shape", BLOCKS)]]),
+    key(
+        "body.hole",
+        Kind::Positive("1"),
+        "radius in spacings of a round hole in the middle of a plate",
+    )
+    .only_with(&[&[is("body.shape", &["plate"])]]),
+    key(
+        "body.notch",
+        Kind::Numbers,
+        "depth and width in spacings of a notch in a plate, at the middle of its first side, from below",
+    )
+    .only_with(&[&[is("body.shape", &["plate"])]]),
+    key(
+        "body.radius",
+        Kind::Positive("1"),
+        "outer radius in spacings; the center is at the origin",
+    )
+    .only_with(&[&[is("body.shape", ROUND)]]),
+    key(
+        "body.inner-radius",
+        Kind::Positive("1"),
+        "inner radius of a ring in spacings",
+    )
+    .only_with(&[&[is("body.shape", &["ring"])]]),
+    key(
+        "body.height",
+        Kind::Positive("1"),
+        "height in spacings of a disk or a ring in three dimensions, from zero on",
+    )
+    .only_with(&[&[is("body.shape", ROUND)]]),
+    key(
+        "body.file",
+        Kind::Text,
+        "table in CSV with the columns x, y, z (as many as dimensions) and volume, a line for each particle; length, length^D",
+    )
+    .only_with(&[&[is("body.shape", &["file"])]]),
+];
+
+/// The keys of a grip, of which a study can have several.
+pub const GRIP_KEYS: &[Key] = &[
+    key(
+        "grips.from",
+        Kind::Numbers,
+        "lower corner of the box that holds the gripped particles in the reference state, in spacings",
+    ),
+    key(
+        "grips.to",
+        Kind::Numbers,
+        "upper corner of the box, in spacings",
+    ),
+    key(
+        "grips.velocity",
+        Kind::Numbers,
+        "velocity that the particles are given, a number for each dimension (length/time)",
+    ),
+    key(
+        "grips.ramp",
+        Kind::Number("time"),
+        "time in which the velocity rises smoothly from zero; at once when left out",
+    ),
+];
+
+/// A body with its grips, as a study has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodySettings {
+    values: BTreeMap<&'static str, (Value, Origin)>,
+    grips: Vec<(BTreeMap<&'static str, (Value, Origin)>, Origin)>,
+    /// Where the body is.
+    origin: Origin,
+    /// Files are looked for beside the study.
+    folder: PathBuf,
+}
+
+/// The keys of a table, each of its kind.
+fn read(
+    file: &File<'_>,
+    section: &str,
+    keys: &'static [Key],
+    table: &DeTable<'_>,
+) -> Result<BTreeMap<&'static str, (Value, Origin)>, SettingError> {
+    let mut values = BTreeMap::new();
+    for (key, value) in in_order(table) {
+        let name = format!("{section}.{}", key.get_ref());
+        let Some(known) = keys.iter().find(|key| key.name == name) else {
+            return Err(unknown_key(
+                &name,
+                keys.iter().map(|key| key.name),
+                file.of(key),
+            ));
+        };
+        let read = typed(known, value, file)?;
+        if !known.kind.accepts(&read) {
+            let message = format!("`{name}` cannot be {read}");
+            return Err(SettingError::new(file.of(value), message)
+                .hint(format!("expected {} ({})", known.expects(), known.meaning))
+                .nearest_word(known.name, &read, known.words()));
+        }
+        values.insert(known.name, (read, file.of(value)));
+    }
+    Ok(values)
+}
+
+fn numbers<'v>(
+    values: &'v BTreeMap<&'static str, (Value, Origin)>,
+    name: &str,
+    count: usize,
+    whole: &Origin,
+) -> Result<&'v [f64], SettingError> {
+    let Some((value, origin)) = values.get(name) else {
+        return Err(missing(name, whole));
+    };
+    match value {
+        Value::Numbers(numbers) if numbers.len() == count => Ok(numbers),
+        other => {
+            let given = match other {
+                Value::Numbers(numbers) => numbers.len(),
+                _ => 0,
+            };
+            let message = format!(
+                "`{name}` has {}; expected {count}",
+                counted(given, "number")
+            );
+            Err(SettingError::new(origin.clone(), message).hint(meaning(name)))
+        }
+    }
+}
+
+fn meaning(name: &str) -> &'static str {
+    let mut keys = BODY_KEYS.iter().chain(GRIP_KEYS);
+    keys.find(|key| key.name == name)
+        .map_or("", |key| key.meaning)
+}
+
+fn missing(name: &str, whole: &Origin) -> SettingError {
+    SettingError::new(whole.clone(), format!("there is no `{name}`")).hint(meaning(name))
+}
+
+impl BodySettings {
+    /// The body of a study, where it has one; files are looked for beside `name`.
+    ///
+    /// # Errors
+    /// [`SettingError`] with file, line and column of what is wrong.
+    pub fn of_file(name: &str, text: &str) -> Result<Option<Self>, SettingError> {
+        let file = File { name, text };
+        let table = file.table()?;
+        let (mut body, mut grips) = (None, None);
+        for (key, value) in in_order(table.get_ref()) {
+            match key.get_ref().as_ref() {
+                "body" => body = Some((key, value)),
+                "grips" => grips = Some((key, value)),
+                _ => {}
+            }
+        }
+        let Some((key, value)) = body else {
+            return match grips {
+                Some((key, _)) => Err(SettingError::new(
+                    file.of(key),
+                    "`grips` have no effect without a body",
+                )
+                .hint("expected [body] with its keys below")),
+                None => Ok(None),
+            };
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            let message = format!("`body` cannot be {}", described(value.get_ref()));
+            return Err(SettingError::new(file.of(key), message)
+                .hint("expected a table: [body] with its keys below"));
+        };
+        let own = Self {
+            values: read(&file, "body", BODY_KEYS, table)?,
+            grips: match grips {
+                Some((_, value)) => Self::read_grips(&file, value)?,
+                None => Vec::new(),
+            },
+            origin: file.of(key),
+            folder: Path::new(name)
+                .parent()
+                .map(Path::to_owned)
+                .unwrap_or_default(),
+        };
+        own.check_keys_are_read()?;
+        Ok(Some(own))
+    }
+
+    fn read_grips(
+        file: &File<'_>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<Vec<(BTreeMap<&'static str, (Value, Origin)>, Origin)>, SettingError> {
+        let wrong = |value: &Spanned<DeValue<'_>>| {
+            let message = format!("`grips` cannot be {}", described(value.get_ref()));
+            SettingError::new(file.of(value), message)
+                .hint("expected [[grips]] with from, to, velocity and ramp below")
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(wrong(value));
+        };
+        let grip = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+            DeValue::Table(table) => Ok((read(file, "grips", GRIP_KEYS, table)?, file.of(item))),
+            _ => Err(wrong(item)),
+        };
+        items.iter().map(grip).collect()
+    }
+
+    fn value(&self, name: &str) -> Option<&Value> {
+        self.values.get(name).map(|(value, _)| value)
+    }
+
+    fn check_keys_are_read(&self) -> Result<(), SettingError> {
+        for key in BODY_KEYS {
+            let Some((_, origin)) = self.values.get(key.name) else {
+                continue;
+            };
+            if let Some(unmet) = key.unmet(&|name| self.value(name).cloned()) {
+                return Err(SettingError::unread(key, &unmet, origin.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        self.value(name).and_then(Value::number)
+    }
+
+    /// The word of the shape.
+    fn shape(&self) -> Result<&str, SettingError> {
+        match self.value("body.shape") {
+            Some(Value::Word(word)) => Ok(word),
+            _ => Err(missing("body.shape", &self.origin)),
+        }
+    }
+
+    /// The particles, in lengths, for a lattice with a spacing in so many dimensions.
+    ///
+    /// # Errors
+    /// [`SettingError`] for a key that is missing or has another number of numbers, and for a file that cannot be read.
+    pub fn particles(&self, dimension: usize, spacing: f64) -> Result<BodyParticles, SettingError> {
+        let length = |name: &str| self.number(name).map(|own| own * spacing);
+        let needed = |name: &str| length(name).ok_or_else(|| missing(name, &self.origin));
+        match self.shape()? {
+            "file" => self.placed(dimension).map(BodyParticles::Given),
+            "disk" | "ring" if dimension == 1 => Err(self.refused("is not one-dimensional")),
+            shape @ ("disk" | "ring") => {
+                if let (Some((_, origin)), true) = (self.values.get("body.height"), dimension < 3) {
+                    return Err(SettingError::new(
+                        origin.clone(),
+                        "`body.height` has no effect in the plane",
+                    )
+                    .hint("leave it out"));
+                }
+                Ok(BodyParticles::Cut(Shape::Ring {
+                    radius: needed("body.radius")?,
+                    inner: match shape {
+                        "ring" => needed("body.inner-radius")?,
+                        _ => 0.0,
+                    },
+                    height: match dimension {
+                        3 => Some(needed("body.height")?),
+                        _ => None,
+                    },
+                }))
+            }
+            shape => {
+                if shape == "plate" && dimension == 1 {
+                    return Err(self.refused("is not one-dimensional"));
+                }
+                let sides = match shape {
+                    "bar" => dimension.min(2),
+                    _ => dimension,
+                };
+                let given = numbers(&self.values, "body.size", sides, &self.origin)?;
+                let last = given[given.len() - 1];
+                let sides = (0..dimension).map(|i| spacing * given.get(i).copied().unwrap_or(last));
+                let notch = match self.values.get("body.notch") {
+                    None => None,
+                    Some(_) => {
+                        let own = numbers(&self.values, "body.notch", 2, &self.origin)?;
+                        Some(Notch {
+                            depth: own[0] * spacing,
+                            width: own[1] * spacing,
+                        })
+                    }
+                };
+                Ok(BodyParticles::Cut(Shape::Block {
+                    size: sides.collect(),
+                    hole: length("body.hole"),
+                    notch,
+                }))
+            }
+        }
+    }
+
+    fn refused(&self, why: &str) -> SettingError {
+        let origin = self.values.get("body.shape").map(|(_, origin)| origin);
+        let shape = self.shape().unwrap_or("");
+        SettingError::new(
+            origin.unwrap_or(&self.origin).clone(),
+            format!("a {shape} {why}"),
+        )
+        .hint("choose bar, or a lattice of more dimensions")
+    }
+
+    /// The grips, in lengths.
+    ///
+    /// # Errors
+    /// [`SettingError`] for a key that is missing or has another number of numbers.
+    pub fn grips(&self, dimension: usize, spacing: f64) -> Result<Vec<Grip>, SettingError> {
+        let grip = |(values, whole): &(BTreeMap<&'static str, (Value, Origin)>, Origin)| {
+            let list = |name: &str| numbers(values, name, dimension, whole).map(<[f64]>::to_vec);
+            let scaled = |own: Vec<f64>| own.into_iter().map(|x| x * spacing).collect();
+            let ramp = values.get("grips.ramp");
+            let time = ramp.and_then(|(value, _)| value.number()).unwrap_or(0.0);
+            if let Some((_, origin)) = ramp.filter(|_| time < 0.0) {
+                let message = format!("`grips.ramp` cannot be {time}");
+                return Err(SettingError::new(origin.clone(), message)
+                    .hint("expected a time that is not negative"));
+            }
+            Ok(Grip {
+                low: scaled(list("grips.from")?),
+                high: scaled(list("grips.to")?),
+                velocity: list("grips.velocity")?,
+                ramp: time,
+            })
+        };
+        self.grips.iter().map(grip).collect()
+    }
+
+    /// The particles of the file.
+    fn placed(&self, dimension: usize) -> Result<Vec<PlacedParticle>, SettingError> {
+        let Some((Value::Word(name), origin)) = self.values.get("body.file") else {
+            return Err(missing("body.file", &self.origin));
+        };
+        let path = self.folder.join(name);
+        let wrong = |line: usize, what: String| {
+            SettingError::new(
+                origin.clone(),
+                format!("{}, line {line}: {what}", path.display()),
+            )
+            .hint(format!(
+                "expected the line {} and below it finite numbers, volumes positive",
+                header(dimension)
+            ))
+        };
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            SettingError::new(
+                origin.clone(),
+                format!("cannot read {}: {error}", path.display()),
+            )
+            .hint("files are looked for beside the study")
+        })?;
+        let mut lines = text.lines().enumerate();
+        let named = |cell: &str| cell.trim().to_owned();
+        let first: Vec<String> = lines
+            .next()
+            .map_or_else(Vec::new, |(_, line)| line.split(',').map(named).collect());
+        if first.join(",") != header(dimension) {
+            return Err(wrong(1, format!("the columns are `{}`", first.join(","))));
+        }
+        let mut particles = Vec::new();
+        for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+            let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+            if cells.len() != dimension + 1 {
+                return Err(wrong(number + 1, counted(cells.len(), "cell")));
+            }
+            let mut read = [0.0; 4];
+            for (own, cell) in read.iter_mut().zip(&cells) {
+                *own = cell
+                    .parse()
+                    .ok()
+                    .filter(|value: &f64| value.is_finite())
+                    .ok_or_else(|| wrong(number + 1, format!("`{cell}` is no finite number")))?;
+            }
+            let volume = read[dimension];
+            if volume <= 0.0 {
+                return Err(wrong(number + 1, format!("the volume is {volume}")));
+            }
+            let mut position = [0.0; 3];
+            position[..dimension].copy_from_slice(&read[..dimension]);
+            particles.push(PlacedParticle { position, volume });
+        }
+        Ok(particles)
+    }
+}
+
+/// The columns of a file of particles.
+fn header(dimension: usize) -> String {
+    let axes = ["x", "y", "z"].into_iter().take(dimension);
+    axes.chain(["volume"]).collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BodySettings;
+    use onset::motion::{BodyParticles, Shape};
+
+    fn refused(text: &str) -> String {
+        let read = BodySettings::of_file("study.toml", text);
+        let refused = read.and_then(|body| {
+            let body = body.expect("a body");
+            body.particles(2, 1.0)?;
+            body.grips(2, 1.0).map(drop)
+        });
+        refused.expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn a_body_is_read_in_lengths() {
+        let text = "[body]\nshape = 'bar'\nsize = [40, 6]\n[[grips]]\nfrom = [0, 0]\nto = [2, 6]\nvelocity = [0.1, 0]\nramp = 2";
+        let body = BodySettings::of_file("study.toml", text)
+            .expect("read")
+            .expect("a body");
+        let BodyParticles::Cut(Shape::Block { size, hole, notch }) =
+            body.particles(3, 0.5).expect("particles")
+        else {
+            panic!("a block");
+        };
+        assert_eq!((size, hole, notch), (vec![20.0, 3.0, 3.0], None, None));
+        let grips = body.grips(2, 0.5).expect("grips");
+        assert_eq!(
+            (grips[0].high.as_slice(), grips[0].ramp),
+            ([1.0, 3.0].as_slice(), 2.0)
+        );
+        assert_eq!(
+            BodySettings::of_file("study.toml", "title = 'none'"),
+            Ok(None)
+        );
+    }
+
+    #[test]
+    fn what_has_no_effect_is_told_with_its_place() {
+        let told = refused("[body]\nshape = 'bar'\nsize = [40, 6]\nhole = 3");
+        assert!(
+            told.contains("study.toml:4") && told.contains("body.hole"),
+            "{told}"
+        );
+        assert!(refused("[[grips]]\nfrom = [0]").contains("without a body"));
+        assert!(refused("[body]\nshape = 'bar'\nsize = [40]").contains("expected 2"));
+        assert!(refused("[body]\nshape = 'cube'").contains("cannot be"));
+        assert!(refused("[body]\nsize = [1, 2]").contains("body.shape"));
+        assert!(refused("[body]\nshape = 'disk'\nradius = 4\nheight = 1").contains("no effect"));
+        assert!(refused("[body]\nshape = 'disk'\nradius = -4").contains("positive"));
+        assert!(refused("[body]\nshape = 'bar'\nsise = [40, 2]").contains("size"));
+        let grip = "[body]\nshape = 'disk'\nradius = 9\n[[grips]]\nfrom = [0, 0]\nto = [1, 1]\n";
+        assert!(refused(grip).contains("grips.velocity"));
+        assert!(refused(&format!("{grip}velocity = [1, 0]\nramp = -1")).contains("negative"));
+    }
+}

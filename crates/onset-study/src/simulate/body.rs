@@ -1,0 +1,353 @@
+//! A body with its grips, run.
+
+use super::picture::{DRAWN, figure};
+use super::plan::{Duration, HALF, checked, every, fields, mark, refused, stable};
+use super::run::{Course, Keeper, Moving, Place, Watch};
+use super::{SimulateError, fields as vtk};
+use crate::answers::{Problem, notes};
+use crate::number::{counted, told};
+use crate::settings::{BodySettings, Effective};
+use onset::kinematics::DeformationGradient;
+use onset::motion::{BodyError, BodyMotion, BodyQuantities, Fault, PatchState, Start};
+use serde::Serialize;
+use serde_json::json;
+use std::fmt;
+use std::path::PathBuf;
+
+/// The columns of the history of a body.
+const COLUMNS: &[&str] = &[
+    "step",
+    "time",
+    "kinetic_energy",
+    "strain_energy",
+    "energy",
+    "work_of_grips",
+    "momentum_1",
+    "momentum_2",
+    "momentum_3",
+    "angular_momentum_1",
+    "angular_momentum_2",
+    "angular_momentum_3",
+    "largest_displacement",
+    "smallest_volume_ratio",
+    "largest_volume_ratio",
+];
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyQuestion {
+    /// The body and its grips.
+    pub body: BodySettings,
+    /// The homogeneous deformation at the start; none when left out.
+    pub f: Option<DeformationGradient>,
+    /// The largest random displacement along each axis at the start, in particle spacings.
+    pub amplitude: f64,
+    /// Of the random displacements.
+    pub seed: u64,
+    /// For how long.
+    pub duration: Duration,
+    /// The step over the largest stable one; a half when left out.
+    pub fraction: Option<f64>,
+    /// The step itself, instead of that.
+    pub time_step: Option<f64>,
+    /// Whether a step above the largest stable one is meant.
+    pub is_supercritical: bool,
+    /// Steps between lines of the history; about four hundred lines when left out.
+    pub every: Option<u64>,
+    /// Fields that are written, from the first step to the last.
+    pub fields: u64,
+}
+
+impl BodyQuestion {
+    fn start(&self) -> DeformationGradient {
+        self.f.unwrap_or_else(DeformationGradient::identity)
+    }
+}
+
+/// What became of a body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyAnswer {
+    /// Whether the run was interrupted.
+    pub interrupted: bool,
+    /// Particles.
+    pub particles: usize,
+    /// What the engine keeps for a particle; bytes.
+    pub bytes_per_particle: f64,
+    /// Time.
+    pub time_step: f64,
+    /// A step below the largest stable one at the start; time.
+    pub critical_time_step: f64,
+    /// Steps of the run.
+    pub steps: u64,
+    /// Steps that were taken.
+    pub steps_taken: u64,
+    /// At the end; energy.
+    pub kinetic_energy: f64,
+    /// At the end; energy.
+    pub strain_energy: f64,
+    /// Of the grips, up to the end; energy.
+    pub work_of_grips: f64,
+    /// The largest change of kinetic and strain energy less the work of the grips in the history, over the largest of their sizes. With a penalty it holds
+    /// the work of that too, which has no potential.
+    pub energy_drift: f64,
+    /// The largest displacement of a particle in the history; length.
+    pub largest_displacement: f64,
+    /// The smallest and the largest volume ratio of a particle in the history.
+    pub volume_ratios: [f64; 2],
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect.
+    pub settings: Effective,
+    /// Files that were written.
+    #[serde(skip)]
+    pub files: Vec<PathBuf>,
+}
+
+/// Runs a body; into a folder, where there is one.
+///
+/// # Errors
+/// [`SimulateError`] for a body that cannot be run, a motion that breaks down, and files that cannot be written.
+pub fn run_body(
+    problem: &Problem,
+    question: &BodyQuestion,
+    place: Option<&Place>,
+    watch: &dyn Watch,
+) -> Result<BodyAnswer, SimulateError> {
+    let dimension = problem.dimension();
+    let spacing = problem.analysis.spacing();
+    let particles = question.body.particles(dimension, spacing)?;
+    let grips = question.body.grips(dimension, spacing)?;
+    let mut answer = None;
+    problem
+        .analysis
+        .with_body(&particles, &grips, &mut |body| {
+            let decisive = json!({
+                "version": env!("CARGO_PKG_VERSION"),
+                "settings": problem.settings.effective(),
+                "particles": format!("{particles:?}"),
+                "grips": format!("{grips:?}"),
+                "state": question.start().components(),
+                "amplitude": question.amplitude,
+                "seed": question.seed,
+            });
+            let course = course(question, body, spacing, decisive);
+            answer =
+                Some(course.and_then(|course| run(problem, question, &course, body, place, watch)));
+        })?;
+    answer.unwrap_or(Err(BodyError::Empty.into()))
+}
+
+fn course(
+    question: &BodyQuestion,
+    body: &mut dyn BodyMotion,
+    spacing: f64,
+    mut decisive: serde_json::Value,
+) -> Result<Course, SimulateError> {
+    let start = Start {
+        f: question.start(),
+        noise: question.amplitude * spacing,
+        seed: question.seed,
+    };
+    let unstarted = |fault| SimulateError::Fault {
+        fault,
+        hint: "the body cannot even start: choose a smaller --amplitude, or another --stretch"
+            .to_owned(),
+        checkpoint: None,
+    };
+    body.start(&start, 0.0).map_err(unstarted)?;
+    let critical = body.critical_time_step().map_err(unstarted)?;
+    let step = match (question.time_step, question.fraction) {
+        (Some(step), _) => step,
+        (None, fraction) => fraction.unwrap_or(HALF) * critical,
+    };
+    if !step.is_finite() {
+        return Err(refused(
+            "no motion of the body oscillates, so no step is the largest stable one",
+            "give --time-step",
+        ));
+    }
+    let step = stable(step, critical, question.is_supercritical)?;
+    let steps = match question.duration {
+        Duration::Steps(count) => checked(count as f64)?,
+        Duration::Time(time) => checked((time / step).round())?,
+        Duration::Natural => {
+            return Err(refused(
+                "how long the body is to be run is not told",
+                "give --steps or --time",
+            ));
+        }
+    };
+    let every = every(question.every, steps)?;
+    let fields = fields(question.fields, steps);
+    body.start(&start, step).map_err(unstarted)?;
+    decisive["run"] = json!({ "step": step, "steps": steps, "every": every, "fields": fields });
+    Ok(Course {
+        mark: mark(&decisive),
+        step,
+        critical,
+        steps,
+        every,
+        sampling: 1,
+        samples: 0,
+        fields,
+        is_shown: false,
+        columns: COLUMNS,
+        start: body.state(),
+        grown: "the body is deformed beyond its law, or zero-energy modes have grown: stretch it less, refine it, or set a discretization.penalty",
+    })
+}
+
+fn run(
+    problem: &Problem,
+    question: &BodyQuestion,
+    course: &Course,
+    body: &mut dyn BodyMotion,
+    place: Option<&Place>,
+    watch: &dyn Watch,
+) -> Result<BodyAnswer, SimulateError> {
+    let mut keeper = Keeper::begun(course, place)?;
+    body.put(&keeper.progress.state, &question.start());
+    let mut moving = MovingBody {
+        places: body.positions(),
+        step: course.step,
+        body,
+    };
+    let is_interrupted = keeper.follow(&mut moving, watch)?;
+    let mut last = Vec::new();
+    if !is_interrupted {
+        last = keeper.collection();
+        if place.is_some() && problem.dimension() == 2 && moving.places.len() <= DRAWN {
+            // A run that had come to its end has evaluated nothing.
+            let evaluated = moving.body.quantities(course.step);
+            evaluated.map_err(|fault| keeper.failed(fault))?;
+            let time = course.step * course.steps as f64;
+            let units = problem.settings.effective().units();
+            let drawn = figure(&*moving.body, time, units).files("body");
+            last.extend(drawn.map_err(|error| refused(error.to_string(), "leave --out out"))?);
+        }
+    }
+    let files = keeper.keep(&moving, last)?;
+    let lines = || keeper.progress.history.chunks_exact(COLUMNS.len());
+    let largest = |of: &dyn Fn(&[f64]) -> f64| lines().map(of).fold(0.0, f64::max);
+    let kept = |line: &[f64]| line[4] - line[5];
+    let first = lines().next().map_or(0.0, kept);
+    let size = largest(&|line| line[2].abs() + line[3].abs() + line[5].abs());
+    let changed = largest(&|line| (kept(line) - first).abs());
+    let end = lines().last().unwrap_or(&[0.0; 15]).to_vec();
+    Ok(BodyAnswer {
+        interrupted: is_interrupted,
+        particles: moving.places.len(),
+        bytes_per_particle: moving.body.bytes_per_particle(),
+        time_step: course.step,
+        critical_time_step: course.critical,
+        steps: course.steps,
+        steps_taken: keeper.progress.state.step,
+        kinetic_energy: end[2],
+        strain_energy: end[3],
+        work_of_grips: end[5],
+        energy_drift: if size > 0.0 { changed / size } else { 0.0 },
+        largest_displacement: largest(&|line| line[12]),
+        volume_ratios: [
+            lines().map(|line| line[13]).fold(f64::INFINITY, f64::min),
+            largest(&|line| line[14]),
+        ],
+        notes: notes(&problem.settings, &*problem.material),
+        settings: problem.settings.effective(),
+        files,
+    })
+}
+
+struct MovingBody<'a> {
+    places: Vec<[f64; 3]>,
+    step: f64,
+    body: &'a mut dyn BodyMotion,
+}
+
+impl Moving for MovingBody<'_> {
+    fn advance(&mut self) -> Result<(), Box<Fault>> {
+        self.body.advance(self.step)
+    }
+
+    fn state(&self) -> PatchState {
+        self.body.state()
+    }
+
+    fn line(&mut self) -> Result<Vec<f64>, Box<Fault>> {
+        let BodyQuantities {
+            kinetic,
+            strain,
+            work,
+            momentum,
+            angular_momentum,
+            largest,
+            volume_ratios,
+        } = self.body.quantities(self.step)?;
+        let mut line = vec![kinetic, strain, kinetic + strain, work];
+        line.extend(momentum);
+        line.extend(angular_momentum);
+        line.push(largest);
+        line.extend(volume_ratios);
+        Ok(line)
+    }
+
+    fn sample(&self) -> f64 {
+        0.0
+    }
+
+    fn field(&mut self) -> Result<String, Box<Fault>> {
+        self.body.quantities(self.step)?;
+        let f = self.body.deformations();
+        let of = |value: &dyn Fn(&[[f64; 3]; 3]) -> f64| f.iter().map(value).collect::<Vec<_>>();
+        let ratio = |f: &[[f64; 3]; 3]| DeformationGradient::from_components(*f).determinant();
+        // The Green-Lagrange shear strain of the first two axes.
+        let shear = |f: &[[f64; 3]; 3]| 0.5 * (0..3).map(|i| f[i][0] * f[i][1]).sum::<f64>();
+        let scalars = [("volume_ratio", of(&ratio)), ("shear_strain", of(&shear))];
+        let state = self.body.state();
+        Ok(vtk::vtu(
+            self.body.dimension(),
+            &self.places,
+            &state,
+            &scalars,
+        ))
+    }
+}
+
+impl fmt::Display for BodyAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let units = self.settings.units();
+        writeln!(
+            formatter,
+            "body         {}, {:.0} bytes each",
+            counted(self.particles, "particle"),
+            self.bytes_per_particle
+        )?;
+        writeln!(
+            formatter,
+            "run          {} of {} steps of {} ({} of the largest stable one), central-differences",
+            self.steps_taken,
+            self.steps,
+            units.of(told(self.time_step), "s"),
+            told(self.time_step / self.critical_time_step),
+        )?;
+        writeln!(
+            formatter,
+            "energy       kinetic {}, strain {}, work of grips {}; drift {:.1e}",
+            told(self.kinetic_energy),
+            told(self.strain_energy),
+            told(self.work_of_grips),
+            self.energy_drift
+        )?;
+        let [low, high] = self.volume_ratios;
+        writeln!(
+            formatter,
+            "deformation  displacements up to {}, volume ratios from {} to {}",
+            units.of(told(self.largest_displacement), "m"),
+            told(low),
+            told(high)
+        )?;
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
+    }
+}

@@ -1,0 +1,123 @@
+//! A patch about a homogeneous state, run beside its prediction.
+
+use super::page::page;
+use super::plan::Plan;
+use super::run::{Keeper, Moving, Place, Watch};
+use super::{Question, SimulateAnswer, SimulateError, fields};
+use crate::answers::Problem;
+use crate::output::text;
+use onset::method::MethodError;
+use onset::motion::{Fault, PatchMotion, PatchState};
+
+/// Runs a patch; into a folder, where there is one.
+///
+/// # Errors
+/// [`SimulateError`] for a question that cannot be run, a motion that breaks down, and files that cannot be written.
+pub fn simulate(
+    problem: &Problem,
+    question: &Question,
+    place: Option<&Place>,
+    watch: &dyn Watch,
+) -> Result<SimulateAnswer, SimulateError> {
+    let cells = question.patch(problem)?;
+    let mut answer = None;
+    problem
+        .analysis
+        .with_motion(&question.f, &cells, &mut |patch| {
+            let plan = Plan::new(problem, question, patch, cells.clone());
+            answer = Some(plan.and_then(|plan| run(problem, question, &plan, patch, place, watch)));
+        })?;
+    answer.unwrap_or(Err(SimulateError::Method(MethodError::NotFinite)))
+}
+
+fn run(
+    problem: &Problem,
+    question: &Question,
+    plan: &Plan,
+    patch: &mut dyn PatchMotion,
+    place: Option<&Place>,
+    watch: &dyn Watch,
+) -> Result<SimulateAnswer, SimulateError> {
+    let mut keeper = Keeper::begun(&plan.course, place)?;
+    patch.put(&keeper.progress.state);
+    let mut moving = MovingPatch {
+        plan,
+        places: current(question, patch),
+        patch,
+    };
+    let is_interrupted = keeper.follow(&mut moving, watch)?;
+    let mut answer = SimulateAnswer::new(problem, question, plan, &*moving.patch, &keeper.progress);
+    answer.interrupted = is_interrupted;
+    let mut last = Vec::new();
+    if !is_interrupted {
+        last = keeper.collection();
+        if plan.course.is_shown {
+            let spacing = problem.analysis.spacing();
+            let page = page(&answer, &moving.places, &keeper.progress.fields, spacing);
+            last.push(text("simulate.html", page));
+        }
+    }
+    answer.files = keeper.keep(&moving, last)?;
+    Ok(answer)
+}
+
+/// Where the particles of the homogeneous state are; length.
+fn current(question: &Question, patch: &dyn PatchMotion) -> Vec<[f64; 3]> {
+    let f = question.f.components();
+    let dimension = patch.dimension();
+    let moved = |x: [f64; 3]| {
+        std::array::from_fn(|i| match i < dimension {
+            true => (0..dimension).map(|j| f[i][j] * x[j]).sum(),
+            false => 0.0,
+        })
+    };
+    patch.positions().into_iter().map(moved).collect()
+}
+
+struct MovingPatch<'a> {
+    plan: &'a Plan,
+    /// Of the homogeneous state.
+    places: Vec<[f64; 3]>,
+    patch: &'a mut dyn PatchMotion,
+}
+
+impl Moving for MovingPatch<'_> {
+    fn advance(&mut self) -> Result<(), Box<Fault>> {
+        self.patch.advance(self.plan.stepper, self.plan.course.step)
+    }
+
+    fn state(&self) -> PatchState {
+        self.patch.state()
+    }
+
+    fn line(&mut self) -> Result<Vec<f64>, Box<Fault>> {
+        let own = self
+            .patch
+            .quantities(self.plan.stepper, self.plan.course.step)?;
+        let [px, py, pz] = own.momentum;
+        Ok(vec![
+            own.kinetic,
+            own.potential,
+            own.kinetic + own.potential,
+            px,
+            py,
+            pz,
+            own.largest,
+            self.sample(),
+        ])
+    }
+
+    fn sample(&self) -> f64 {
+        self.patch.amplitude(&self.plan.wave)
+    }
+
+    fn field(&mut self) -> Result<String, Box<Fault>> {
+        let state = self.patch.state();
+        Ok(fields::vtu(
+            self.patch.dimension(),
+            &self.places,
+            &state,
+            &[],
+        ))
+    }
+}

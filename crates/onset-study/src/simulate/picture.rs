@@ -1,0 +1,76 @@
+//! A body drawn: its particles where they are, colored by how much they are stretched.
+
+use crate::figure::{Axis, ColorMap, Figure, Panel, Points};
+use crate::number::told;
+use crate::settings::Units;
+use onset::motion::BodyMotion;
+
+/// Particles that are drawn at most.
+pub(super) const DRAWN: usize = 50_000;
+/// Colors.
+const CLASSES: usize = 8;
+/// The width of the picture; pixels.
+const WIDTH: f64 = 760.0;
+
+/// The largest principal stretch in the plane.
+fn stretch(f: &[[f64; 3]; 3]) -> f64 {
+    let c = |a: usize, b: usize| (0..2).map(|i| f[i][a] * f[i][b]).sum::<f64>();
+    let (mean, half) = (0.5 * (c(0, 0) + c(1, 1)), 0.5 * (c(0, 0) - c(1, 1)));
+    (mean + half.hypot(c(0, 1))).sqrt()
+}
+
+/// The particles of a plane body at the last evaluation of its forces.
+pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
+    let state = body.state();
+    let places: Vec<(f64, f64)> = body
+        .positions()
+        .iter()
+        .zip(state.displacements.chunks_exact(2))
+        .map(|(x, u)| (x[0] + u[0], x[1] + u[1]))
+        .collect();
+    let stretches: Vec<f64> = body.deformations().iter().map(stretch).collect();
+    let low = stretches.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = stretches
+        .iter()
+        .copied()
+        .fold(0.0, f64::max)
+        .max(low * (1.0 + 1e-9));
+    let [x, y] = ["x₁", "x₂"].map(|what| Axis::linear(units.label(what, "length"), (0.0, 1.0)));
+    let x = x.covering(places.iter().map(|place| place.0));
+    let y = y.covering(places.iter().map(|place| place.1));
+    let (width, height) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
+    // Round marks that nearly touch at the mean distance.
+    let area = width * height / places.len() as f64;
+    let size = (0.8 * area.sqrt() * WIDTH / width).clamp(1.0, 9.0);
+    let mut panel = Panel::new("", x, y).equal_aspect();
+    for class in 0..CLASSES {
+        let edge = |n: usize| low + (high - low) * n as f64 / CLASSES as f64;
+        let is_own = |own: &f64| {
+            let place = (own - low) / (high - low) * CLASSES as f64;
+            (place as usize).min(CLASSES - 1) == class
+        };
+        let own: Vec<(f64, f64)> = places
+            .iter()
+            .zip(&stretches)
+            .filter(|(_, stretch)| is_own(stretch))
+            .map(|(place, _)| *place)
+            .collect();
+        if own.is_empty() {
+            continue;
+        }
+        let middle = 0.5 * (edge(class) + edge(class + 1));
+        let named = format!("{:.3} to {:.3}", edge(class), edge(class + 1));
+        let points = Points::new(own)
+            .size(size)
+            .color(ColorMap::Viridis.color(middle, (low, high)))
+            .named(named);
+        panel = panel.with(points);
+    }
+    let mut figure = Figure::new(format!(
+        "Largest stretch of the particles at time {}",
+        told(time)
+    ))
+    .with(panel);
+    figure.panel_size = Some((WIDTH, (WIDTH * height / width).clamp(160.0, 900.0)));
+    figure
+}

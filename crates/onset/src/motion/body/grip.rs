@@ -1,0 +1,39 @@
+//! Grips: particles that move as told.
+
+/// The particles in a box, which move with a velocity that rises smoothly from zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grip {
+    /// The lower corner of the box in the reference state; length.
+    pub low: Vec<f64>,
+    /// The upper corner.
+    pub high: Vec<f64>,
+    /// The velocity at the end of the ramp; length/time.
+    pub velocity: Vec<f64>,
+    /// How long it takes to rise; time. Zero for none.
+    pub ramp: f64,
+}
+
+impl Grip {
+    /// The share of the velocity at a time: `3 s^2 - 2 s^3` with `s = t / ramp`, one after it.
+    ///
+    /// ```
+    /// use onset::motion::Grip;
+    /// let grip = Grip { low: vec![0.0], high: vec![1.0], velocity: vec![2.0], ramp: 4.0 };
+    /// assert_eq!([-1.0, 0.0, 2.0, 4.0, 9.0].map(|t| grip.share(t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
+    /// ```
+    pub fn share(&self, time: f64) -> f64 {
+        let s = match self.ramp > 0.0 {
+            true => (time / self.ramp).clamp(0.0, 1.0),
+            false => 1.0,
+        };
+        s * s * (3.0 - 2.0 * s)
+    }
+
+    /// Whether a reference position is in the box, its faces included.
+    pub(super) fn holds(&self, position: &[f64]) -> bool {
+        let sides = position.iter().zip(self.low.iter().zip(&self.high));
+        sides
+            .into_iter()
+            .all(|(x, (low, high))| low <= x && x <= high)
+    }
+}

@@ -1,0 +1,33 @@
+//! Bodies: particles with a free surface, on an engine of their own.
+//!
+//! A body is cut out of the lattice of a method ([`Shape`]), or its particles are given one by one. Methods whose gradients stay with the material
+//! say what a pair of particles has in common ([`PairLaw`](crate::scheme::PairLaw), a capability of [`Discretization`]); the engine adds up the same forces as
+//! [`Discretization::with_forces`], the other way round: it gathers what each particle gets instead of scattering what each point gives, so that
+//! particles can be worked on at the same time, several to a vector and on all cores, with one result to the last digit.
+//!
+//! With `a_IJ = V_J grad W_IJ` (one vector for a pair and its reverse when volumes are equal) and the correction `K_I = sum_J X_IJ (x) a_IJ`:
+//!
+//! `F_I = 1 + (sum_J (u_J - u_I) (x) a_IJ) K_I^-1`, `T_I = P(F_I) K_I^-T`, `f_I = V_I sum_J (T_I + T_J) a_IJ`,
+//!
+//! and the penalty along bonds takes `F_I + F_J` in the same way. Pairs of a regular lattice share their vectors: particles that follow each other along a
+//! row and see the same neighbors are one run, whatever the shape of the body; particles that lie anywhere are runs of one.
+//!
+//! Time is stepped by the leapfrog (central differences): one evaluation of the forces a step.
+//!
+//! [`Discretization`]: crate::scheme::Discretization
+//! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
+
+mod engine;
+mod error;
+mod grip;
+mod links;
+mod moving;
+mod shape;
+mod vectors;
+
+pub use error::BodyError;
+pub use grip::Grip;
+pub use moving::{BodyMotion, BodyQuantities, Start};
+pub use shape::{BodyParticles, Notch, PlacedParticle, Shape};
+
+pub(crate) use moving::with_body;

@@ -1,0 +1,248 @@
+//! The particles of a body: cut out of a lattice, or given.
+
+use super::BodyError;
+use crate::lattice::{Crystal, Particle, cells_between};
+use nalgebra::SVector;
+
+/// The most particles of a body.
+const PARTICLES: usize = 20_000_000;
+/// Particles this share of a spacing outside of a shape are on its rim, and belong to it.
+const RIM: f64 = 1e-9;
+
+/// A cut from an edge of a block, at the middle of its first side, from below along the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Notch {
+    /// Length.
+    pub depth: f64,
+    /// Length.
+    pub width: f64,
+}
+
+/// A shape that is cut out of a lattice. Blocks have a corner at the origin; disks and rings have their center there.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A bar, a plate or any other block.
+    Block {
+        /// Its sides; length.
+        size: Vec<f64>,
+        /// The radius of a round hole through the middle, along the third axis; length.
+        hole: Option<f64>,
+        /// A notch.
+        notch: Option<Notch>,
+    },
+    /// A disk, or a ring; in three dimensions a cylinder along the third axis, from zero on.
+    Ring {
+        /// The outer radius; length.
+        radius: f64,
+        /// The inner one, zero for a disk; length.
+        inner: f64,
+        /// The length of a cylinder; length.
+        height: Option<f64>,
+    },
+}
+
+/// A particle that is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedParticle {
+    /// Where it is in the reference state; length.
+    pub position: [f64; 3],
+    /// Its reference volume; length^D.
+    pub volume: f64,
+}
+
+/// The particles of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyParticles {
+    /// Those of the method's lattice inside of a shape. The lattice lies so that half a spacing is between the faces of a block and its outermost
+    /// particles where its sides are whole numbers of spacings along the axes.
+    Cut(Shape),
+    /// Particles anywhere.
+    Given(Vec<PlacedParticle>),
+}
+
+/// Where the particles are.
+pub(super) struct Placed<const D: usize> {
+    pub(super) positions: Vec<[f64; D]>,
+    pub(super) volumes: Vec<f64>,
+    /// Which particles of the lattice they are, in the order of rows along its first vector; none of given ones.
+    pub(super) places: Option<Vec<Particle<D>>>,
+}
+
+fn positive(what: &str, value: f64) -> Result<f64, BodyError> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(BodyError::Number {
+            what: what.to_owned(),
+            value,
+            expected: "a positive number",
+        }),
+    }
+}
+
+impl Shape {
+    /// The lower and the upper corner of a box that holds it.
+    fn corners<const D: usize>(&self) -> Result<[[f64; D]; 2], BodyError> {
+        match self {
+            Self::Block { size, hole, notch } => {
+                let mut high = [0.0; D];
+                for i in 0..D {
+                    let side = size.get(i).copied().unwrap_or(f64::NAN);
+                    high[i] = positive(&format!("side {} of the body", i + 1), side)?;
+                }
+                if let Some(radius) = hole {
+                    positive("the radius of the hole", *radius)?;
+                }
+                if let Some(notch) = notch {
+                    positive("the depth of the notch", notch.depth)?;
+                    positive("the width of the notch", notch.width)?;
+                }
+                Ok([[0.0; D], high])
+            }
+            Self::Ring {
+                radius,
+                inner,
+                height,
+            } => {
+                positive("the radius of the body", *radius)?;
+                if !(0.0..*radius).contains(inner) {
+                    return Err(BodyError::Number {
+                        what: "the inner radius of the body".to_owned(),
+                        value: *inner,
+                        expected: "a number from 0 to below the outer radius",
+                    });
+                }
+                let (mut low, mut high) = ([-radius; D], [*radius; D]);
+                if D == 3 {
+                    low[2] = 0.0;
+                    high[2] = positive("the height of the body", height.unwrap_or(f64::NAN))?;
+                }
+                Ok([low, high])
+            }
+        }
+    }
+
+    /// Whether a place inside of the box is inside of the shape.
+    fn holds<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
+        let across = |x: f64, y: f64| x.hypot(y);
+        match self {
+            Self::Block { size, hole, notch } => {
+                let second = x.get(1).copied().unwrap_or(0.0);
+                let from_middle = |i: usize| x.get(i).map_or(0.0, |x| x - 0.5 * size[i]);
+                let is_in_hole = hole
+                    .is_some_and(|radius| across(from_middle(0), from_middle(1)) < radius - rim);
+                let is_in_notch = notch.is_some_and(|notch| {
+                    from_middle(0).abs() < 0.5 * notch.width - rim && second < notch.depth - rim
+                });
+                !is_in_hole && !is_in_notch
+            }
+            Self::Ring { radius, inner, .. } => {
+                let distance = across(x[0], x.get(1).copied().unwrap_or(0.0));
+                (inner - rim..=radius + rim).contains(&distance)
+            }
+        }
+    }
+}
+
+/// The places of the particles of a body.
+pub(super) fn placed<const D: usize>(
+    crystal: &Crystal<D>,
+    particles: &BodyParticles,
+) -> Result<Placed<D>, BodyError> {
+    let placed = match particles {
+        BodyParticles::Cut(shape) => cut(crystal, shape)?,
+        BodyParticles::Given(given) => given_ones(given)?,
+    };
+    match placed.positions.is_empty() {
+        true => Err(BodyError::Empty),
+        false => Ok(placed),
+    }
+}
+
+fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>, BodyError> {
+    let [low, high] = shape.corners::<D>()?;
+    let half = 0.5 * crystal.spacing();
+    let rim = RIM * crystal.spacing();
+    let volume: f64 = (0..D).map(|i| high[i] - low[i]).product();
+    let cell: f64 = crystal.volumes().iter().sum();
+    let expected = volume / cell * crystal.volumes().len() as f64;
+    if expected > PARTICLES as f64 {
+        return Err(BodyError::TooMany {
+            particles: expected as usize,
+            limit: PARTICLES,
+        });
+    }
+    // The cells of the lattice that reach into the box: lattice coordinates are linear, so their extremes are at its corners.
+    let inverse = crystal.lattice().vectors().try_inverse();
+    let inverse = inverse.ok_or(crate::method::MethodError::NotFinite)?;
+    let (mut first, mut last) = ([i32::MAX; D], [i32::MIN; D]);
+    for corner in 0..1 << D {
+        let x = SVector::<f64, D>::from_fn(|i, _| {
+            if corner >> i & 1 == 0 {
+                low[i] - half
+            } else {
+                high[i] - half
+            }
+        });
+        let fractional = inverse * x;
+        for i in 0..D {
+            first[i] = first[i].min(fractional[i].floor() as i32 - 1);
+            last[i] = last[i].max(fractional[i].ceil() as i32 + 1);
+        }
+    }
+    let mut found: Vec<(Particle<D>, [f64; D])> = Vec::new();
+    for cell in cells_between(&first, &last) {
+        for site in 0..crystal.sites().len() {
+            let particle = Particle { site, cell };
+            let x: [f64; D] = crystal.position(&particle).add_scalar(half).into();
+            let is_in_box = (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&x[i]));
+            if is_in_box && shape.holds(&x, rim) {
+                found.push((particle, x));
+            }
+        }
+    }
+    // Rows along the first vector, of one site each.
+    found.sort_by_key(|(particle, _)| {
+        let mut key = [0; 4];
+        for i in 1..D {
+            key[D - 1 - i] = particle.cell[i];
+        }
+        key[2] = particle.site as i32;
+        key[3] = particle.cell[0];
+        key
+    });
+    Ok(Placed {
+        volumes: found
+            .iter()
+            .map(|(particle, _)| crystal.volumes()[particle.site])
+            .collect(),
+        positions: found.iter().map(|(_, x)| *x).collect(),
+        places: Some(found.into_iter().map(|(particle, _)| particle).collect()),
+    })
+}
+
+fn given_ones<const D: usize>(given: &[PlacedParticle]) -> Result<Placed<D>, BodyError> {
+    if given.len() > PARTICLES {
+        return Err(BodyError::TooMany {
+            particles: given.len(),
+            limit: PARTICLES,
+        });
+    }
+    let mut positions = Vec::with_capacity(given.len());
+    for (number, particle) in given.iter().enumerate() {
+        positive(&format!("the volume of particle {number}"), particle.volume)?;
+        let position: [f64; D] = std::array::from_fn(|i| particle.position[i]);
+        if let Some(value) = position.iter().find(|x| !x.is_finite()) {
+            return Err(BodyError::Number {
+                what: format!("a coordinate of particle {number}"),
+                value: *value,
+                expected: "a finite number",
+            });
+        }
+        positions.push(position);
+    }
+    Ok(Placed {
+        positions,
+        volumes: given.iter().map(|particle| particle.volume).collect(),
+        places: None,
+    })
+}
