@@ -152,7 +152,7 @@ export async function ask<T>(name: string, question: Partial<Question> & Record<
   const document = (await answer.json()) as T & { error?: string };
   if (running.get(place) === controller) running.delete(place);
   if (controller.signal.aborted) throw new DOMException("given up", "AbortError");
-  if (!answer.ok) throw new Refusal(document.error ?? answer.statusText);
+  if (document.error !== undefined) throw new Refusal(document.error);
   return document;
 }
 

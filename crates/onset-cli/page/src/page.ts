@@ -185,6 +185,7 @@ async function askMap(): Promise<void> {
     the("plane").removeAttribute("aria-busy");
     curves = await ask<Curves>("boundary", { ...asked(), window: question.window });
     drawMap();
+    the("map").dataset["curves"] = String(curves.features.length);
     performance.mark("drawn:boundary");
   } catch (error) {
     if (isGivenUp(error)) return;

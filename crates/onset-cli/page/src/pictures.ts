@@ -6,6 +6,27 @@ import { color } from "./dom";
 
 type Drawn = SVGSVGElement | HTMLElement;
 
+/** The cells of maps as images, one pixel each: they are painted once, however often the state moves. */
+const painted = new WeakMap<ShownMap, string>();
+
+function cells(shown: ShownMap, classes: Catalog["classes"]): string {
+  const known = painted.get(shown);
+  if (known) return known;
+  const [columns, rows] = shown.axes.map((axis) => axis.states) as [number, number];
+  const canvas = document.createElement("canvas");
+  canvas.width = columns;
+  canvas.height = rows;
+  const context = canvas.getContext("2d")!;
+  shown.classes.forEach((n, place) => {
+    if (n === null) return;
+    context.fillStyle = classes[n]!.color;
+    context.fillRect(place % columns, rows - 1 - Math.floor(place / columns), 1, 1);
+  });
+  const image = canvas.toDataURL();
+  painted.set(shown, image);
+  return image;
+}
+
 /** A map with the curves that are known, and the state. */
 export function map(shown: ShownMap, curves: Curves | null, classes: Catalog["classes"], at: [number, number], width: number): Drawn {
   const [first, second] = shown.axes as [ShownMap["axes"][0], ShownMap["axes"][0]];
@@ -13,7 +34,6 @@ export function map(shown: ShownMap, curves: Curves | null, classes: Catalog["cl
   const shape = isPlane ? (second.range[1] - second.range[0]) / (first.range[1] - first.range[0]) : 0.8;
   const inner = width - 60;
   const height = Math.max(160, Math.min(inner * shape, 1.3 * inner)) + 50;
-  const fills = shown.classes.map((n) => (n === null ? "transparent" : classes[n]!.color));
   const lines = lined(curves);
   const of = (owner: string) => lines.filter((line) => line.of === owner).flatMap((line) => [...line.points, [NaN, NaN]]);
   return Plot.plot({
@@ -26,16 +46,14 @@ export function map(shown: ShownMap, curves: Curves | null, classes: Catalog["cl
     style: { background: "transparent", fontSize: "13px", overflow: "visible" },
     x: { domain: first.range, label: first.label, labelAnchor: "center", labelArrow: "none" },
     y: { domain: second.range, label: second.label, labelAnchor: "center", labelArrow: "none" },
-    color: { type: "identity" },
     marks: [
-      Plot.raster(fills, {
-        width: first.states,
-        height: second.states,
-        x1: first.range[0],
-        x2: first.range[1],
-        y1: second.range[0],
-        y2: second.range[1],
-        fill: (fill: string) => fill,
+      Plot.image([[(first.range[0] + first.range[1]) / 2, (second.range[0] + second.range[1]) / 2]], {
+        x: "0",
+        y: "1",
+        src: () => cells(shown, classes),
+        width: width - 60,
+        height: height - 50,
+        preserveAspectRatio: "none",
         imageRendering: "pixelated",
       }),
       Plot.line(of("material"), { x: "0", y: "1", stroke: "#000", strokeWidth: 5 }),

@@ -81,7 +81,8 @@ export function sphere(place: HTMLElement, answer: Directions): { stop(): void }
   const colors: number[] = [];
   answer.normals.forEach((normal, n) => {
     positions.push(normal[0]!, normal[1]!, normal[2]!);
-    const share = high > low ? (values[n]! - low) / (high - low) : 1;
+    // Of an isotropic state all are equal but for rounding.
+    const share = high - low > 1e-9 * Math.abs(high) ? (values[n]! - low) / (high - low) : 1;
     const own = warm.clone().lerp(cold, share);
     colors.push(own.r, own.g, own.b);
   });

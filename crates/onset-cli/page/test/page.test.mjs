@@ -195,14 +195,12 @@ test("a wrong formula shows the caret and keeps the last picture", options, asyn
   await area.fill("mu/2*(I1 - 3 -* 2)");
   await page.waitForSelector("#error:not([hidden])");
   const told = await page.locator("#error").textContent();
-  assert.match(told, /\^/);
-  assert.match(told, /hint:/);
+  assert.match(told, /\n +\^/);
   assert.equal(await sentence(page), before);
   assert.equal(await page.locator("#dispersion").innerHTML(), picture);
   await area.fill("mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*(J - 1)^2");
   await page.waitForSelector("#error", { state: "hidden" });
-  // The browser itself tells of the answer that is a refusal.
-  await close(["422"]);
+  await close();
 });
 
 test("names are text, whatever they look like", options, async () => {
@@ -212,7 +210,7 @@ test("names are text, whatever they look like", options, async () => {
   await page.waitForSelector("#error:not([hidden])");
   assert.match(await page.locator("#error").textContent(), /<img src=x onerror=alert\(1\)>/);
   assert.equal(await page.locator("#error img, #map img, #form img").count(), 0);
-  await close(["422"]);
+  await close();
 });
 
 test("a stranger's study starts no library", options, async () => {
@@ -223,7 +221,7 @@ test("a stranger's study starts no library", options, async () => {
   await page.setInputFiles("#study", study);
   await page.waitForSelector("#error:not([hidden])");
   assert.match(await page.locator("#error").textContent(), /nothing was loaded/);
-  await close(["422"]);
+  await close();
 });
 
 test("the keyboard moves the state, and other methods have other keys", options, async () => {

@@ -25,6 +25,8 @@ pub struct Request {
     headers: Vec<(String, String)>,
     /// What was sent with it.
     pub body: Vec<u8>,
+    /// Whether nothing more will be asked on the connection.
+    pub is_last: bool,
 }
 
 impl Request {
@@ -212,12 +214,15 @@ fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
         let value = String::from_utf8_lossy(header.value).trim().to_owned();
         (header.name.to_ascii_lowercase(), value)
     });
-    let request = Request {
+    let mut request = Request {
         method: parsed.method.unwrap_or_default().to_owned(),
         path: target.split('?').next().unwrap_or_default().to_owned(),
         headers: headers.collect(),
         body: Vec::new(),
+        is_last: parsed.version == Some(0),
     };
+    let is_closing = |own: &str| own.eq_ignore_ascii_case("close");
+    request.is_last |= request.header("connection").is_some_and(is_closing);
     if request.has("transfer-encoding") {
         return Err(refused(
             "501 Not Implemented",

@@ -31,7 +31,8 @@ pub(super) fn export(
                 until: Some(Instant::now() + super::PATIENCE),
                 ..Tracing::default()
             };
-            let boundaries = Boundaries::of(&domain.study, tracing, &Waiting(is_ended)).ok();
+            let study = question.study(trust, map::OF_CURVES)?;
+            let boundaries = Boundaries::of(&study, tracing, &Waiting(is_ended)).ok();
             if is_ended() {
                 return Err(Refusal::GivenUp);
             }

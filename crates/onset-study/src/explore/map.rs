@@ -12,6 +12,8 @@ const COARSEST: usize = 12;
 pub(super) const LEVELS: u32 = 3;
 /// States along an axis of the finest map.
 pub(super) const FINEST: usize = COARSEST << LEVELS;
+/// States along an axis between which boundaries are looked for; they are traced from there as exactly as by the command.
+pub(super) const OF_CURVES: usize = 32;
 /// How many maps are remembered.
 const REMEMBERED: usize = 8;
 

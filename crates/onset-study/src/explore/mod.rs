@@ -160,7 +160,7 @@ impl Explorer {
             }
             "map" => document(&self.maps.shown(question, &self.trust, is_ended)?),
             "boundary" => {
-                let study = question.study(&self.trust, map::FINEST)?;
+                let study = question.study(&self.trust, map::OF_CURVES)?;
                 let tracing = Tracing {
                     until: Some(Instant::now() + PATIENCE),
                     ..Tracing::default()
