@@ -3,8 +3,9 @@
 import type { Mode } from "./ask";
 import { color } from "./dom";
 
-/** Seconds of a turn of the phase. */
-const PERIOD = 2;
+/** Seconds of a turn of the phase, and between two pictures. */
+export const PERIOD = 2;
+export const PAUSE = 1 / 30;
 
 /** What moves: it is drawn anew until it is stopped. */
 export interface Moving {
@@ -34,11 +35,18 @@ export function moving(canvas: HTMLCanvasElement, mode: Mode, amplitude: number,
   const scale = Math.min(canvas.width / (right - left), canvas.height / (top - bottom));
   const context = canvas.getContext("2d")!;
   const state: Moving & { frame: number } = { amplitude, isPaused, frame: 0, stop: () => cancelAnimationFrame(state.frame) };
+  // The colors are looked up once: asking for them lays out the page.
+  const [still, alive] = [color("line"), color(mode.stable ? "blue" : "vermilion")];
   let phase = 0;
-  let last: number | null = null;
+  let last = -Infinity;
+  let known = -1;
   const draw = (now: number) => {
-    if (last !== null && !state.isPaused) phase += ((now - last) / 1000 / PERIOD) * 2 * Math.PI;
+    state.frame = requestAnimationFrame(draw);
+    const isSame = state.isPaused && known === state.amplitude;
+    if (isSame || now - last < 1000 * PAUSE) return;
+    if (!state.isPaused && Number.isFinite(last)) phase += (Math.min(now - last, 200) / 1000 / PERIOD) * 2 * Math.PI;
     last = now;
+    known = state.amplitude;
     context.clearRect(0, 0, canvas.width, canvas.height);
     const at = (n: number, size: number): [number, number] => {
       const own = mode.particles[n]!;
@@ -57,9 +65,8 @@ export function moving(canvas: HTMLCanvasElement, mode: Mode, amplitude: number,
       }
       context.fill();
     };
-    dots(0, color("line"), radius / 2);
-    dots(state.amplitude * mode.spacing, color(mode.stable ? "blue" : "vermilion"), radius);
-    state.frame = requestAnimationFrame(draw);
+    dots(0, still, radius / 2);
+    dots(state.amplitude * mode.spacing, alive, radius);
   };
   draw(performance.now());
   return state;

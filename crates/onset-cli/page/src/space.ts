@@ -19,10 +19,10 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Directions, Mode } from "./ask";
 import { color } from "./dom";
-import { displacement, type Moving } from "./moving";
+import { displacement, PAUSE, PERIOD, type Moving } from "./moving";
 
 /** A scene that turns. */
-function scene(place: HTMLElement, label: string, step: (now: number) => void) {
+function scene(place: HTMLElement, label: string, step: (now: number) => boolean) {
   const width = Math.max(place.clientWidth, 200);
   const side = Math.min(width, 360);
   const renderer = new WebGLRenderer({ antialias: true, alpha: true });
@@ -51,13 +51,18 @@ function scene(place: HTMLElement, label: string, step: (now: number) => void) {
     event.preventDefault();
     world.rotation.x += turn[0]!;
     world.rotation.y += turn[1]!;
+    isTurned = true;
   });
   let frame = 0;
+  let isTurned = true;
+  controls.addEventListener("change", () => (isTurned = true));
   const draw = (now: number) => {
-    step(now);
-    controls.update();
-    renderer.render(world, camera);
     frame = requestAnimationFrame(draw);
+    const isMoved = step(now);
+    // What stands still is not drawn again.
+    if (!isMoved && !isTurned) return;
+    isTurned = false;
+    renderer.render(world, camera);
   };
   return {
     root,
@@ -98,7 +103,7 @@ export function sphere(place: HTMLElement, answer: Directions): { stop(): void }
   geometry.setAttribute("color", new BufferAttribute(new Float32Array(colors), 3));
   geometry.setIndex(faces);
   geometry.computeVertexNormals();
-  const view = scene(place, "The smallest eigenvalue of the acoustic tensor on the sphere of directions; arrow keys turn it", () => {});
+  const view = scene(place, "The smallest eigenvalue of the acoustic tensor on the sphere of directions; arrow keys turn it", () => false);
   view.root.add(new Mesh(geometry, new MeshLambertMaterial({ vertexColors: true })));
   view.begin();
   return view;
@@ -117,15 +122,19 @@ export function lattice(place: HTMLElement, mode: Mode, amplitude: number, isPau
   const state = { amplitude, isPaused, stop: () => view.stop() };
   const matrix = new Matrix4();
   let phase = 0;
-  let last: number | null = null;
+  let last = -Infinity;
+  let known = -1;
   const view = scene(place, "The particles in the mode, in three dimensions; arrow keys turn them", (now) => {
-    if (last !== null && !state.isPaused) phase += ((now - last) / 1000 / 2) * 2 * Math.PI;
+    if ((state.isPaused && known === state.amplitude) || now - last < 1000 * PAUSE) return false;
+    if (!state.isPaused && Number.isFinite(last)) phase += (Math.min(now - last, 200) / 1000 / PERIOD) * 2 * Math.PI;
     last = now;
+    known = state.amplitude;
     mode.particles.forEach((own, n) => {
       const at = own.place.map((x, axis) => (x - center[axis]! + state.amplitude * mode.spacing * displacement(own, phase, axis)) / far);
       balls.setMatrixAt(n, matrix.makeTranslation(at[0]!, at[1]!, at[2]!));
     });
     balls.instanceMatrix.needsUpdate = true;
+    return true;
   });
   view.root.add(balls);
   view.begin();

@@ -89,6 +89,10 @@ fn question(arguments: &[String]) -> Option<Question> {
         match pair {
             [option, value] if option == "--set" => question.set.push(value.clone()),
             [option, value] if option == "--stretch" => question.stretch.clone_from(value),
+            [option, value] if option == "--energy" => {
+                question.set.push("material.model=formula".to_owned());
+                question.set.push(format!("material.energy={value}"));
+            }
             _ => return None,
         }
     }
