@@ -10,9 +10,9 @@ import * as pictures from "./pictures";
 
 /** What is shown where nothing is asked. */
 const FIRST: Question = {
-  set: ["material.model=neo-hooke", "discretization.method=updated-sph"],
-  stretch: "1.1,1",
-  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.7, 1.5], [0.7, 1.5]] },
+  set: ["material.model=blatz-ko", "discretization.frame=eulerian"],
+  stretch: "1.2,1",
+  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.5, 2], [0.5, 2]] },
 };
 /** The energy with which a typed one begins. */
 const ENERGY = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2";

@@ -32,27 +32,25 @@ export function map(shown: ShownMap, curves: Curves | null, classes: Catalog["cl
   const [first, second] = shown.axes as [ShownMap["axes"][0], ShownMap["axes"][0]];
   const isPlane = [first, second].every((axis) => axis.name.startsWith("stretch"));
   const shape = isPlane ? (second.range[1] - second.range[0]) / (first.range[1] - first.range[0]) : 0.8;
-  const inner = width - 60;
-  const height = Math.max(160, Math.min(inner * shape, 1.3 * inner)) + 50;
+  const margins = { marginLeft: 60, marginRight: 12, marginTop: 10, marginBottom: 42 };
+  const inner = width - margins.marginLeft - margins.marginRight;
+  const tall = Math.max(110, Math.min(inner * shape, 1.3 * inner));
   const lines = lined(curves);
   const of = (owner: string) => lines.filter((line) => line.of === owner).flatMap((line) => [...line.points, [NaN, NaN]]);
   return Plot.plot({
     width,
-    height,
-    marginLeft: 48,
-    marginRight: 12,
-    marginTop: 10,
-    marginBottom: 40,
+    height: tall + margins.marginTop + margins.marginBottom,
+    ...margins,
     style: { background: "transparent", fontSize: "13px", overflow: "visible" },
-    x: { domain: first.range, label: first.label, labelAnchor: "center", labelArrow: "none" },
-    y: { domain: second.range, label: second.label, labelAnchor: "center", labelArrow: "none" },
+    x: { domain: first.range, label: first.label, labelAnchor: "center", labelArrow: "none", ticks: 6 },
+    y: { domain: second.range, label: second.label, labelAnchor: "center", labelArrow: "none", labelOffset: 52, ticks: 6 },
     marks: [
       Plot.image([[(first.range[0] + first.range[1]) / 2, (second.range[0] + second.range[1]) / 2]], {
         x: "0",
         y: "1",
         src: () => cells(shown, classes),
-        width: width - 60,
-        height: height - 50,
+        width: inner,
+        height: tall,
         preserveAspectRatio: "none",
         imageRendering: "pixelated",
       }),

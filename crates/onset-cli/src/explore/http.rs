@@ -2,7 +2,7 @@
 //! used again. `httparse` reads what comes first.
 
 use std::io::{self, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -13,6 +13,8 @@ const HEADERS: usize = 64;
 const BODY: usize = 1 << 20;
 /// How long a connection may be silent.
 const SILENCE: Duration = Duration::from_secs(120);
+/// How long what is on its way is waited for at the end.
+const LINGER: Duration = Duration::from_millis(500);
 /// How often a connection is looked at while its answer is computed.
 const GLANCE: Duration = Duration::from_millis(20);
 
@@ -164,6 +166,22 @@ impl Connection {
             bytes.extend_from_slice(&reply.body);
         }
         self.stream.write_all(&bytes)
+    }
+
+    /// Ends the connection: what was still on its way is read, lest the answer be lost with it.
+    pub fn end(mut self) {
+        let mut bytes = [0; 16 << 10];
+        let is_set = self.stream.set_read_timeout(Some(LINGER)).is_ok();
+        if !is_set || self.stream.shutdown(Shutdown::Write).is_err() {
+            return;
+        }
+        let mut rest = BODY;
+        while let Ok(count @ 1..) = self.stream.read(&mut bytes) {
+            rest = rest.saturating_sub(count);
+            if rest == 0 {
+                return;
+            }
+        }
     }
 
     /// Does something, which can ask whether the browser has gone meanwhile, as it does when a question is given up.

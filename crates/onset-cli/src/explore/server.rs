@@ -69,8 +69,11 @@ impl Server {
                 Err(Instead::Refused(reply)) => (reply, true, true),
                 Err(Instead::End) => return,
             };
-            if connection.send(&reply, has_body).is_err() || is_last {
+            if connection.send(&reply, has_body).is_err() {
                 return;
+            }
+            if is_last {
+                return connection.end();
             }
         }
     }
