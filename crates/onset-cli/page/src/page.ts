@@ -14,6 +14,8 @@ const FIRST: Question = {
   stretch: "1.2,1",
   window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.5, 2], [0.5, 2]] },
 };
+/** What can be done with the map. */
+const HELP = "Click a state, or move with the arrow keys.";
 /** The energy with which a typed one begins. */
 const ENERGY = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2";
 
@@ -89,8 +91,8 @@ function show(next: Question, address: "push" | "replace" | "keep", extent: Exte
   }
   if (extent === "form") void anew();
   else {
-    askState();
-    if (isOther) void askMap();
+    const answered = askState();
+    if (isOther) void askMap(answered);
     else drawMap();
   }
 }
@@ -113,8 +115,8 @@ async function anew(): Promise<void> {
   build(the("form"), form, catalog, changed);
   stateForm();
   windowForm();
-  askState();
-  if (!stored) void askMap();
+  const answered = askState();
+  if (!stored) void askMap(answered);
 }
 
 /** As many stretches as there are dimensions, and a window of what is read. */
@@ -149,7 +151,7 @@ function changed(name: string, value: string, isDone: boolean): void {
 const asked = () => ({ set: question.set, stretch: question.stretch });
 
 /** Asks about the state, for each picture by itself; one that is there stays until the next. */
-function askState(): void {
+function askState(): Promise<unknown> {
   const later = <T>(name: string, draw: (answer: T) => void) =>
     ask<T>(name, asked()).then(
       (answer) => {
@@ -163,21 +165,29 @@ function askState(): void {
       },
     );
   stateForm();
-  void later<State>("state", showState);
-  void later<Mode>("mode", showMode);
+  const first = [later<State>("state", showState), later<Mode>("mode", showMode)];
   void later<Directions>("directions", showDirections);
   void later<Dispersion>("dispersion", showDispersion);
+  return Promise.all(first);
 }
 
-/** Asks for the map, coarse first, and for its boundaries at the end. */
-async function askMap(): Promise<void> {
+/** Which map is asked for: an earlier one is given up. */
+let turn = 0;
+
+/** Asks for the map when the state is there, which a map of many states is not to delay: coarse first, and its boundaries at the end. */
+async function askMap(answered: Promise<unknown>): Promise<void> {
   giveUp("boundary");
+  giveUp("map");
+  const own = ++turn;
+  await answered;
+  if (own !== turn) return;
   the("plane").setAttribute("aria-busy", "true");
   try {
     for (let level = 0; ; level++) {
       const map = await ask<ShownMap>("map", { ...asked(), window: question.window, level });
       shown = map;
       curves = null;
+      the("map-help").textContent = HELP;
       drawMap();
       performance.mark("drawn:map");
       if (map.is_finest) break;
@@ -191,7 +201,10 @@ async function askMap(): Promise<void> {
     if (isGivenUp(error)) return;
     the("plane").removeAttribute("aria-busy");
     // What is wrong with the state is told beside it; what is wrong with the window alone, here.
-    the("map-state").textContent = error instanceof Refusal ? error.message : String(error);
+    const isDrawn = shown?.is_finest === true && error instanceof Refusal;
+    the("map-state").textContent = isDrawn ? "" : error instanceof Refusal ? error.message : String(error);
+    the("map-help").textContent = isDrawn ? "Click a state, or move with the arrow keys. The boundaries were not traced: it would take too long." : HELP;
+    performance.mark("drawn:boundary");
   }
 }
 

@@ -253,7 +253,7 @@ test("the zoo opens with one choice, in one and three dimensions too", options, 
 
   const space = await open({ hash: `#set=${encodeURIComponent("discretization.method=updated-sph")}&set=${encodeURIComponent("discretization.lattice=simple-cubic")}&stretch=1.1,1,1` });
   await space.page.waitForSelector("#mode canvas:not(.flat)", { timeout: 120_000 });
-  await space.page.waitForSelector("#directions canvas", { timeout: 60_000 });
+  await space.page.waitForSelector("#directions canvas", { timeout: 120_000 });
   const sphere = space.page.locator("#directions canvas");
   const look = () => sphere.screenshot().then((bytes) => bytes.toString("base64"));
   await space.page.waitForTimeout(300);
@@ -263,6 +263,7 @@ test("the zoo opens with one choice, in one and three dimensions too", options, 
   await space.page.waitForTimeout(500);
   assert.notEqual(await look(), first);
   await space.page.screenshot({ path: join(SHOTS, "space.png"), fullPage: true });
+  // The browser of the tests draws three dimensions without a graphics card, and says so.
   await space.close(["GPU stall", "GL Driver", "WebGL"]);
 
   const chain = await open({ hash: `#set=${encodeURIComponent("discretization.method=updated-sph")}&set=${encodeURIComponent("discretization.lattice=chain")}&stretch=1.1` });

@@ -6,12 +6,12 @@ use crate::settings::{Study, Trust};
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
-/// States along an axis of the coarsest map.
-const COARSEST: usize = 12;
+/// States along an axis of the coarsest map, by dimension: a state in space takes a hundred times as long as one in the plane.
+const COARSEST: [usize; 3] = [12, 12, 6];
 /// How often they are halved at most.
 pub(super) const LEVELS: u32 = 3;
-/// States along an axis of the finest map.
-pub(super) const FINEST: usize = COARSEST << LEVELS;
+/// States along an axis of the finest map in the plane.
+pub(super) const FINEST: usize = COARSEST[1] << LEVELS;
 /// States along an axis between which boundaries are looked for; they are traced from there as exactly as by the command.
 pub(super) const OF_CURVES: usize = 32;
 /// How many maps are remembered.
@@ -88,7 +88,8 @@ impl Maps {
         level: u32,
         is_ended: IsEnded<'_>,
     ) -> Result<Domain, Refusal> {
-        let study = question.study(trust, COARSEST << level)?;
+        let dimension = question.settings(trust)?.dimension();
+        let study = question.study(trust, COARSEST[dimension - 1] << level)?;
         let name = study.document();
         if let Some(known) = self.known(&name) {
             return Ok(known);

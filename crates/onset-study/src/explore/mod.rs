@@ -39,7 +39,7 @@ use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 /// How long the boundaries of a window may take.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
