@@ -61,7 +61,11 @@ export function told(value: number | null | undefined): string {
 }
 
 /** A vector, likewise. */
-export const vector = (values: number[]): string => `(${values.map(told).join(", ")})`;
+export function vector(values: number[]): string {
+  // Beside the largest what is rounding is zero.
+  const size = Math.max(...values.map(Math.abs));
+  return `(${values.map((value) => told(Math.abs(value) < 1e-13 * size ? 0 : value)).join(", ")})`;
+}
 
 /** A color of the page, in the mode that is on. */
 export const color = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();

@@ -12,7 +12,7 @@ import * as pictures from "./pictures";
 const FIRST: Question = {
   set: ["material.model=blatz-ko", "discretization.frame=eulerian"],
   stretch: "1.2,1",
-  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.5, 2], [0.5, 2]] },
+  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.9, 2], [0.9, 2]] },
 };
 /** What can be done with the map. */
 const HELP = "Click a state, or move with the arrow keys.";
@@ -333,9 +333,8 @@ function showMode(mode: Mode): void {
 
 function showDispersion(answer: Dispersion): void {
   waves = answer;
-  const picture = pictures.dispersion(answer, Math.max(the("dispersion").clientWidth, 260));
-  picture.setAttribute("role", "img");
-  picture.setAttribute("aria-label", `Dispersion along ${answer.corners.map((corner) => corner.name).join(" ")}`);
+  const label = `Dispersion along ${answer.corners.map((corner) => corner.name).join(" ")}`;
+  const picture = pictures.named(pictures.dispersion(answer, Math.max(the("dispersion").clientWidth, 260)), label);
   the("dispersion").replaceChildren(picture);
   lazily(the("dispersion-table"), () => {
     const rows = answer.samples.map((sample, n): (string | number)[] => [
@@ -360,9 +359,7 @@ function showDirections(answer: Directions): void {
       if (polar === answer) globe = sphere(holder, answer);
     });
   } else if (dimension === 2) {
-    const picture = pictures.polar(answer, Math.max(holder.clientWidth, 200));
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", label);
+    const picture = pictures.named(pictures.polar(answer, Math.max(holder.clientWidth, 200)), label);
     holder.replaceChildren(picture);
   } else {
     holder.replaceChildren(element("p", {}, label));

@@ -6,6 +6,14 @@ import { color } from "./dom";
 
 type Drawn = SVGSVGElement | HTMLElement;
 
+/** A picture with one name, in the place of those of its parts. */
+export function named(picture: Drawn, name: string): Drawn {
+  for (const part of picture.querySelectorAll("[aria-label]")) part.removeAttribute("aria-label");
+  picture.setAttribute("role", "img");
+  picture.setAttribute("aria-label", name);
+  return picture;
+}
+
 /** The cells of maps as images, one pixel each: they are painted once, however often the state moves. */
 const painted = new WeakMap<ShownMap, string>();
 
