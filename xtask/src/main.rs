@@ -1,9 +1,10 @@
-//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `bench`
+//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `page`, `bench`
 //! and `timings`.
 
 mod bench;
 mod fortran;
 mod hunt;
+mod page;
 mod python;
 mod readme;
 mod simulate;
@@ -104,6 +105,7 @@ fn main() -> ExitCode {
         Some("simulate") => reported(simulate::run()),
         Some("wheel") => reported(wheel::run()),
         Some("python") => reported(wheel::test()),
+        Some("page") => reported(page::run()),
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -113,7 +115,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -150,9 +152,15 @@ fn test() -> bool {
         Err(_) => without_fortran(),
     };
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
-    let done = run(&steps, &tools) && reported(wheel::test());
+    let browser = page::tools();
+    let done = run(&steps, &tools)
+        && reported(wheel::test())
+        && (browser.is_err() || reported(page::test()));
     if let Err(error) = fortran {
         eprintln!("== NOT TESTED: user materials. {error}");
+    }
+    if let Err(error) = browser {
+        eprintln!("== NOT TESTED: the page of `onset explore` in a browser. {error}");
     }
     if let Err(error) = lammps {
         eprintln!("== NOT TESTED: predictions against LAMMPS. {error}");

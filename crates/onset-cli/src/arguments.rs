@@ -97,6 +97,11 @@ const STATE_EXAMPLES: &str = "Examples:
   onset state --stretch 1.15,1 --set discretization.method=tlsph
   onset state --stretch 1.5,1 --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1
   onset state STUDY.toml --deformation-gradient 1,0.2,0,1 --fail-on numerical,zero-energy";
+#[cfg(feature = "explore")]
+const EXPLORE_EXAMPLES: &str = "Examples:
+  onset explore
+  onset explore STUDY.toml --set discretization.method=updated-sph
+  onset explore map.zarr --port 8000 --no-browser";
 const DISPERSION_EXAMPLES: &str = "Examples:
   onset dispersion --stretch 1.2,0.9 --path --out waves
   onset dispersion --stretch 1.2,0.9 --path --format csv
@@ -256,7 +261,18 @@ pub enum Command {
         /// Verdicts with which the command fails.
         #[command(flatten)]
         failing: FailingArguments,
+        /// Show the state in the page of `onset explore` instead of printing it.
+        #[cfg(feature = "explore")]
+        #[arg(long, conflicts_with_all = ["certify", "fail_on", "deformation_gradient"])]
+        open: bool,
     },
+    /// A page in the browser: the map of a method, and what is known of the state that is clicked
+    ///
+    /// Material and method are chosen with sliders and lists; beside the map stand the sentence, stresses, the acoustic tensor, dispersion and the
+    /// moving mode. The page is served on this machine alone, and asks no other server.
+    #[cfg(feature = "explore")]
+    #[command(after_help = EXPLORE_EXAMPLES)]
+    Explore(ExploreArguments),
     /// Frequencies of plane waves: of one wave vector, or along a path
     #[command(group(ArgGroup::new("waves").required(true).args(["wave_vector", "path"])))]
     #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
@@ -726,6 +742,21 @@ pub struct TrustArguments {
     /// variable ONSET_ALLOW_LIBRARY does so for good. (May be given several times.)
     #[arg(long = "allow-library", value_name = "PATH")]
     pub libraries: Vec<PathBuf>,
+}
+
+/// The page.
+#[cfg(feature = "explore")]
+#[derive(Debug, Args)]
+pub struct ExploreArguments {
+    /// What is shown first; the FILE can also be a stored map.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// Port on the loopback address; 0 for any that is free [default: 6673, or a free one where that is taken].
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<u16>,
+    /// Print the address, and start no browser.
+    #[arg(long)]
+    pub no_browser: bool,
 }
 
 /// A law, and the stretches of interest.

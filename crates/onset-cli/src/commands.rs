@@ -5,6 +5,8 @@ mod boundary;
 mod check;
 mod compare;
 mod criteria;
+#[cfg(feature = "explore")]
+mod explore;
 mod localize;
 mod modes;
 mod plot;
@@ -86,7 +88,13 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             certify,
             tolerance,
             failing,
+            #[cfg(feature = "explore")]
+            open,
         } => {
+            #[cfg(feature = "explore")]
+            if open {
+                return explore::at_state(&problem, &strain);
+            }
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             let answer = if certify {
@@ -127,6 +135,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let course = course(&asked, &problem)?;
             path(&problem, &course, out.as_deref(), failing.fail_on.as_ref())
         }
+        #[cfg(feature = "explore")]
+        Command::Explore(arguments) => explore::explore(&arguments),
         Command::Localize(arguments) => localize::localize(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Criteria(arguments) => criteria::criteria(&arguments),
@@ -174,6 +184,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
 /// What takes its time without a progress bar of its own.
 fn waiting_for(command: &Command) -> Option<&'static str> {
     match command {
+        #[cfg(feature = "explore")]
+        Command::State { open: true, .. } => None,
         Command::State { .. } => Some("searching the zone"),
         Command::Dispersion { .. } => Some("computing waves"),
         Command::Path { .. } => Some("following the path"),

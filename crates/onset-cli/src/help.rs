@@ -15,7 +15,15 @@ use std::process::ExitCode;
 const GROUPS: [(&str, &[&str]); 5] = [
     (
         "A state, a path",
-        &["state", "path", "dispersion", "modes", "simulate"],
+        &[
+            "state",
+            #[cfg(feature = "explore")]
+            "explore",
+            "path",
+            "dispersion",
+            "modes",
+            "simulate",
+        ],
     ),
     ("A method", &["recommend", "compare", "tune", "verify"]),
     ("A law", &["criteria", "card", "audit", "localize"]),

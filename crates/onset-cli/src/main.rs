@@ -6,6 +6,8 @@
 
 mod arguments;
 mod commands;
+#[cfg(feature = "explore")]
+mod explore;
 mod fail_on;
 mod help;
 mod interrupt;

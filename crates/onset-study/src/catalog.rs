@@ -177,10 +177,9 @@ pub struct KeyList {
 impl KeyList {
     /// Every key.
     pub fn all() -> Self {
-        let entry = |key: &'static Key| KeyEntry::new(key, key.readers());
         Self {
             method: None,
-            keys: listed(study_keys()).map(entry).collect(),
+            keys: listed(study_keys()).map(KeyEntry::of).collect(),
         }
     }
 
@@ -223,6 +222,11 @@ fn listed(keys: impl Iterator<Item = &'static Key>) -> impl Iterator<Item = &'st
 }
 
 impl KeyEntry {
+    /// A key as it is listed.
+    pub(crate) fn of(key: &'static Key) -> Self {
+        Self::new(key, key.readers())
+    }
+
     fn new(key: &'static Key, read_with: String) -> Self {
         Self {
             name: key.name,

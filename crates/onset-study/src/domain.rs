@@ -68,6 +68,16 @@ impl Class {
 /// How often the cells of a map are halved so that it looks smooth.
 const HALVINGS: usize = 3;
 
+/// Whether nobody waits for an answer any more; asked before every state.
+pub type IsEnded<'a> = &'a (dyn Fn() -> bool + Sync);
+
+fn unless(is_ended: IsEnded<'_>) -> Result<(), ProblemError> {
+    match is_ended() {
+        true => Err(ProblemError::OutOfTime),
+        false => Ok(()),
+    }
+}
+
 /// A map of a study: cell-centered states, the first stretch running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
@@ -84,8 +94,16 @@ impl Domain {
     /// [`ProblemError`] when the study itself is not admissible; states at which the support is too small are
     /// [`Class::Undefined`].
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
+        Self::of_unless(study, &|| false)
+    }
+
+    /// The same, given up as soon as nobody waits for it any more.
+    ///
+    /// # Errors
+    /// As for [`Domain::of`], and [`ProblemError::OutOfTime`] when it is given up.
+    pub fn of_unless(study: &Study, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
-        evaluated(study, &problem)
+        evaluated(study, &problem, is_ended)
     }
 
     /// The same map with eight states in the place of one along each axis, so that its boundaries look smooth: states are computed where
@@ -94,12 +112,21 @@ impl Domain {
     /// # Errors
     /// As for [`Domain::of`].
     pub fn smoothed(&self) -> Result<Self, ProblemError> {
-        let problem = Problem::new(self.study.settings.clone())?;
         let mut finer = self.clone();
         for _ in 0..HALVINGS {
-            finer = halved(&finer, &problem)?;
+            finer = finer.halved_unless(&|| false)?;
         }
         Ok(finer)
+    }
+
+    /// The same map with two states in the place of one along each axis, as [`Domain::smoothed`] has eight; given up as soon as nobody waits
+    /// for it any more.
+    ///
+    /// # Errors
+    /// As for [`Domain::of_unless`].
+    pub fn halved_unless(&self, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
+        let problem = Problem::new(self.study.settings.clone())?;
+        halved(self, &problem, is_ended)
     }
 
     /// The map as a layer of a figure.
@@ -151,8 +178,13 @@ impl Domain {
 }
 
 /// All states, on all cores.
-fn evaluated(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
+fn evaluated(
+    study: &Study,
+    problem: &Problem,
+    is_ended: IsEnded<'_>,
+) -> Result<Domain, ProblemError> {
     let of_state = |index: usize| {
+        unless(is_ended)?;
         let coordinates = study.coordinates(index);
         let f = study.deformation_at(&coordinates)?;
         if !study.varies_settings() {
@@ -172,7 +204,7 @@ fn evaluated(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
 }
 
 /// The map with two states in the place of one along each axis.
-fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
+fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Domain, ProblemError> {
     let [first, second] = map.study.plane();
     let (columns, rows) = (first.count, second.count);
     let mut study = map.study.clone();
@@ -197,6 +229,7 @@ fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
         if neighbors.into_iter().all(|class| class == own) {
             return Ok(own);
         }
+        unless(is_ended)?;
         let f = study.deformation_at(&study.coordinates(index))?;
         class(problem, &f)
     };

@@ -12,6 +12,7 @@ pub mod compare;
 pub mod criteria;
 mod csv;
 pub mod domain;
+pub mod explore;
 pub mod figure;
 mod html;
 pub mod json;

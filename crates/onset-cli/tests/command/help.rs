@@ -6,6 +6,8 @@ use crate::onset;
 fn every_command_explains_itself() {
     for command in [
         "state",
+        #[cfg(feature = "explore")]
+        "explore",
         "dispersion",
         "path",
         "localize",
@@ -83,6 +85,8 @@ fn short_help_is_short_and_has_examples_that_run() {
     assert!(overview.lines().count() <= 36, "{overview}");
     for command in [
         "state",
+        #[cfg(feature = "explore")]
+        "explore",
         "dispersion",
         "path",
         "criteria",

@@ -10,6 +10,8 @@ mod criteria;
 #[cfg(target_os = "linux")]
 mod damaged_stores;
 mod documents;
+#[cfg(feature = "explore")]
+mod explore;
 mod files;
 mod formula;
 mod grid;

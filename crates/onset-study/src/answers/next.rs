@@ -36,6 +36,12 @@ fn coefficient(settings: &Settings) -> Option<&'static str> {
 
 /// `--set` for everything that is not a default, but for one key.
 fn assignments(settings: &Settings, without: Option<&str>) -> String {
+    let set = |assignment: &String| format!(" --set {}", quoted(assignment.as_ref()));
+    assigned(settings, without).iter().map(set).collect()
+}
+
+/// The assignments by which the defaults become these settings, but for one key; the model first, then moduli as they were set.
+pub(crate) fn assigned(settings: &Settings, without: Option<&str>) -> Vec<String> {
     let told = |name: &str, choice: &Choice| {
         let unit = choice.unit.unwrap_or_default();
         let text = match &choice.value {
@@ -47,7 +53,7 @@ fn assignments(settings: &Settings, without: Option<&str>) -> String {
                 .join(","),
             other => format!("{other}{unit}"),
         };
-        format!(" --set {}", quoted(format!("{name}={text}").as_ref()))
+        format!("{name}={text}")
     };
     let effective = settings.effective();
     // Moduli as they were set, not what follows from them.

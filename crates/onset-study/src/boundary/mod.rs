@@ -77,11 +77,12 @@ pub struct Tracing {
 }
 
 impl Tracing {
-    /// An error when there is no time left.
-    fn in_time(&self) -> Result<(), ProblemError> {
-        match self.until {
-            Some(end) if Instant::now() >= end => Err(ProblemError::OutOfTime),
-            _ => Ok(()),
+    /// An error when there is no time left, or nobody waits.
+    fn in_time(&self, watch: &dyn Watch) -> Result<(), ProblemError> {
+        let is_late = self.until.is_some_and(|end| Instant::now() >= end);
+        match is_late || watch.is_ended() {
+            true => Err(ProblemError::OutOfTime),
+            false => Ok(()),
         }
     }
 }
@@ -90,6 +91,11 @@ impl Tracing {
 pub trait Watch: Sync {
     /// So many states more have been asked.
     fn asked(&self, states: u64);
+
+    /// Whether nobody waits for the answer any more.
+    fn is_ended(&self) -> bool {
+        false
+    }
 }
 
 /// Watches nothing.
@@ -137,12 +143,12 @@ impl Boundaries {
             [0, 1].map(|axis: usize| study.axes[axis].count.clamp(least, most))
         };
         let material = |at: [f64; 2]| {
-            tracing.in_time()?;
+            tracing.in_time(watch)?;
             watch.asked(1);
             probes.material(at)
         };
         let particles = |at: [f64; 2]| {
-            tracing.in_time()?;
+            tracing.in_time(watch)?;
             watch.asked(1);
             let (phase, measure) = probes.discretization(at)?;
             Ok(if tracing.flutter {

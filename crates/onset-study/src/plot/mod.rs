@@ -4,8 +4,8 @@ mod lines;
 mod overlay;
 mod stored;
 
-use crate::boundary::{BoundaryError, Watch};
-use crate::domain::Class;
+use crate::boundary::{Boundaries, BoundaryError, Watch};
+use crate::domain::{Class, Domain};
 use crate::figure::{Axis, ColorMap, Field, Figure, Layer, Panel, Regions, palette};
 use crate::number::counted;
 use crate::settings::{Effective, Quantity, SettingError, Study, Trust};
@@ -208,6 +208,50 @@ pub fn plot_allowing(
         }
     };
     Ok(plot.look.applied(figure))
+}
+
+/// A stored map as cells: all of one with two axes, of one with three the section in the middle of the third.
+pub struct Section {
+    /// The title of its study; the name of the folder when it has none.
+    pub title: String,
+    /// Where on the third axis it is.
+    pub name: Option<String>,
+    /// The study of the section.
+    pub study: Study,
+    /// Cells along both axes; of a finer map every n-th state is one.
+    pub cells: (usize, usize),
+    /// The classes of the cells, the first axis running fastest; `None` where they are still to be computed.
+    pub classes: Vec<Option<Class>>,
+}
+
+impl Section {
+    /// The section in the middle of a store; no library is loaded.
+    ///
+    /// # Errors
+    /// [`PlotError`] when it cannot be read.
+    pub fn middle(path: &std::path::Path) -> Result<Self, PlotError> {
+        let map = StoredMap::open(path, &Trust::default())?;
+        let slice = map.slices(1).remove(0);
+        let (cells, classes) = map.classes(&slice)?;
+        Ok(Self {
+            title: map.title(),
+            name: slice.title,
+            study: slice.study,
+            cells,
+            classes,
+        })
+    }
+}
+
+/// The figure of a map that is not stored, with its boundaries where they are known.
+pub fn figure_of(map: &Domain, boundaries: Option<&Boundaries>) -> Figure {
+    let panel = axes(&map.study, "").with(map.layer());
+    let lines = boundaries.map(lines::traced).unwrap_or_default();
+    let panel = lines.into_iter().fold(panel, Panel::with);
+    Figure::new(map.study.title.clone())
+        .columns(1)
+        .with(panel)
+        .caption(map.study.effective().caption())
 }
 
 /// What maps are of: what they have in common, and what of each is its own.

@@ -160,10 +160,14 @@ impl Effective {
         Some(&choices.find(|(known, _)| *known == name)?.1)
     }
 
+    /// Every choice.
+    pub fn choices(&self) -> impl Iterator<Item = (&'static str, &Choice)> {
+        self.0.iter().map(|(name, choice)| (*name, choice))
+    }
+
     /// What is not a default.
     pub fn chosen(&self) -> impl Iterator<Item = (&'static str, &Choice)> {
-        let chosen = self.0.iter().filter(|(_, choice)| !choice.default);
-        chosen.map(|(name, choice)| (*name, choice))
+        self.choices().filter(|(_, choice)| !choice.default)
     }
 
     /// The units of the answer's numbers.

@@ -58,6 +58,30 @@ impl Kind {
         }
     }
 
+    /// What is typed where no word is chosen: `number`, `whole`, `switch` or `text`; `None` where there are words alone.
+    pub fn takes(self) -> Option<&'static str> {
+        match self {
+            Self::Words(_) => None,
+            Self::Number(_) | Self::Positive(_) => Some("number"),
+            Self::Whole(..) | Self::PowerOfTwo(..) => Some("whole"),
+            Self::Switch => Some("switch"),
+            Self::WordsOr(..) | Self::Text | Self::Numbers | Self::Subset(_) => Some("text"),
+        }
+    }
+
+    /// The least and the largest number, where they are whole.
+    pub fn limits(self) -> Option<[u32; 2]> {
+        match self {
+            Self::Whole(least, most) | Self::PowerOfTwo(least, most) => Some([least, most]),
+            _ => None,
+        }
+    }
+
+    /// Whether numbers must be positive.
+    pub fn is_positive(self) -> bool {
+        matches!(self, Self::Positive(_))
+    }
+
     /// Whether a value is what is expected.
     pub fn accepts(self, value: &Value) -> bool {
         let whole = |number: f64, least: u32, most: u32| {

@@ -104,7 +104,7 @@ impl MaterialSettings {
     }
 
     /// Whether a modulus, named without its section, determines parameters of the law.
-    pub(super) fn reads_modulus(&self, name: &str) -> bool {
+    pub(crate) fn reads_modulus(&self, name: &str) -> bool {
         moduli::is_modulus(name) && matches!(self.model, Model::Law(_)) && !self.model.takes(name)
     }
 

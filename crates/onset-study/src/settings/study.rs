@@ -77,6 +77,23 @@ impl Study {
         Ok(study)
     }
 
+    /// Reads a study and overrides some keys at once, as [`Study::override_with`] does: the text alone need not be valid.
+    ///
+    /// # Errors
+    /// As for [`Study::parse`] and [`Study::override_with`].
+    pub fn parse_with<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+    ) -> Result<Self, SettingError> {
+        let study = file::read(name, text)?;
+        study.require_axes()?;
+        match assignments.is_empty() {
+            true => study.check().map(|()| study),
+            false => study.override_with(assignments),
+        }
+    }
+
     /// The study, of which a library may be loaded if the user allows it.
     pub fn allowing(mut self, trust: &Trust) -> Self {
         self.settings.material.allow(trust);

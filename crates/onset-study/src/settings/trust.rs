@@ -36,6 +36,11 @@ impl Trust {
         Self::of(always.into_iter().chain(named.iter().cloned()))
     }
 
+    /// Whether no library may be loaded at all, wherever it is.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
     /// Whether a library may be loaded. Links count as what they lead to.
     pub fn covers(&self, library: &Path) -> bool {
         self.admitted(library).is_some()

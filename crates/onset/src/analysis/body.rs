@@ -27,6 +27,23 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
+/// The eigenvalues of the acoustic tensor in some directions, the smallest first.
+pub(super) fn acoustic_eigenvalues<const D: usize>(
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    directions: &[SVector<f64, 3>],
+) -> Result<Vec<Vec<f64>>, MaterialError> {
+    let stiffness = Stiffness::<D>::at(material, f)?;
+    let of = |direction: &SVector<f64, 3>| {
+        let tensor = stiffness.acoustic_tensor(&vector::<D>(direction.as_slice()));
+        let complex = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0);
+        let mut real: Vec<f64> = complex.iter().map(|value| value.re).collect();
+        real.sort_by(f64::total_cmp);
+        real
+    };
+    Ok(directions.iter().map(of).collect())
+}
+
 /// The smallest acoustic eigenvalue of a material.
 pub(super) fn acoustic_minimum<const D: usize>(
     material: &dyn Hyperelastic,

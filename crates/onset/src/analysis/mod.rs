@@ -23,7 +23,7 @@ use crate::time_step::Integrator;
 use crate::verdict::{
     Assessment, PathError, PathScan, Probe, SurveyedState, Verdict, probe_material, scan_material,
 };
-use body::{Body, acoustic_minimum};
+use body::{Body, acoustic_eigenvalues, acoustic_minimum};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::Arc;
 
@@ -345,6 +345,19 @@ pub fn acoustic_minimum_in(
     f: &DeformationGradient,
 ) -> Result<AcousticMinimum<3>, MaterialError> {
     in_dimension!(dimension, acoustic_minimum(material, f))
+}
+
+/// The eigenvalues of the acoustic tensor of a material, the smallest first, in some directions of so many dimensions; stress.
+///
+/// # Errors
+/// [`MaterialError`] when the response is not finite.
+pub fn acoustic_eigenvalues_in(
+    dimension: usize,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    directions: &[SVector<f64, 3>],
+) -> Result<Vec<Vec<f64>>, MaterialError> {
+    in_dimension!(dimension, acoustic_eigenvalues(material, f, directions))
 }
 
 /// The smallest acoustic eigenvalue of a response over all directions of space.

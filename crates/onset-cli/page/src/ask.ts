@@ -1,0 +1,160 @@
+// Questions to the program. A question that is asked anew gives up the one before, and the program stops computing it.
+
+export interface Window {
+  axes: [string, string];
+  ranges: [[number, number], [number, number]];
+}
+
+export interface Question {
+  set: string[];
+  stretch: string;
+  window: Window;
+}
+
+export interface Complex {
+  re: number;
+  im: number;
+}
+
+export interface Field {
+  name: string;
+  meaning: string;
+  expects: string;
+  default: string;
+  words: string[];
+  takes: "number" | "whole" | "switch" | "text" | null;
+  value: number | string | boolean | number[];
+  is_default: boolean;
+  slider: [number, number] | null;
+}
+
+export interface Form {
+  dimension: number;
+  fields: Field[];
+  set: string[];
+  missing: string[];
+}
+
+export interface State {
+  verdict: string;
+  mechanism: string | null;
+  sentence: string;
+  notes: string[];
+  next: string[];
+  deformation_gradient: number[][];
+  material: {
+    model: string;
+    cauchy: number[][];
+    first_piola: number[][];
+    ellipticity: string;
+    minimum_acoustic_eigenvalue: number;
+    direction: number[];
+  };
+  material_3d: { minimum_acoustic_eigenvalue: number; direction: number[]; ellipticity: string };
+  discretization: {
+    stable: boolean;
+    mode: string;
+    minimum_omega_squared: Complex;
+    minimum_scaled: number;
+    wave_vector: number[];
+    spatial_wave_vector: number[];
+    polarization: number[];
+    growth_rate: number;
+    flutter: boolean;
+    maximum_omega: number;
+    critical_time_step: number | null;
+    damped_time_steps?: Record<string, number>;
+  };
+}
+
+export interface Dispersion {
+  corners: { name: string; wave_vector: number[]; length: number }[];
+  samples: { omega_squared: Complex[]; continuum_omega_squared: number[] }[];
+  lengths: number[];
+  critical: { stable: boolean; growth_rate: number; omega_squared: Complex; length: number | null; wave_vector: number[] };
+}
+
+export interface Directions {
+  shape: [number, number];
+  normals: number[][];
+  eigenvalues: number[][];
+}
+
+export interface Mode {
+  stable: boolean;
+  is_long_wave: boolean;
+  wave_vector: number[];
+  omega_squared: Complex;
+  spacing: number;
+  particles: { site: number; place: number[]; re: number[]; im: number[] }[];
+}
+
+export interface ShownMap {
+  axes: { name: string; label: string; range: [number, number]; states: number }[];
+  classes: (number | null)[];
+  level: number;
+  is_finest: boolean;
+}
+
+export interface Curves {
+  features: {
+    properties: { of: "material" | "discretization" };
+    geometry: { type: "LineString"; coordinates: [number, number][] } | { type: "Polygon"; coordinates: [number, number][][] };
+  }[];
+}
+
+export interface ZooEntry {
+  title: string;
+  seen: string;
+  where: string;
+  assumed: string;
+  question: Question;
+  remedy: string | null;
+  remedy_question: Question | null;
+}
+
+export interface Catalog {
+  version: string;
+  topics: { name: string; key: string; entries: { name: string; formula: string; source: string; domain?: string }[] }[];
+  classes: { name: string; title: string; color: string }[];
+  zoo: ZooEntry[];
+}
+
+export interface Stored {
+  title: string;
+  section: string | null;
+  question: Question;
+  map: ShownMap;
+}
+
+/** What the program says against a question. */
+export class Refusal extends Error {}
+
+const running = new Map<string, AbortController>();
+
+/** Gives up what was asked under a name. */
+export function giveUp(name: string): void {
+  running.get(name)?.abort();
+  running.delete(name);
+}
+
+/** Asks; an earlier question of the same place is given up, and never answers. */
+export async function ask<T>(name: string, question: Partial<Question> & Record<string, unknown>, place: string = name): Promise<T> {
+  giveUp(place);
+  const controller = new AbortController();
+  running.set(place, controller);
+  const answer = await fetch(`api/${name}`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(question),
+    signal: controller.signal,
+  });
+  const document = (await answer.json()) as T & { error?: string };
+  if (running.get(place) === controller) running.delete(place);
+  if (controller.signal.aborted) throw new DOMException("given up", "AbortError");
+  if (document.error !== undefined) throw new Refusal(document.error);
+  return document;
+}
+
+/** Whether a question was given up. */
+export const isGivenUp = (error: unknown): boolean => error instanceof DOMException && error.name === "AbortError";

@@ -1,0 +1,324 @@
+// The page as somebody uses it, in a real browser, beside what the command prints.
+
+import assert from "node:assert/strict";
+import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { AxeBuilder } from "@axe-core/playwright";
+import { argumentsOf, browser, onset, serve } from "./serve.mjs";
+
+const SHOTS = process.env.ONSET_SCREENSHOTS ?? join(import.meta.dirname, "../../../../target/page-screenshots");
+const SIZES = { wide: [1440, 950], tablet: [900, 1100], phone: [390, 844] };
+/** The times that are demanded are those of a machine of one's own; a crowded one may take longer by this factor. */
+const PATIENCE = Number(process.env.ONSET_PATIENCE ?? 1);
+
+const chrome = await browser();
+const options = { skip: chrome === null ? "NOT TESTED: no browser" : false, timeout: 240_000 };
+let server;
+
+before(async () => {
+  if (chrome) server = await serve();
+  mkdirSync(SHOTS, { recursive: true });
+});
+after(async () => {
+  await chrome?.close();
+  server?.end();
+});
+
+/** A page that is open, of which every message counts, and every request that leaves the machine. */
+async function open({ hash = "", size = SIZES.wide, dark = false } = {}) {
+  const context = await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" });
+  const page = await context.newPage();
+  const messages = [];
+  page.on("console", (message) => messages.push(message.text()));
+  page.on("pageerror", (error) => messages.push(String(error)));
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (!["data:", "blob:"].includes(url.protocol) && url.origin !== origin()) messages.push(`a request to ${url.origin}`);
+  });
+  await page.goto(origin() + "/" + hash);
+  const close = async (allowed = []) => {
+    const unexpected = messages.filter((text) => !allowed.some((own) => text.includes(own)));
+    await context.close();
+    assert.deepEqual(unexpected, [], "no message in the console, and no request to another server");
+  };
+  return { page, close };
+}
+
+const origin = () => new URL(server.address).origin;
+const finest = (page) => page.waitForFunction(() => document.querySelector("#map svg") && document.getElementById("map-state").textContent === "", null, { timeout: 120_000 });
+const sentence = (page) => page.locator("#sentence").textContent();
+const drawn = (page, stretch) => page.waitForFunction((own) => document.getElementById("sentence").dataset.state === own, stretch, { timeout: 60_000 });
+
+/** The question of an address. */
+function questionOf(url) {
+  const parts = new URLSearchParams(new URL(url).hash.slice(1));
+  return { set: parts.getAll("set"), stretch: parts.get("stretch") };
+}
+
+/** Clicks where the map has a state. */
+async function click(page, x, y) {
+  const at = await page.evaluate(
+    ([x, y]) => {
+      const svg = document.querySelector("#map svg");
+      const box = svg.getBoundingClientRect();
+      const scale = box.width / Number(svg.getAttribute("width"));
+      return [box.left + svg.scale("x").apply(x) * scale, box.top + svg.scale("y").apply(y) * scale];
+    },
+    [x, y],
+  );
+  await page.mouse.click(at[0], at[1]);
+}
+
+/** A number with six digits, as the page tells it. */
+const six = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(6))));
+const cell = (page, name) => page.locator("#numbers tr", { has: page.locator("th", { hasText: new RegExp(`^${name}$`) }) }).locator("td").textContent();
+
+test("the first picture is there within two seconds", options, async () => {
+  const since = Date.now();
+  const { page, close } = await open();
+  await page.waitForSelector("#map svg");
+  await page.waitForSelector("#mode canvas");
+  const took = Date.now() - since;
+  assert.ok(took < 2000 * PATIENCE, `${took} ms`);
+  await finest(page);
+  await page.waitForFunction(() => performance.getEntriesByName("drawn:boundary").length > 0, null, { timeout: 60_000 });
+  await close();
+});
+
+test("three states that are clicked are told as by the command, and drawn at once", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  for (const [x, y] of [[1.2, 1.0], [1.7, 1.8], [1.05, 1.45]]) {
+    await page.evaluate(() => performance.clearMarks());
+    await click(page, x, y);
+    await page.waitForFunction(() => performance.getEntriesByName("drawn:mode").length > 0 && performance.getEntriesByName("drawn:state").length > 0);
+    const question = questionOf(page.url());
+    await drawn(page, question.stretch);
+    const clicked = question.stretch.split(",").map(Number);
+    assert.ok(Math.abs(clicked[0] - x) < 0.01 && Math.abs(clicked[1] - y) < 0.01, question.stretch);
+    const state = onset(...argumentsOf(question));
+    assert.equal(await sentence(page), state.sentence);
+    assert.equal(await cell(page, "verdict"), state.mechanism ? `${state.verdict} (${state.mechanism})` : state.verdict);
+    assert.equal(await cell(page, "growth rate"), six(state.discretization.growth_rate));
+    assert.equal(await cell(page, "largest frequency"), six(state.discretization.maximum_omega));
+    assert.equal(await cell(page, "critical time step"), six(state.discretization.critical_time_step));
+    const stress = await cell(page, "Cauchy stress");
+    assert.ok(stress.includes(`s11 ${six(state.material.cauchy[0][0])}`), stress);
+    const took = await page.evaluate(() => {
+      const at = (name) => performance.getEntriesByName(name).at(-1).startTime;
+      return at("drawn:mode") - at("answer:mode");
+    });
+    assert.ok(took < 50 * PATIENCE, `from the answer to the moving mode ${took} ms`);
+  }
+  await close();
+});
+
+test("the mode moves, as far as the slider says, and can be paused", options, async () => {
+  const { page, close } = await open();
+  await page.waitForSelector("#mode canvas");
+  const look = () => page.locator("#mode canvas").evaluate((canvas) => canvas.toDataURL());
+  const first = await look();
+  await page.waitForTimeout(300);
+  assert.notEqual(await look(), first);
+  await page.click("#pause");
+  await page.waitForTimeout(100);
+  const paused = await look();
+  await page.waitForTimeout(200);
+  assert.equal(await look(), paused);
+  await page.locator("#amplitude").fill("0.5");
+  await page.waitForTimeout(100);
+  assert.notEqual(await look(), paused);
+  await close();
+});
+
+test("a slider draws anew within 200 ms of a step", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const slider = page.locator('[id="field-material.mu-slider"]');
+  await slider.focus();
+  const times = [];
+  for (let n = 0; n < 5; n++) {
+    await page.evaluate(() => performance.clearMarks());
+    const before = await page.evaluate(() => performance.now());
+    await slider.evaluate((own) => {
+      own.value = String(Number(own.value) + Number(own.step));
+      own.dispatchEvent(new Event("input", { bubbles: true }));
+    });
+    await page.waitForFunction(() => performance.getEntriesByName("drawn:state").length > 0 && performance.getEntriesByName("drawn:map").length > 0);
+    const after = await page.evaluate(() => Math.max(...["drawn:state", "drawn:map"].map((name) => performance.getEntriesByName(name)[0].startTime)));
+    times.push(after - before);
+  }
+  times.sort((a, b) => a - b);
+  assert.ok(times[2] < 200 * PATIENCE, `${times} ms`);
+  // What is shown is of the last step.
+  await finest(page);
+  const question = questionOf(page.url());
+  assert.ok(question.set.some((own) => own.startsWith("material.mu=")), page.url());
+  assert.equal(await sentence(page), onset(...argumentsOf(question)).sentence);
+  await close();
+});
+
+test("a link reproduces the state, and the back button the one before", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const begun = page.url();
+  const first = await sentence(page);
+  await click(page, 1.7, 1.3);
+  await page.waitForURL((url) => url.href !== begun);
+  const question = questionOf(page.url());
+  await drawn(page, question.stretch);
+  const second = await sentence(page);
+  const other = await open({ hash: new URL(page.url()).hash });
+  await drawn(other.page, question.stretch);
+  assert.equal(await sentence(other.page), second);
+  await other.close();
+  await page.goBack();
+  await page.waitForURL(begun);
+  await page.waitForFunction((text) => document.getElementById("sentence").textContent === text, first);
+  await page.goForward();
+  await page.waitForFunction((text) => document.getElementById("sentence").textContent === text, second);
+  await close();
+});
+
+test("a wrong formula shows the caret and keeps the last picture", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  await page.selectOption('[id="field-material.model"]', "formula");
+  const area = page.locator('[id="field-material.energy"]');
+  await area.waitFor();
+  await page.locator('[id="field-material.mu"]').waitFor();
+  await finest(page);
+  const before = await sentence(page);
+  const picture = await page.locator("#dispersion").innerHTML();
+  await area.fill("mu/2*(I1 - 3 -* 2)");
+  await page.waitForSelector("#error:not([hidden])");
+  const told = await page.locator("#error").textContent();
+  assert.match(told, /\n +\^/);
+  assert.equal(await sentence(page), before);
+  assert.equal(await page.locator("#dispersion").innerHTML(), picture);
+  await area.fill("mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*(J - 1)^2");
+  await page.waitForSelector("#error", { state: "hidden" });
+  await close();
+});
+
+test("names are text, whatever they look like", options, async () => {
+  const hash = `#set=${encodeURIComponent("material.model=<img src=x onerror=alert(1)>")}&stretch=1,1`;
+  const { page, close } = await open({ hash });
+  page.on("dialog", () => assert.fail("a script ran"));
+  await page.waitForSelector("#error:not([hidden])");
+  assert.match(await page.locator("#error").textContent(), /<img src=x onerror=alert\(1\)>/);
+  assert.equal(await page.locator("#error img, #map img, #form img").count(), 0);
+  await close();
+});
+
+test("a stranger's study starts no library", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const study = join(mkdtempSync(join(tmpdir(), "onset-page-")), "study.toml");
+  writeFileSync(study, '[material]\nmodel = "umat"\nlibrary = "/tmp/stranger.so"\n');
+  await page.setInputFiles("#study", study);
+  await page.waitForSelector("#error:not([hidden])");
+  assert.match(await page.locator("#error").textContent(), /nothing was loaded/);
+  await close();
+});
+
+test("the keyboard moves the state, and other methods have other keys", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const before = questionOf(page.url()).stretch;
+  await page.focus("#map");
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction((own) => document.getElementById("sentence").dataset.state !== own, before);
+  assert.equal(await page.locator('[data-key="discretization.quadrature"]').count(), 1);
+  await page.selectOption('[id="field-discretization.method"]', "finite-elements");
+  await page.waitForSelector('[data-key="discretization.integration"]');
+  assert.equal(await page.locator('[data-key="discretization.quadrature"]').count(), 0);
+  await finest(page);
+  await close();
+});
+
+test("the zoo opens with one choice, in one and three dimensions too", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const choices = await page.locator("#zoo option").count();
+  assert.ok(choices > 10);
+  await page.selectOption("#zoo", { index: 1 });
+  await page.waitForSelector("#entry[open]");
+  const question = questionOf(page.url());
+  await drawn(page, question.stretch);
+  assert.equal(await sentence(page), onset(...argumentsOf(question)).sentence);
+  await close();
+
+  const space = await open({ hash: `#set=${encodeURIComponent("discretization.method=updated-sph")}&set=${encodeURIComponent("discretization.lattice=simple-cubic")}&stretch=1.1,1,1` });
+  await space.page.waitForSelector("#mode canvas:not(.flat)", { timeout: 120_000 });
+  await space.page.waitForSelector("#directions canvas", { timeout: 120_000 });
+  const sphere = space.page.locator("#directions canvas");
+  const look = () => sphere.screenshot().then((bytes) => bytes.toString("base64"));
+  await space.page.waitForTimeout(300);
+  const first = await look();
+  await sphere.focus();
+  for (let n = 0; n < 8; n++) await space.page.keyboard.press("ArrowRight");
+  await space.page.waitForTimeout(500);
+  assert.notEqual(await look(), first);
+  await space.page.screenshot({ path: join(SHOTS, "space.png"), fullPage: true });
+  // The browser of the tests draws three dimensions without a graphics card, and says so.
+  await space.close(["GPU stall", "GL Driver", "WebGL"]);
+
+  const chain = await open({ hash: `#set=${encodeURIComponent("discretization.method=updated-sph")}&set=${encodeURIComponent("discretization.lattice=chain")}&stretch=1.1` });
+  await finest(chain.page);
+  await chain.page.waitForSelector("#mode canvas");
+  await chain.close();
+});
+
+test("a question can be taken along", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  for (const [form, expected] of [["toml", "[[axes]]"], ["command", "onset state --stretch 1.2,1 --set material.model=blatz-ko"], ["python", "onset.Method(frame=\"eulerian\")"]]) {
+    await page.click(`button[data-form="${form}"]`);
+    await page.waitForFunction((text) => document.getElementById("export-text").value.includes(text), expected);
+  }
+  for (const form of ["svg", "csv"]) {
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout: 120_000 }), page.click(`button[data-form="${form}"]`)]);
+    assert.equal(download.suggestedFilename(), `onset-map.${form}`);
+  }
+  await close();
+});
+
+test("a stored map is shown, and a state in it is asked", options, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "onset-page-"));
+  const study = join(folder, "study.toml");
+  const axis = (name) => `[[axes]]\nquantity = "${name}"\nrange = [0.9, 1.3]\nstates = 16\n`;
+  writeFileSync(study, `title = "A stored map"\n[discretization]\nmethod = "updated-sph"\n${axis("stretch-1")}${axis("stretch-2")}[map]\ntile = 8\n`);
+  onset("map", study, "--out", join(folder, "map.zarr"));
+  const own = await serve(join(folder, "map.zarr"));
+  const context = await chrome.newContext();
+  const page = await context.newPage();
+  await page.goto(own.address);
+  await page.waitForSelector("#map svg");
+  assert.match(await page.locator("#map-note").textContent(), /A stored map/);
+  await page.waitForFunction(() => document.getElementById("sentence").textContent !== "");
+  await click(page, 1.2, 1.0);
+  await page.waitForFunction(() => document.getElementById("sentence").dataset.state?.startsWith("1.2"));
+  assert.match(await page.locator("#map-note").textContent(), /A stored map/);
+  await context.close();
+  own.end();
+});
+
+test("axe-core finds nothing, and the pictures of three sizes are taken", options, async () => {
+  for (const dark of [false, true]) {
+    for (const [name, size] of Object.entries(SIZES)) {
+      const { page, close } = await open({ size, dark });
+      await finest(page);
+      await page.waitForFunction(() => performance.getEntriesByName("drawn:boundary").length > 0, null, { timeout: 60_000 });
+      await page.screenshot({ path: join(SHOTS, `${name}${dark ? "-dark" : ""}.png`), fullPage: true });
+      const across = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(across <= 0, `${name}: the page is ${across} px wider than the window`);
+      for (const details of await page.locator("details:not([hidden]) > summary").all()) await details.click();
+      const { violations } = await new AxeBuilder({ page }).analyze();
+      assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target).join(", ")}`), [], `${name} ${dark}`);
+      await close();
+    }
+  }
+});

@@ -1,0 +1,70 @@
+//! `onset explore`, and `onset state --open`: the page.
+
+use super::{Failure, source};
+use crate::arguments::{ExploreArguments, ProblemArguments, StrainArguments};
+use crate::explore::{Link, serve};
+use crate::printing;
+use onset_study::explore::{Question, Stored};
+use onset_study::settings::Value;
+use std::process::ExitCode;
+
+/// Serves the page, at a study, a stored map or a question.
+pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
+    printing::only_text("the address of the page")?;
+    let trust = arguments.problem.trust.trust();
+    let port = arguments.port;
+    let is_shown = !arguments.no_browser;
+    if let Some(map) = arguments
+        .problem
+        .file
+        .as_deref()
+        .filter(|file| file.is_dir())
+    {
+        if !arguments.problem.assignments.is_empty() || arguments.problem.energy.is_some() {
+            return Err(Failure::input(
+                "a stored map has its settings\n  hint: leave out --set and --energy",
+            ));
+        }
+        let stored = Stored::open(map).map_err(|error| match error.is_input() {
+            true => Failure::input(error),
+            false => Failure::machine(error),
+        })?;
+        stored.question().map_err(Failure::input)?;
+        return serve(&Link::Stored, port, is_shown, trust, Some(stored));
+    }
+    let link = first(&arguments.problem)?;
+    serve(&link, port, is_shown, trust, None)
+}
+
+/// What is shown first: a study with its window, or what is set.
+fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
+    let is_plain = problem.assignments.is_empty() && problem.energy.is_none();
+    match (&problem.file, is_plain) {
+        (None, true) => Ok(Link::Nothing),
+        (Some(file), true) => {
+            let (_, text) = source(file)?;
+            // What it would load is asked for by the page, and refused there unless it is allowed.
+            let question = Question::of_text(&text).map_err(Failure::input)?;
+            Ok(Link::Question(Box::new(question)))
+        }
+        (_, false) => {
+            let question = Question::of_settings(&problem.settings()?);
+            Ok(Link::Question(Box::new(question)))
+        }
+    }
+}
+
+/// Serves the page at a state.
+pub fn at_state(problem: &ProblemArguments, strain: &StrainArguments) -> Result<ExitCode, Failure> {
+    printing::only_text("the address of the page")?;
+    let settings = problem.settings()?;
+    let mut question = Question::of_settings(&settings);
+    question.stretch = strain.stretch.clone().unwrap_or_default();
+    // A library that is named on the command line itself is the user's own word.
+    let mut trust = problem.trust.clone();
+    if let Some(Value::Word(library)) = settings.material.given("library") {
+        trust.libraries.push(library.into());
+    }
+    let link = Link::Question(Box::new(question));
+    serve(&link, None, true, trust.trust(), None)
+}

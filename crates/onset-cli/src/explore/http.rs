@@ -1,0 +1,293 @@
+//! As much of HTTP/1.1 as a page of this machine needs: a request with a body of known length, an answer in one piece, and connections that are
+//! used again. `httparse` reads what comes first.
+
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The most bytes before the body, the most headers, and the most bytes of a body.
+const HEAD: usize = 16 << 10;
+const HEADERS: usize = 64;
+const BODY: usize = 1 << 20;
+/// How long a connection may be silent.
+const SILENCE: Duration = Duration::from_secs(120);
+/// How long what is on its way is waited for at the end.
+const LINGER: Duration = Duration::from_millis(500);
+/// How often a connection is looked at while its answer is computed.
+const GLANCE: Duration = Duration::from_millis(20);
+
+/// What is asked.
+pub struct Request {
+    /// `GET`, `POST` or another word.
+    pub method: String,
+    /// What is asked for, without the part behind `?`.
+    pub path: String,
+    headers: Vec<(String, String)>,
+    /// What was sent with it.
+    pub body: Vec<u8>,
+    /// Whether nothing more will be asked on the connection.
+    pub is_last: bool,
+}
+
+impl Request {
+    /// A header, by its name in lower case; `None` where there is none, or more than one.
+    pub fn header(&self, name: &str) -> Option<&str> {
+        let mut found = self.headers.iter().filter(|(own, _)| own == name);
+        let first = found.next()?;
+        found.next().is_none().then_some(first.1.as_str())
+    }
+
+    /// Whether there is a header at all.
+    pub fn has(&self, name: &str) -> bool {
+        self.headers.iter().any(|(own, _)| own == name)
+    }
+}
+
+/// What is answered.
+pub struct Reply {
+    /// The status: number and words.
+    pub status: &'static str,
+    /// What the body is.
+    pub kind: &'static str,
+    /// The body.
+    pub body: Vec<u8>,
+}
+
+impl Reply {
+    /// A refusal in words.
+    pub fn refused(status: &'static str, why: &str) -> Self {
+        Self {
+            status,
+            kind: "text/plain; charset=utf-8",
+            body: why.as_bytes().to_vec(),
+        }
+    }
+}
+
+/// What every answer says: it is for this page alone, which runs nothing but its own scripts and asks nobody but this server. Styles are also
+/// those that the plotting library puts into pictures.
+const ALWAYS: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\
+     X-Content-Type-Options: nosniff\r\n\
+     Referrer-Policy: no-referrer\r\n\
+     Cross-Origin-Resource-Policy: same-origin\r\n\
+     Cross-Origin-Opener-Policy: same-origin\r\n\
+     Cache-Control: no-store\r\n";
+
+/// A connection to a browser.
+pub struct Connection {
+    stream: TcpStream,
+    /// What was read and not used yet.
+    rest: Vec<u8>,
+}
+
+/// What came instead of a request.
+pub enum Instead {
+    /// Nothing more.
+    End,
+    /// Something that is refused.
+    Refused(Reply),
+}
+
+impl From<io::Error> for Instead {
+    fn from(_: io::Error) -> Self {
+        Self::End
+    }
+}
+
+fn refused(status: &'static str, why: &str) -> Instead {
+    Instead::Refused(Reply::refused(status, why))
+}
+
+impl Connection {
+    /// A connection that was accepted.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn new(stream: TcpStream) -> io::Result<Self> {
+        // An answer is written in one piece, and is not to wait for the next.
+        stream.set_nodelay(true)?;
+        stream.set_read_timeout(Some(SILENCE))?;
+        stream.set_write_timeout(Some(SILENCE))?;
+        Ok(Self {
+            stream,
+            rest: Vec::new(),
+        })
+    }
+
+    /// The next request.
+    pub fn request(&mut self) -> Result<Request, Instead> {
+        let (mut request, start, length) = loop {
+            if let Some(found) = head(&self.rest)? {
+                break found;
+            }
+            if self.rest.len() > HEAD {
+                return Err(refused(
+                    "431 Request Header Fields Too Large",
+                    "the head of the request is too long",
+                ));
+            }
+            self.more()?;
+        };
+        while self.rest.len() < start + length {
+            self.more()?;
+        }
+        request.body = self.rest[start..start + length].to_vec();
+        self.rest.drain(..start + length);
+        Ok(request)
+    }
+
+    fn more(&mut self) -> Result<(), Instead> {
+        let mut bytes = [0; 16 << 10];
+        match self.stream.read(&mut bytes)? {
+            0 => Err(Instead::End),
+            count => {
+                self.rest.extend_from_slice(&bytes[..count]);
+                Ok(())
+            }
+        }
+    }
+
+    /// Sends an answer, in one piece.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn send(&mut self, reply: &Reply, has_body: bool) -> io::Result<()> {
+        let mut bytes = format!(
+            "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{ALWAYS}\r\n",
+            reply.status,
+            reply.kind,
+            reply.body.len()
+        )
+        .into_bytes();
+        if has_body {
+            bytes.extend_from_slice(&reply.body);
+        }
+        self.stream.write_all(&bytes)
+    }
+
+    /// Ends the connection: what was still on its way is read, lest the answer be lost with it.
+    pub fn end(mut self) {
+        let mut bytes = [0; 16 << 10];
+        let is_set = self.stream.set_read_timeout(Some(LINGER)).is_ok();
+        if !is_set || self.stream.shutdown(Shutdown::Write).is_err() {
+            return;
+        }
+        let mut rest = BODY;
+        while let Ok(count @ 1..) = self.stream.read(&mut bytes) {
+            rest = rest.saturating_sub(count);
+            if rest == 0 {
+                return;
+            }
+        }
+    }
+
+    /// Does something, which can ask whether the browser has gone meanwhile, as it does when a question is given up.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn while_there<T>(
+        &self,
+        work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T,
+    ) -> io::Result<T> {
+        self.stream.set_nonblocking(true)?;
+        let (is_gone, looked) = (AtomicBool::new(false), Mutex::new(Instant::now()));
+        let ask = || {
+            if is_gone.load(Ordering::Relaxed) {
+                return true;
+            }
+            // Who finds the time taken is told by whoever took it.
+            if let Ok(mut last) = looked.try_lock()
+                && last.elapsed() >= GLANCE
+            {
+                *last = Instant::now();
+                let mut byte = [0];
+                let is_open = match self.stream.peek(&mut byte) {
+                    Ok(count) => count > 0,
+                    Err(error) => error.kind() == io::ErrorKind::WouldBlock,
+                };
+                is_gone.store(!is_open, Ordering::Relaxed);
+            }
+            is_gone.load(Ordering::Relaxed)
+        };
+        let done = work(&ask);
+        self.stream.set_nonblocking(false)?;
+        Ok(done)
+    }
+}
+
+/// The head of a request, where its body begins and how long that is; `None` where more is to come.
+fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
+    let mut headers = [httparse::EMPTY_HEADER; HEADERS];
+    let mut parsed = httparse::Request::new(&mut headers);
+    let start = match parsed.parse(bytes) {
+        Ok(httparse::Status::Complete(start)) => start,
+        Ok(httparse::Status::Partial) => return Ok(None),
+        Err(error) => return Err(refused("400 Bad Request", &error.to_string())),
+    };
+    let target = parsed.path.unwrap_or_default();
+    let headers = parsed.headers.iter().map(|header| {
+        let value = String::from_utf8_lossy(header.value).trim().to_owned();
+        (header.name.to_ascii_lowercase(), value)
+    });
+    let mut request = Request {
+        method: parsed.method.unwrap_or_default().to_owned(),
+        path: target.split('?').next().unwrap_or_default().to_owned(),
+        headers: headers.collect(),
+        body: Vec::new(),
+        is_last: parsed.version == Some(0),
+    };
+    let is_closing = |own: &str| own.eq_ignore_ascii_case("close");
+    request.is_last |= request.header("connection").is_some_and(is_closing);
+    if request.has("transfer-encoding") {
+        return Err(refused(
+            "501 Not Implemented",
+            "a body has a Content-Length here",
+        ));
+    }
+    let length = match (
+        request.has("content-length"),
+        request.header("content-length"),
+    ) {
+        (false, _) => 0,
+        (true, Some(text)) if text.bytes().all(|byte| byte.is_ascii_digit()) => {
+            text.parse().unwrap_or(usize::MAX)
+        }
+        _ => return Err(refused("400 Bad Request", "Content-Length is not a number")),
+    };
+    if length > BODY {
+        return Err(refused("413 Content Too Large", "the question is too long"));
+    }
+    Ok(Some((request, start, length)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Instead, head};
+
+    fn told(text: &str) -> String {
+        match head(text.as_bytes()) {
+            Ok(None) => "more".to_owned(),
+            Ok(Some((request, start, length))) => {
+                format!("{} {} {start} {length}", request.method, request.path)
+            }
+            Err(Instead::Refused(reply)) => reply.status[..3].to_owned(),
+            Err(Instead::End) => "end".to_owned(),
+        }
+    }
+
+    #[test]
+    fn heads_are_read_or_refused() {
+        assert_eq!(told("GET / HTTP/1.1\r\nHost: a"), "more");
+        assert_eq!(told("GET /a?b HTTP/1.1\r\nHost: a\r\n\r\n"), "GET /a 28 0");
+        let post = |header: &str| told(&format!("POST / HTTP/1.1\r\n{header}\r\n\r\n"));
+        assert!(post("Content-Length: 12").ends_with(" 12"));
+        assert_eq!(post("Content-Length: 1\r\nContent-Length: 2"), "400");
+        assert_eq!(post("Content-Length: -1"), "400");
+        assert_eq!(post("Content-Length: 99999999999999999999999"), "413");
+        assert_eq!(post("Transfer-Encoding: chunked"), "501");
+        assert_eq!(told("nothing\r\n\r\n"), "400");
+    }
+}

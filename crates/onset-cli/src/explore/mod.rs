@@ -1,0 +1,60 @@
+//! `onset explore`: a page to play with, on this machine alone.
+//!
+//! The page is a front end like the command: what it shows are the documents of `--json`, and what it asks is what is written after `--set`
+//! and `--stretch`. It is served on the loopback address, with everything it needs, and asks no other server for anything.
+
+mod browser;
+mod http;
+mod link;
+mod page;
+mod server;
+
+pub use link::Link;
+
+use crate::commands::Failure;
+use onset_study::explore::{Explorer, Stored};
+use onset_study::settings::Trust;
+use server::Server;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::process::ExitCode;
+
+/// The port of the page unless another one is asked for: links stay true from one day to the next.
+pub const PORT: u16 = 6673;
+
+/// Serves the page until it is interrupted.
+///
+/// # Errors
+/// [`Failure`] when no port can be had.
+pub fn serve(
+    link: &Link,
+    port: Option<u16>,
+    is_shown: bool,
+    trust: Trust,
+    stored: Option<Stored>,
+) -> Result<ExitCode, Failure> {
+    let listener = listener(port)?;
+    let address = listener.local_addr().map_err(Failure::machine)?;
+    let server = Server::new(Explorer::new(trust, stored), address);
+    let place = format!("http://{address}/{link}");
+    crate::printing::print_text(&place)?;
+    crate::printing::tell("the page is served on this machine until it is interrupted (Ctrl-C)");
+    if is_shown && !browser::open(&place) {
+        crate::printing::tell("no browser could be started: open the address above");
+    }
+    server.run(&listener)
+}
+
+/// A listener on the loopback address: on the port that is asked for, or on the usual one, or, where somebody else has that, on any.
+fn listener(port: Option<u16>) -> Result<TcpListener, Failure> {
+    let at = |port: u16| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    let found = match port {
+        Some(port) => at(port),
+        None => at(PORT).or_else(|_| at(0)),
+    };
+    found.map_err(|error| {
+        let port = port.unwrap_or(PORT);
+        Failure::machine(format!(
+            "cannot listen on 127.0.0.1:{port}: {error}\n  hint: choose another --port, or 0 for any that is free"
+        ))
+    })
+}

@@ -1,0 +1,31 @@
+//! The page itself, as `cargo xtask page` builds it from `crates/onset-cli/page`.
+
+/// A file of the page.
+pub struct File {
+    /// Its path.
+    pub path: &'static str,
+    /// What it is.
+    pub kind: &'static str,
+    /// What it holds.
+    pub bytes: &'static [u8],
+}
+
+macro_rules! file {
+    ($path:literal, $name:literal, $kind:literal) => {
+        File {
+            path: $path,
+            kind: $kind,
+            bytes: include_bytes!(concat!("../../page/dist/", $name)),
+        }
+    };
+}
+
+/// The files of the page.
+pub const FILES: &[File] = &[
+    file!("/", "index.html", "text/html; charset=utf-8"),
+    file!("/page.js", "page.js", "text/javascript; charset=utf-8"),
+    file!("/page.css", "page.css", "text/css; charset=utf-8"),
+    file!("/space.js", "space.js", "text/javascript; charset=utf-8"),
+    file!("/licenses.txt", "licenses.txt", "text/plain; charset=utf-8"),
+    file!("/icon.svg", "icon.svg", "image/svg+xml"),
+];

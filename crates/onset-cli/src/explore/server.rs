@@ -1,0 +1,188 @@
+//! Who is answered, and with what.
+
+use super::http::{Connection, Instead, Reply, Request};
+use super::page;
+use crate::commands::Failure;
+use onset_study::explore::{Explorer, Question, Refusal};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Connections at a time; a browser opens six.
+const MOST: usize = 64;
+
+/// The page and what answers its questions.
+pub struct Server {
+    explorer: Explorer,
+    /// The names under which a browser of this machine knows the server, with its port.
+    hosts: [String; 2],
+    /// Connections that are open.
+    open: AtomicUsize,
+}
+
+impl Server {
+    /// A server at an address of this machine.
+    pub fn new(explorer: Explorer, address: SocketAddr) -> Self {
+        let port = address.port();
+        Self {
+            explorer,
+            hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
+            open: AtomicUsize::new(0),
+        }
+    }
+
+    /// Answers until the program is interrupted.
+    ///
+    /// # Errors
+    /// [`Failure`] when nobody can be heard any more.
+    pub fn run(self, listener: &TcpListener) -> Result<ExitCode, Failure> {
+        let server = Arc::new(self);
+        for stream in listener.incoming() {
+            let stream = stream.map_err(Failure::machine)?;
+            if server.open.fetch_add(1, Ordering::Relaxed) >= MOST {
+                server.open.fetch_sub(1, Ordering::Relaxed);
+                continue;
+            }
+            let own = Arc::clone(&server);
+            thread::spawn(move || {
+                // An open connection is counted also where an answer panics.
+                let _guard = Guard(&own.open);
+                own.converse(stream);
+            });
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Answers on a connection as long as there is one.
+    fn converse(&self, stream: TcpStream) {
+        let Ok(mut connection) = Connection::new(stream) else {
+            return;
+        };
+        loop {
+            let (reply, has_body, is_last) = match connection.request() {
+                Ok(request) => match self.reply(&request, &connection) {
+                    Some(reply) => (reply, request.method != "HEAD", request.is_last),
+                    None => return,
+                },
+                Err(Instead::Refused(reply)) => (reply, true, true),
+                Err(Instead::End) => return,
+            };
+            if connection.send(&reply, has_body).is_err() {
+                return;
+            }
+            if is_last {
+                return connection.end();
+            }
+        }
+    }
+
+    /// The answer to a request; `None` when nobody waits for it any more.
+    fn reply(&self, request: &Request, connection: &Connection) -> Option<Reply> {
+        if let Some(why) = self.stranger(request) {
+            return Some(Reply::refused("403 Forbidden", why));
+        }
+        match request.method.as_str() {
+            "GET" | "HEAD" => Some(file(&request.path)),
+            "POST" => match request.path.strip_prefix("/api/") {
+                Some(name) => self.answer(name, request, connection),
+                None => Some(missing()),
+            },
+            _ => Some(Reply::refused(
+                "405 Method Not Allowed",
+                "expected GET or POST",
+            )),
+        }
+    }
+
+    /// Why a request is none of this page: pages of other servers must not ask, also where a name of theirs leads to this machine.
+    fn stranger(&self, request: &Request) -> Option<&'static str> {
+        let is_own = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
+        if !request.header("host").is_some_and(is_own) {
+            return Some(
+                "this page is for the browser on its own machine: the Host is another one",
+            );
+        }
+        let is_own_origin = |origin: &str| origin.strip_prefix("http://").is_some_and(is_own);
+        if request.has("origin") && !request.header("origin").is_some_and(is_own_origin) {
+            return Some("this page answers itself alone: the Origin is another one");
+        }
+        let site = request.header("sec-fetch-site");
+        let is_navigation = request.method == "GET" && request.path == "/";
+        match site {
+            Some("cross-site" | "same-site") if !is_navigation => {
+                Some("this page answers itself alone: another site asks")
+            }
+            _ => None,
+        }
+    }
+
+    fn answer(&self, name: &str, request: &Request, connection: &Connection) -> Option<Reply> {
+        // What other pages can send without being asked is no JSON.
+        let kind = request.header("content-type").unwrap_or_default();
+        if kind.split(';').next().map(str::trim) != Some("application/json") {
+            return Some(Reply::refused(
+                "415 Unsupported Media Type",
+                "a question is application/json",
+            ));
+        }
+        let Ok(text) = std::str::from_utf8(&request.body) else {
+            return Some(error("400 Bad Request", "the question is not UTF-8"));
+        };
+        let question = match Question::parse(text) {
+            Ok(question) => question,
+            Err(refusal) => return Some(error("400 Bad Request", &refusal.to_string())),
+        };
+        let answered = connection.while_there(|is_gone| {
+            if is_gone() {
+                return Err(Refusal::GivenUp);
+            }
+            self.explorer.answer(name, &question, is_gone)
+        });
+        Some(match answered.ok()? {
+            Ok(document) => json("200 OK", document),
+            Err(refusal @ Refusal::Unknown(_)) => error("404 Not Found", &refusal.to_string()),
+            // What the command says against a question is an answer too: a browser takes other statuses for faults of the page.
+            Err(refusal) => error("200 OK", &refusal.to_string()),
+        })
+    }
+}
+
+/// A connection that is counted as long as it lives.
+struct Guard<'a>(&'a AtomicUsize);
+
+impl Drop for Guard<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+fn json(status: &'static str, document: String) -> Reply {
+    Reply {
+        status,
+        kind: "application/json",
+        body: document.into_bytes(),
+    }
+}
+
+/// A message as a document: what a file says must not command a terminal, nor a page.
+fn error(status: &'static str, message: &str) -> Reply {
+    let message = onset_umat::readable(message).to_string();
+    let document =
+        onset_study::json::document(&std::collections::BTreeMap::from([("error", message)]));
+    json(status, document.unwrap_or_default())
+}
+
+fn missing() -> Reply {
+    Reply::refused("404 Not Found", "there is nothing here")
+}
+
+fn file(path: &str) -> Reply {
+    let found = page::FILES.iter().find(|file| file.path == path);
+    found.map_or_else(missing, |file| Reply {
+        status: "200 OK",
+        kind: file.kind,
+        body: file.bytes.to_vec(),
+    })
+}

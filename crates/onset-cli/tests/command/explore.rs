@@ -1,0 +1,488 @@
+//! `onset explore`: what the page asks is answered as the command answers, and nobody else is.
+
+use crate::{command, fresh_place, onset};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+/// A page that is served.
+struct Page {
+    server: Child,
+    host: String,
+    /// The whole address that was printed.
+    address: String,
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+impl Page {
+    fn serve(arguments: &[&str]) -> Self {
+        let all = [&["explore", "--no-browser", "--port", "0"], arguments].concat();
+        let mut server = command(&all)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command starts");
+        let mut address = String::new();
+        let out = server.stdout.take().expect("its output");
+        BufReader::new(out)
+            .read_line(&mut address)
+            .expect("an address");
+        let address = address.trim().to_owned();
+        let host = address
+            .strip_prefix("http://")
+            .and_then(|rest| rest.split('/').next());
+        let host = host
+            .unwrap_or_else(|| panic!("no address: {address}"))
+            .to_owned();
+        Self {
+            server,
+            host,
+            address,
+        }
+    }
+
+    /// Sends bytes, and reads to the end of the answer: status and body.
+    fn send(&self, request: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(&self.host).expect("a connection");
+        let request = request.replacen("\r\n", "\r\nConnection: close\r\n", 1);
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("an answer");
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
+        let status = head
+            .split(' ')
+            .nth(1)
+            .and_then(|number| number.parse().ok());
+        (status.unwrap_or(0), body.to_owned())
+    }
+
+    fn get(&self, path: &str, headers: &[&str]) -> (u16, String) {
+        let host = format!("Host: {}", self.host);
+        let headers = match headers.iter().any(|own| own.starts_with("Host:")) {
+            true => headers.join("\r\n"),
+            false => [&[host.as_str()], headers].concat().join("\r\n"),
+        };
+        self.send(&format!("GET {path} HTTP/1.1\r\n{headers}\r\n\r\n"))
+    }
+
+    fn post(&self, name: &str, question: &Value, headers: &[&str]) -> (u16, String) {
+        let body = question.to_string();
+        let own = [
+            format!("Host: {}", self.host),
+            "Content-Type: application/json".to_owned(),
+        ];
+        let is_given = |own: &&String| {
+            let name = own.split(':').next().unwrap_or_default();
+            !headers.iter().any(|given| given.starts_with(name))
+        };
+        let mut all: Vec<&str> = own.iter().filter(is_given).map(String::as_str).collect();
+        all.extend(headers);
+        self.send(&format!(
+            "POST /api/{name} HTTP/1.1\r\n{}\r\nContent-Length: {}\r\n\r\n{body}",
+            all.join("\r\n"),
+            body.len()
+        ))
+    }
+
+    fn ask(&self, name: &str, question: &Value) -> String {
+        let (status, body) = self.post(name, question, &[]);
+        assert_eq!(status, 200, "{name}: {body}");
+        body
+    }
+}
+
+/// A new folder.
+fn folder(name: &str) -> PathBuf {
+    let place = fresh_place(&format!("explore-{name}"));
+    std::fs::create_dir_all(&place).expect("a folder");
+    place
+}
+
+/// Questions with their assignments and stretches.
+const QUESTIONS: [(&[&str], &str); 3] = [
+    (&["discretization.method=updated-sph"], "1.15,1"),
+    (
+        &[
+            "material.model=formula",
+            "material.energy=mu/2*(I1 - 3 - 2*ln(J)) + ln(J)^2",
+            "material.mu=0.7",
+            "discretization.lattice=square",
+        ],
+        "0.8,1.2,1.1",
+    ),
+    (
+        &[
+            "material.model=blatz-ko",
+            "discretization.method=finite-elements",
+            "discretization.mesh=bricks",
+            "discretization.integration=one-point",
+        ],
+        "1.1,1,0.9",
+    ),
+];
+
+#[test]
+fn answers_are_those_of_the_command_to_the_last_byte() {
+    let page = Page::serve(&[]);
+    for (set, stretch) in QUESTIONS {
+        let set: Vec<String> = set.iter().map(|own| (*own).to_owned()).collect();
+        let question = json!({ "set": set, "stretch": stretch });
+        let told = |first: &[&str]| {
+            let mut arguments: Vec<&str> = first.to_vec();
+            arguments.extend(["--json", "--stretch", stretch]);
+            for own in &set {
+                arguments.extend(["--set", own]);
+            }
+            onset(&arguments).stdout
+        };
+        assert_eq!(page.ask("state", &question), told(&["state"]).trim_end());
+        if set.len() == 1 {
+            let waves = told(&["dispersion", "--path"]);
+            assert_eq!(page.ask("dispersion", &question), waves.trim_end());
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_as_by_the_command() {
+    let page = Page::serve(&[]);
+    let energy = "material.energy=mu/2*(I1 - 3 -* 2)";
+    let set = ["material.model=formula", energy];
+    let (status, body) = page.post("state", &json!({ "set": set, "stretch": "1.1,1" }), &[]);
+    let refused: Value = serde_json::from_str(&body).expect("JSON");
+    let message = refused["error"].as_str().expect("a message");
+    assert_eq!(status, 200);
+    assert!(
+        message.contains("column 15") && message.contains("\n                  ^"),
+        "{message}"
+    );
+    let command = onset(&[
+        "state",
+        "--stretch",
+        "1.1,1",
+        "--set",
+        set[0],
+        "--set",
+        energy,
+    ]);
+    assert_eq!(command.stderr.trim_end(), format!("error: {message}"));
+    // A name is text, whatever it looks like.
+    let set = ["material.model=<script>alert(1)</script>"];
+    let (status, body) = page.post("state", &json!({ "set": set, "stretch": "1,1" }), &[]);
+    assert_eq!(status, 200);
+    assert!(
+        body.contains("error") && body.contains("cannot be"),
+        "{body}"
+    );
+    for (body, expected) in [("{", 400), ("{\"sett\": []}", 400), ("7", 400)] {
+        let length = body.len();
+        let (status, _) = page.send(&format!(
+            "POST /api/state HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n{body}",
+            page.host
+        ));
+        assert_eq!(status, expected, "{body}");
+    }
+    assert_eq!(page.post("everything", &json!({}), &[]).0, 404);
+    assert_eq!(page.get("/../Cargo.toml", &[]).0, 404);
+    let host = format!("Host: {}", page.host);
+    assert_eq!(
+        page.send(&format!("PUT / HTTP/1.1\r\n{host}\r\n\r\n")).0,
+        405
+    );
+    assert_eq!(
+        page.send(&format!(
+            "GET / HTTP/1.1\r\n{host}\r\nX: {}\r\n\r\n",
+            "x".repeat(40_000)
+        ))
+        .0,
+        431
+    );
+    // A header that is sent twice means two things.
+    assert_eq!(page.get("/", &[&host, &host]).0, 403);
+}
+
+#[test]
+fn other_hosts_and_origins_are_refused() {
+    let page = Page::serve(&[]);
+    let port = page.host.split(':').nth(1).expect("a port").to_owned();
+    let question = json!({ "set": [], "stretch": "1,1" });
+    for host in [
+        "Host: example.org".to_owned(),
+        format!("Host: example.org:{port}"),
+        "Host: 127.0.0.1".to_owned(),
+        "Host: 127.0.0.1:1".to_owned(),
+        format!("Host: 127.0.0.1:{port}.example.org"),
+        "Hostless: yes".to_owned(),
+    ] {
+        let plain = format!("GET / HTTP/1.1\r\n{host}\r\n\r\n");
+        assert_eq!(page.send(&plain).0, 403, "{host}");
+        if host.starts_with("Host:") {
+            assert_eq!(page.post("state", &question, &[&host]).0, 403, "{host}");
+        }
+    }
+    for origin in [
+        "Origin: null".to_owned(),
+        "Origin: https://example.org".to_owned(),
+        format!("Origin: https://127.0.0.1:{port}"),
+        format!("Origin: http://example.org:{port}"),
+        "Origin: http://127.0.0.1:1".to_owned(),
+        "Sec-Fetch-Site: cross-site".to_owned(),
+        "Sec-Fetch-Site: same-site".to_owned(),
+    ] {
+        assert_eq!(page.post("state", &question, &[&origin]).0, 403, "{origin}");
+    }
+    for own in [
+        format!("Origin: http://127.0.0.1:{port}"),
+        "Sec-Fetch-Site: same-origin".to_owned(),
+    ] {
+        assert_eq!(page.post("state", &question, &[&own]).0, 200, "{own}");
+    }
+    assert_eq!(page.get("/", &[&format!("Host: localhost:{port}")]).0, 200);
+    // A link from elsewhere leads to the page, and nothing else does.
+    assert_eq!(page.get("/", &["Sec-Fetch-Site: cross-site"]).0, 200);
+    assert_eq!(page.get("/page.js", &["Sec-Fetch-Site: cross-site"]).0, 403);
+    // What a page can send without being asked for leave is not taken.
+    for kind in [
+        "Content-Type: text/plain",
+        "Content-Type: application/x-www-form-urlencoded",
+    ] {
+        assert_eq!(page.post("state", &question, &[kind]).0, 415);
+    }
+}
+
+#[test]
+fn the_page_is_whole_and_asks_nobody_else() {
+    let page = Page::serve(&[]);
+    let (status, html) = page.get("/", &[]);
+    assert_eq!(status, 200);
+    for name in html.split('"').filter(|part| {
+        [".js", ".css", ".svg", ".txt"]
+            .iter()
+            .any(|end| part.ends_with(end))
+    }) {
+        assert_eq!(page.get(&format!("/{name}"), &[]).0, 200, "{name}");
+    }
+    let raw = format!("HEAD / HTTP/1.0\r\nHost: {}\r\n\r\n", page.host);
+    let mut stream = TcpStream::connect(&page.host).expect("a connection");
+    stream.write_all(raw.as_bytes()).expect("sent");
+    let mut head = String::new();
+    stream.read_to_string(&mut head).expect("an answer");
+    for expected in [
+        "default-src 'none'",
+        "script-src 'self'",
+        "connect-src 'self'",
+        "nosniff",
+        "no-referrer",
+    ] {
+        assert!(head.contains(expected), "{head}");
+    }
+    assert!(!html.contains("http://") && !html.contains("https://"));
+}
+
+#[test]
+fn the_built_page_is_of_its_sources() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("page");
+    let mut files: Vec<String> = std::fs::read_dir(folder.join("src"))
+        .expect("the sources")
+        .filter_map(|file| {
+            Some(format!(
+                "src/{}",
+                file.ok()?.file_name().into_string().ok()?
+            ))
+        })
+        .collect();
+    files.extend(
+        [
+            "build.mjs",
+            "package-lock.json",
+            "package.json",
+            "tsconfig.json",
+        ]
+        .map(str::to_owned),
+    );
+    files.sort();
+    let mut sum = Sha256::new();
+    for file in files {
+        let bytes = std::fs::read(folder.join(&file)).expect("a source");
+        sum.update(format!("{file}\0"));
+        sum.update(bytes);
+        sum.update("\0");
+    }
+    let found: String = sum
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let built = std::fs::read_to_string(folder.join("dist/sources.sha256")).expect("the sum");
+    assert_eq!(
+        built.trim(),
+        found,
+        "the page is older than its sources: cargo xtask page"
+    );
+}
+
+#[test]
+fn a_strangers_study_starts_no_library_and_reads_no_file() {
+    let folder = folder("stranger");
+    let library = folder.join("stranger.so");
+    // Whoever reads it, as a library or otherwise, reads forever: it is a pipe without a writer.
+    #[cfg(unix)]
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&library)
+            .status()
+            .expect("mkfifo")
+            .success()
+    );
+    let study = format!(
+        "[material]\nmodel = \"umat\"\nlibrary = {:?}\n[[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 4\n\
+         [[axes]]\nquantity = \"stretch-2\"\nrange = [0.9, 1.1]\nstates = 4\n",
+        library.display().to_string()
+    );
+    let page = Page::serve(&[]);
+    let opened: Value =
+        serde_json::from_str(&page.ask("open", &json!({ "text": study }))).expect("JSON");
+    let mut question = opened["question"].clone();
+    question["form"] = json!("toml");
+    assert!(
+        question["set"].to_string().contains("stranger.so"),
+        "{question}"
+    );
+    for name in [
+        "form",
+        "state",
+        "dispersion",
+        "directions",
+        "mode",
+        "map",
+        "boundary",
+        "export",
+    ] {
+        let (status, body) = page.post(name, &question, &[]);
+        assert_eq!(status, 200, "{name}: {body}");
+        assert!(
+            body.contains("error") && body.contains("nothing was loaded"),
+            "{name}: {body}"
+        );
+    }
+    // A study in a text names no other file, and one that is no study is refused.
+    for text in [
+        "include = \"/etc/passwd\"",
+        "[material]\nfile = \"/etc/passwd\"",
+        "/etc/passwd",
+    ] {
+        let body = page.ask("open", &json!({ "text": text }));
+        assert!(
+            body.contains("\"error\"") && !body.contains("root:"),
+            "{body}"
+        );
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn a_question_that_is_given_up_is_not_computed_to_the_end() {
+    let page = Page::serve(&[]);
+    // Hours of work.
+    let set = [
+        "discretization.method=material-points",
+        "discretization.lattice=simple-cubic",
+        "discretization.unknowns=particles",
+    ];
+    let window = json!({ "axes": ["stretch-1", "stretch-2"], "ranges": [[0.5, 2.0], [0.5, 2.0]] });
+    let question = json!({ "set": set, "stretch": "1,1,1", "window": window, "level": 3 });
+    let body = question.to_string();
+    let mut stream = TcpStream::connect(&page.host).expect("a connection");
+    let request = format!(
+        "POST /api/map HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+        page.host,
+        body.len()
+    );
+    stream.write_all(request.as_bytes()).expect("sent");
+    std::thread::sleep(Duration::from_millis(300));
+    drop(stream);
+    // Another question is answered at once, with all cores.
+    let since = Instant::now();
+    page.ask(
+        "map",
+        &json!({ "set": ["discretization.method=updated-sph"], "stretch": "1,1", "level": 0 }),
+    );
+    assert!(
+        since.elapsed() < Duration::from_secs(60),
+        "{:?}",
+        since.elapsed()
+    );
+}
+
+#[test]
+fn a_link_has_the_question_of_the_command() {
+    let page = Page::serve(&["--set", "discretization.method=tlsph"]);
+    assert!(page.address.ends_with(
+        "/#set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
+    ), "{}", page.address);
+    assert!(Page::serve(&[]).address.ends_with('/'));
+    let refused = onset(&["explore", "no-such-study.toml"]);
+    assert_eq!(refused.code, Some(2));
+    let refused = onset(&["state", "--open", "--deformation-gradient", "1,0,0,1"]);
+    assert_eq!(refused.code, Some(2));
+    let refused = onset(&["explore", "--json"]);
+    assert_eq!(refused.code, Some(2));
+}
+
+#[test]
+fn a_stored_map_is_shown() {
+    let folder = folder("stored");
+    let study = folder.join("study.toml");
+    let axis =
+        |name: &str| format!("[[axes]]\nquantity = \"{name}\"\nrange = [0.9, 1.3]\nstates = 8\n");
+    let text = format!(
+        "title = \"Two <b>stretches</b>\"\n[discretization]\nmethod = \"updated-sph\"\n{}{}[map]\ntile = 8\n",
+        axis("stretch-1"),
+        axis("stretch-2")
+    );
+    std::fs::write(&study, text).expect("a study");
+    let store = folder.join("map.zarr");
+    let [study, store] = [&study, &store].map(|path| path.to_str().expect("UTF-8"));
+    assert_eq!(
+        onset(&["map", study, "--out", store, "--quiet"]).code,
+        Some(0)
+    );
+    let page = Page::serve(&[store]);
+    assert!(page.address.ends_with("/#map=stored"));
+    let shown: Value = serde_json::from_str(&page.ask("stored", &json!({}))).expect("JSON");
+    assert_eq!(shown["title"], "Two <b>stretches</b>");
+    assert_eq!(
+        shown["question"]["set"],
+        json!(["discretization.method=updated-sph"])
+    );
+    let stored = shown["map"]["classes"].as_array().expect("classes").clone();
+    assert_eq!(stored.len(), 64);
+    // The state in the middle of a cell has the class that is stored.
+    let catalog: Value = serde_json::from_str(&page.ask("catalog", &json!({}))).expect("JSON");
+    for n in [0, 27, 63] {
+        let at = |i: usize| 0.9 + 0.4 * (i as f64 + 0.5) / 8.0;
+        let stretch = format!("{},{}", at(n % 8), at(n / 8));
+        let question = json!({ "set": shown["question"]["set"], "stretch": stretch });
+        let state: Value = serde_json::from_str(&page.ask("state", &question)).expect("JSON");
+        let class = &catalog["classes"][stored[n].as_u64().expect("a class") as usize]["name"];
+        let verdict = state["verdict"].as_str().expect("a verdict");
+        assert!(
+            class.as_str().expect("a name").starts_with(verdict),
+            "{class} {verdict}"
+        );
+    }
+    let refused = onset(&["explore", folder.to_str().expect("UTF-8"), "--no-browser"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -1,0 +1,36 @@
+//! What a page shows beside answers: the options of `onset list`, the classes of maps with their colors, and the zoo.
+
+use super::zoo::{Entry, entries};
+use crate::catalog::{Topic, topics};
+use crate::domain::Class;
+use serde::Serialize;
+
+/// What there is.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Catalog {
+    version: &'static str,
+    topics: Vec<Topic>,
+    classes: [ShownClass; 7],
+    zoo: Vec<Entry>,
+}
+
+/// What a state of a map can be.
+#[derive(Clone, Debug, Serialize)]
+struct ShownClass {
+    name: &'static str,
+    title: &'static str,
+    color: String,
+}
+
+pub(super) fn catalog() -> Catalog {
+    Catalog {
+        version: env!("CARGO_PKG_VERSION"),
+        topics: topics(),
+        classes: Class::ALL.map(|class| ShownClass {
+            name: class.name(),
+            title: class.title(),
+            color: class.color().to_string(),
+        }),
+        zoo: entries(),
+    }
+}

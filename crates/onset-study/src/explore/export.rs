@@ -1,0 +1,96 @@
+//! A question in the forms in which it is asked elsewhere, and its map as files.
+
+use super::map::{LEVELS, Maps};
+use super::{Question, Refusal, Waiting, map};
+use crate::answers::assigned;
+use crate::boundary::{Boundaries, Tracing};
+use crate::domain::IsEnded;
+use crate::plot::figure_of;
+use crate::settings::{Settings, Trust};
+use crate::shell::quoted;
+use std::time::Instant;
+
+/// Words that Python keeps for itself, among the names of parameters.
+const KEPT: [&str; 2] = ["lambda", "yield"];
+
+/// The question, or its map, in a form: `toml`, `command`, `python`, `svg` or `csv`.
+pub(super) fn export(
+    question: &Question,
+    trust: &Trust,
+    maps: &Maps,
+    is_ended: IsEnded<'_>,
+) -> Result<String, Refusal> {
+    match question.form.as_str() {
+        "toml" => Ok(question.study(trust, map::FINEST)?.document()),
+        "command" => Ok(command(question, &question.settings(trust)?)),
+        "python" => Ok(python(question, &question.settings(trust)?)),
+        "csv" => Ok(maps.domain(question, trust, LEVELS, is_ended)?.csv()),
+        "svg" => {
+            let domain = maps.domain(question, trust, LEVELS, is_ended)?;
+            let tracing = Tracing {
+                until: Some(Instant::now() + super::PATIENCE),
+                ..Tracing::default()
+            };
+            let study = question.study(trust, map::OF_CURVES)?;
+            let boundaries = Boundaries::of(&study, tracing, &Waiting(is_ended)).ok();
+            if is_ended() {
+                return Err(Refusal::GivenUp);
+            }
+            Ok(figure_of(&domain, boundaries.as_ref()).to_svg())
+        }
+        other => Err(Refusal::Input(format!(
+            "there is no form `{other}`\n  hint: expected toml, command, python, svg or csv"
+        ))),
+    }
+}
+
+/// The question as a command line.
+fn command(question: &Question, settings: &Settings) -> String {
+    let set = assigned(settings, None);
+    let set = set
+        .iter()
+        .map(|own| format!(" --set {}", quoted(own.as_ref())));
+    format!(
+        "onset state --stretch {}{}",
+        quoted(question.stretch.as_ref()),
+        set.collect::<String>()
+    )
+}
+
+/// The question in Python.
+fn python(question: &Question, settings: &Settings) -> String {
+    let all = assigned(settings, None);
+    let of = |section: &str, first: &str| -> String {
+        let mut arguments = Vec::new();
+        for assignment in &all {
+            let (name, value) = assignment.split_once('=').unwrap_or((assignment, ""));
+            let Some(own) = name.strip_prefix(section) else {
+                continue;
+            };
+            if own == first {
+                arguments.insert(0, literal(value));
+            } else {
+                let mut keyword = own.replace('-', "_");
+                if KEPT.contains(&own) {
+                    keyword.push('_');
+                }
+                arguments.push(format!("{keyword}={}", literal(value)));
+            }
+        }
+        arguments.join(", ")
+    };
+    format!(
+        "import onset\n\nmaterial = onset.Material({})\nmethod = onset.Method({})\nanswer = onset.state(material, method, stretch=({},))\nprint(answer)\n",
+        of("material.", "model"),
+        of("discretization.", "method"),
+        question.stretch
+    )
+}
+
+/// A value as Python writes it: a number, or a text, whose escapes are those of JSON.
+fn literal(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) if number.is_finite() => value.to_owned(),
+        _ => serde_json::Value::from(value).to_string(),
+    }
+}

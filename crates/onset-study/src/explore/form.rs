@@ -1,0 +1,174 @@
+//! What a question can set: the keys that its law and its method read, with their values.
+
+use super::{Question, Refusal};
+use crate::catalog::KeyEntry;
+use crate::settings::{Key, Model, Settings, Trust, Value};
+use onset::formula::Formula;
+use onset::material::{Admitted, Parameter};
+use serde::Serialize;
+
+/// The fields of a form.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Form {
+    /// Space dimensions.
+    dimension: usize,
+    /// The keys that law and method read, in the order of the documentation.
+    fields: Vec<Field>,
+    /// The assignments without those that nothing reads any more.
+    set: Vec<String>,
+    /// Parameters of a typed energy that have no value yet.
+    missing: Vec<String>,
+}
+
+/// A key with its value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Field {
+    #[serde(flatten)]
+    key: KeyEntry,
+    /// The words that it takes.
+    words: Vec<&'static str>,
+    /// What it takes beside words: `number`, `whole`, `switch`, `text`, or nothing.
+    takes: Option<&'static str>,
+    /// Its value.
+    value: Value,
+    /// Whether that is the default.
+    is_default: bool,
+    /// The ends of a slider, where it takes a number.
+    slider: Option<[f64; 2]>,
+}
+
+/// The form of a question. A choice that was made for another law or method is left out, as a page keeps what was set when another method is
+/// chosen.
+pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> {
+    let set = read(question)?;
+    let own = Question {
+        set: set.clone(),
+        ..Question::default()
+    };
+    super::question::permitted(&set, trust)?;
+    let mut settings = Settings::default();
+    for assignment in &own.set {
+        settings.assign(assignment)?;
+    }
+    let effective = settings.effective();
+    // Moduli as they were set, not what follows from them.
+    let (moduli, follows) = settings.moduli();
+    let moduli = moduli.iter().map(|(name, choice)| (*name, choice));
+    let others = effective.choices();
+    let others = others.filter(|(name, _)| !follows.iter().any(|own| own == name));
+    let (of_material, of_method): (Vec<_>, Vec<_>) =
+        others.partition(|(name, _)| name.starts_with("material."));
+    let mut fields: Vec<Field> = of_material
+        .into_iter()
+        .chain(moduli)
+        .chain(of_method)
+        .filter_map(|(name, choice)| {
+            let key = Key::named(name)?;
+            Some(field(&settings, key, choice.value.clone(), choice.default))
+        })
+        .collect();
+    let energy = Key::named("material.energy");
+    let is_formula = settings.material.model.takes_any_parameter();
+    if let Some(key) = energy.filter(|key| is_formula && effective.get(key.name).is_none()) {
+        fields.insert(1, field(&settings, key, Value::Word(String::new()), true));
+    }
+    Ok(Form {
+        dimension: settings.dimension(),
+        fields,
+        missing: missing(&settings),
+        set,
+    })
+}
+
+/// The assignments that are read. What is read depends on the others, so that it is asked again until nothing is left out any more.
+fn read(question: &Question) -> Result<Vec<String>, Refusal> {
+    let mut set = question.set.clone();
+    loop {
+        let mut settings = Settings::default();
+        for assignment in &set {
+            settings.assign(assignment)?;
+        }
+        let is_read = |assignment: &String| {
+            let name = assignment.split('=').next().unwrap_or_default().trim();
+            match name.split_once('.') {
+                Some(("material", "model")) => true,
+                Some(("material", own)) => {
+                    settings.material.model.takes(own) || settings.material.reads_modulus(own)
+                }
+                _ => Key::named(name).is_none_or(|key| settings.unmet(key).is_none()),
+            }
+        };
+        let kept: Vec<String> = set.iter().filter(|own| is_read(own)).cloned().collect();
+        if kept.len() == set.len() {
+            return Ok(kept);
+        }
+        set = kept;
+    }
+}
+
+fn field(settings: &Settings, key: &'static Key, value: Value, is_default: bool) -> Field {
+    let model = settings.material.model;
+    let own = model.parameters().iter();
+    let own = own.clone().find(|own| own.name == key.parts().1);
+    let of_law = own.filter(|_| key.parts().0 == "material");
+    let mut entry = KeyEntry::of(key);
+    if let Some(parameter) = of_law {
+        entry.meaning = parameter.meaning;
+        entry.default = parameter.default.to_string();
+        entry.expects = parameter.admitted.to_string();
+    }
+    Field {
+        key: entry,
+        words: key.words().to_vec(),
+        takes: key.kind.takes(),
+        slider: slider(key, of_law, &value),
+        value,
+        is_default,
+    }
+}
+
+/// The ends of a slider: as far as the law admits, and otherwise some times the default, so that the value is within.
+fn slider(key: &Key, parameter: Option<&Parameter>, value: &Value) -> Option<[f64; 2]> {
+    if let Some([least, most]) = key.kind.limits() {
+        return Some([f64::from(least), f64::from(most)]);
+    }
+    key.unit()?;
+    let value = value.number()?;
+    let usual = match parameter {
+        Some(parameter) => parameter.default,
+        None => key.default_json().as_f64().unwrap_or(value),
+    };
+    let size = match usual.abs().max(value.abs()) {
+        0.0 => 1.0,
+        size => size,
+    };
+    let [low, high] = match parameter.map(|parameter| parameter.admitted) {
+        Some(Admitted::Fraction) => [0.0, 1.0],
+        Some(Admitted::Between(low, high)) if low.is_finite() && high.is_finite() => {
+            let margin = 1e-3 * (high - low);
+            [low + margin, high - margin]
+        }
+        Some(Admitted::Positive) => [size / 50.0, 3.0 * size],
+        Some(Admitted::NotNegative) => [0.0, 3.0 * size],
+        None if key.kind.is_positive() => [size / 5.0, 3.0 * size],
+        None if usual == 0.0 => [0.0, 2.0 * size],
+        _ => [-3.0 * size, 3.0 * size],
+    };
+    Some([low.min(value), high.max(value)])
+}
+
+/// The parameters of a typed energy that have no value.
+fn missing(settings: &Settings) -> Vec<String> {
+    let Some(Value::Word(text)) = settings.material.given("energy") else {
+        return Vec::new();
+    };
+    let is_formula = matches!(settings.material.model, Model::Own(own) if own.takes_any_parameter);
+    match Formula::parse(text) {
+        Ok(formula) if is_formula => formula
+            .parameters()
+            .filter(|name| settings.material.given(name).is_none())
+            .map(str::to_owned)
+            .collect(),
+        _ => Vec::new(),
+    }
+}

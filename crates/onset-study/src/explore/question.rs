@@ -1,0 +1,227 @@
+//! What a page asks.
+
+use super::{Refusal, map};
+use crate::answers::{Problem, Strain, assigned, numbers};
+use crate::settings::{Axis, Quantity, Settings, Study, Trust, Value};
+use crate::shell::quoted_file;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What is asked: what is written after the command, and a window of states.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Question {
+    /// Assignments as after `--set`.
+    pub set: Vec<String>,
+    /// Principal stretches as after `--stretch`.
+    pub stretch: String,
+    /// The window of the map.
+    pub window: Window,
+    /// How often the states of a map are to be halved.
+    pub level: u32,
+    /// The path of a diagram through the zone, as after `--path`; the usual one when empty.
+    pub path: String,
+    /// In which form a question is to be written.
+    pub form: String,
+    /// A study that is opened.
+    pub text: String,
+}
+
+/// A window of states: two axes of a study and their ranges.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Window {
+    /// What they vary: `stretch-1` to `stretch-3`, or a key that takes a number.
+    pub axes: [String; 2],
+    /// Their ends.
+    pub ranges: [[f64; 2]; 2],
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self {
+            axes: ["stretch-1".to_owned(), "stretch-2".to_owned()],
+            ranges: [[0.5, 2.0]; 2],
+        }
+    }
+}
+
+impl Question {
+    /// A question as a page sends it.
+    ///
+    /// # Errors
+    /// [`Refusal`] when it is something else.
+    pub fn parse(text: &str) -> Result<Self, Refusal> {
+        serde_json::from_str(text)
+            .map_err(|error| Refusal::Input(format!("the question cannot be read: {error}")))
+    }
+
+    /// Material and discretization, of which a library is loaded only if the user allows it.
+    pub(super) fn settings(&self, trust: &Trust) -> Result<Settings, Refusal> {
+        permitted(&self.set, trust)?;
+        Ok(Settings::of_file("", "", &self.set, &[])?)
+    }
+
+    /// Material, discretization and state.
+    pub(super) fn problem(&self, trust: &Trust) -> Result<(Problem, Strain), Refusal> {
+        let problem = Problem::new(self.settings(trust)?)?;
+        let strain = Strain::of_stretches("--stretch", &self.stretch, problem.dimension())?;
+        Ok((problem, strain))
+    }
+
+    /// The study of the window, in so many states along each axis.
+    pub(super) fn study(&self, trust: &Trust, states: usize) -> Result<Study, Refusal> {
+        permitted(&self.set, trust)?;
+        let mut text = String::from("title = \"\"\n");
+        let state = self.held()?;
+        if !state.is_empty() {
+            text.push_str("[state]\n");
+        }
+        for (name, value) in state {
+            text.push_str(&format!("{name} = {value:?}\n"));
+        }
+        for (name, [low, high]) in self.window.axes.iter().zip(self.window.ranges) {
+            let quantity = explored(name)?;
+            text.push_str(&format!(
+                "[[axes]]\nquantity = \"{}\"\nrange = [{low:?}, {high:?}]\nstates = {states}\n",
+                quantity.name()
+            ));
+        }
+        // A window of a key is read with what is set beside it: both at once, for the text alone may not be a study.
+        let is_varied = |assignment: &&String| {
+            let name = assignment.split('=').next().unwrap_or_default().trim();
+            self.window.axes.iter().any(|axis| axis == name)
+        };
+        let set: Vec<&String> = self.set.iter().filter(|own| !is_varied(own)).collect();
+        Ok(Study::parse_with("the window", &text, &set)?)
+    }
+
+    /// The stretches that no axis varies, where they are not one.
+    fn held(&self) -> Result<Vec<(&'static str, f64)>, Refusal> {
+        let stretches = numbers("--stretch", &self.stretch)?;
+        let names = ["stretch-1", "stretch-2", "stretch-3"];
+        let held = names.into_iter().zip(stretches);
+        let is_free = |name: &str| self.window.axes.iter().any(|axis| axis == name);
+        Ok(held
+            .filter(|(name, value)| !is_free(name) && *value != 1.0)
+            .collect())
+    }
+}
+
+/// What an axis of a window varies.
+fn explored(name: &str) -> Result<Quantity, Refusal> {
+    match Quantity::of_name(name) {
+        Some(quantity @ (Quantity::Stretch(_) | Quantity::Setting(_))) => Ok(quantity),
+        _ => Err(Refusal::Input(format!(
+            "an axis of a window cannot be {name}\n  hint: expected stretch-1, stretch-2, stretch-3, or a key that takes a number"
+        ))),
+    }
+}
+
+/// Refuses a library that the user has not allowed, before anything of it is looked at: a link is the word of whoever made it.
+pub(super) fn permitted(set: &[String], trust: &Trust) -> Result<(), Refusal> {
+    let mut settings = Settings::default();
+    for assignment in set {
+        settings.assign(assignment)?;
+    }
+    let material = &settings.material;
+    let library = match material.given("library") {
+        Some(Value::Word(library)) => library.as_str(),
+        _ if material.is_library() => "",
+        _ => return Ok(()),
+    };
+    let library = Path::new(library);
+    // Without anything allowed no file is asked for.
+    if !trust.is_empty() && trust.covers(library) {
+        return Ok(());
+    }
+    Err(Refusal::Input(format!(
+        "`material.library` is a program, {library:?}, and a page may have none run unless you allow it; nothing was loaded\n  hint: if \
+         you trust it: onset explore --allow-library {}",
+        quoted_file(library)
+    )))
+}
+
+/// A study as a question.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Opened {
+    /// Its title.
+    title: String,
+    /// The question: the middle of its window.
+    question: Question,
+}
+
+/// A study that is opened: nothing of it is loaded or computed.
+pub(super) fn opened(text: &str) -> Result<Opened, Refusal> {
+    if !text.contains("[[axes]]") {
+        let settings = Settings::of_file("study", text, &[] as &[&str], &[])?;
+        return Ok(Opened {
+            title: String::new(),
+            question: of_settings(&settings),
+        });
+    }
+    let study = Study::parse("study", text)?;
+    Ok(Opened {
+        title: study.title.clone(),
+        question: of_study(&study)?,
+    })
+}
+
+impl Question {
+    /// Settings as a question about the undeformed state.
+    pub fn of_settings(settings: &Settings) -> Self {
+        of_settings(settings)
+    }
+
+    /// A study as a question about the middle of its window; nothing of it is loaded.
+    ///
+    /// # Errors
+    /// [`Refusal`] for what is no study, and one whose states the page does not show.
+    pub fn of_text(text: &str) -> Result<Self, Refusal> {
+        Ok(opened(text)?.question)
+    }
+}
+
+fn of_settings(settings: &Settings) -> Question {
+    Question {
+        set: assigned(settings, None),
+        stretch: vec!["1"; settings.dimension()].join(","),
+        ..Question::default()
+    }
+}
+
+/// A study as a question: its first two axes are the window, whose middle is the state; of a third one its middle.
+pub(super) fn of_study(study: &Study) -> Result<Question, Refusal> {
+    let middle = |axis: &Axis| 0.5 * (axis.range.0 + axis.range.1);
+    let coordinates: Vec<f64> = study.axes.iter().map(middle).collect();
+    let settings = study.settings_at(&coordinates)?;
+    for axis in &study.axes {
+        explored(axis.name())?;
+    }
+    if study.state.shear != 0.0 || study.state.rotation != 0.0 {
+        return Err(Refusal::Input(
+            "the page shows states of principal stretches along the axes; [state] has a shear or a rotation\n  hint: `onset plot` and \
+             `onset boundary` show such studies"
+                .to_owned(),
+        ));
+    }
+    let mut stretches = study.state.stretches;
+    for (axis, value) in study.axes.iter().zip(&coordinates) {
+        if let Quantity::Stretch(number) = axis.quantity {
+            stretches[number - 1] = *value;
+        }
+    }
+    let dimension = settings.dimension();
+    let told = (dimension..=3).find(|count| stretches[*count..].iter().all(|one| *one == 1.0));
+    let stretches = stretches[..told.unwrap_or(3)].iter().map(f64::to_string);
+    let [first, second] = study.plane();
+    Ok(Question {
+        stretch: stretches.collect::<Vec<_>>().join(","),
+        window: Window {
+            axes: [first, second].map(|axis| axis.name().to_owned()),
+            ranges: [first, second].map(|axis| [axis.range.0, axis.range.1]),
+        },
+        level: map::LEVELS,
+        ..of_settings(&settings)
+    })
+}

@@ -1,0 +1,100 @@
+//! Instabilities that people have met in particle codes, as questions: the zoo of the repository.
+
+use super::Question;
+use serde::{Deserialize, Serialize};
+
+/// An entry.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Entry {
+    /// What was seen, in a few words.
+    pub title: String,
+    /// What was seen.
+    pub seen: String,
+    /// Where.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// What the report does not say.
+    pub assumed: String,
+    /// The question to `onset state`.
+    pub question: Question,
+    /// What helps, where something is known to.
+    pub remedy: Option<String>,
+    /// The question with the remedy.
+    pub remedy_question: Option<Question>,
+}
+
+/// A file of the zoo, as far as it is shown.
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+struct Written {
+    title: String,
+    seen: String,
+    #[serde(rename = "where")]
+    place: String,
+    #[serde(default)]
+    assumed: String,
+    question: Vec<String>,
+    remedy: Option<String>,
+    remedy_question: Option<Vec<String>>,
+}
+
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("zoo/", $name)))),*]
+    };
+}
+
+/// Names and texts of the files of the zoo.
+pub(super) const FILES: &[(&str, &str)] = files![
+    "dualsphysics-452-law.toml",
+    "dualsphysics-452.toml",
+    "lammps-peri-soft.toml",
+    "lammps-smd-tlsph-adjust-dt.toml",
+    "lammps-smd-tlsph-zero-energy.toml",
+    "lammps-smd-ulsph-gradient-correction.toml",
+    "lammps-smd-ulsph-sound.toml",
+    "lammps-smd-ulsph-tension.toml",
+    "one-point-elements.toml",
+    "peridox-5.toml",
+    "physgaussian-20.toml",
+    "physgaussian-33.toml",
+    "pysph-tension.toml",
+    "trixi-1233.toml",
+    "trixi-371-cubic.toml",
+    "trixi-371-wendland.toml",
+];
+
+/// The entries whose questions a page can show: those of principal stretches.
+pub fn entries() -> Vec<Entry> {
+    FILES.iter().filter_map(|(_, text)| entry(text)).collect()
+}
+
+fn entry(text: &str) -> Option<Entry> {
+    let written: Written = toml::from_str(text).ok()?;
+    Some(Entry {
+        title: written.title,
+        seen: written.seen,
+        place: written.place,
+        assumed: written.assumed,
+        question: question(&written.question)?,
+        remedy: written.remedy,
+        remedy_question: written.remedy_question.as_deref().and_then(question),
+    })
+}
+
+/// Arguments of `onset state` as a question; `None` where they are not stretches and assignments alone.
+fn question(arguments: &[String]) -> Option<Question> {
+    let mut question = Question::default();
+    for pair in arguments.chunks(2) {
+        match pair {
+            [option, value] if option == "--set" => question.set.push(value.clone()),
+            [option, value] if option == "--stretch" => question.stretch.clone_from(value),
+            [option, value] if option == "--energy" => {
+                question.set.push("material.model=formula".to_owned());
+                question.set.push(format!("material.energy={value}"));
+            }
+            _ => return None,
+        }
+    }
+    (!question.stretch.is_empty()).then_some(question)
+}

@@ -1,0 +1,97 @@
+//! The page of `onset explore`: built from its sources, and driven by a real browser.
+
+use crate::python::succeed;
+use std::path::Path;
+use std::process::Command;
+
+/// Where its sources are.
+const FOLDER: &str = "crates/onset-cli/page";
+
+/// What npm is called.
+const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
+
+/// Builds the page into the folder that the program embeds, and tests it.
+///
+/// # Errors
+/// What failed, in words.
+pub fn run() -> Result<(), String> {
+    installed()?;
+    succeed(&mut npm(&["run", "check"]))?;
+    succeed(&mut npm(&["run", "build"]))?;
+    driven()
+}
+
+/// Tests the page, whose built files must be what its sources build.
+///
+/// # Errors
+/// What failed, in words.
+pub fn test() -> Result<(), String> {
+    installed()?;
+    succeed(&mut npm(&["run", "check"]))?;
+    let again = Path::new("target/page");
+    // What an earlier build has left must not stand for what this one makes.
+    let _ = std::fs::remove_dir_all(again);
+    let place = std::path::absolute(again).map_err(|error| error.to_string())?;
+    succeed(
+        Command::new("node")
+            .args(["build.mjs"])
+            .arg(&place)
+            .current_dir(FOLDER),
+    )?;
+    let built = Path::new(FOLDER).join("dist");
+    for file in std::fs::read_dir(&place).map_err(|error| error.to_string())? {
+        let name = file.map_err(|error| error.to_string())?.file_name();
+        let read = |folder: &Path| std::fs::read(folder.join(&name)).unwrap_or_default();
+        if read(&place) != read(&built) {
+            return Err(format!(
+                "{}/{} is not what the sources build: cargo xtask page",
+                built.display(),
+                name.to_string_lossy()
+            ));
+        }
+    }
+    driven()
+}
+
+/// Whether there is what the page is built and tested with.
+///
+/// # Errors
+/// What is lacking, in words.
+pub fn tools() -> Result<(), String> {
+    let found = Command::new(NPM).arg("--version").output();
+    match found.is_ok_and(|output| output.status.success()) {
+        true => Ok(()),
+        false => Err("npm, which comes with Node.js, is not there".to_owned()),
+    }
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut command = Command::new(NPM);
+    command.args(arguments).current_dir(FOLDER);
+    command
+}
+
+/// The packages of the lock file, which are installed only when it has changed since.
+fn installed() -> Result<(), String> {
+    tools()?;
+    let folder = Path::new(FOLDER);
+    let lock = folder.join("package-lock.json");
+    let wanted = std::fs::read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
+    let mark = folder.join("node_modules/installed-lock.json");
+    if std::fs::read(&mark).is_ok_and(|installed| installed == wanted) {
+        return Ok(());
+    }
+    eprintln!("== page: npm ci");
+    succeed(&mut npm(&["ci", "--no-audit", "--no-fund"]))?;
+    std::fs::write(&mark, wanted).map_err(|error| format!("{}: {error}", mark.display()))
+}
+
+/// Drives the page of the program in the profile of the tests with a browser.
+fn driven() -> Result<(), String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    succeed(Command::new(cargo).args(["build", "--package", "onset-cli", "--all-features"]))?;
+    let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
+    let command = std::path::absolute(command).map_err(|error| error.to_string())?;
+    eprintln!("== page: a browser");
+    succeed(npm(&["test"]).env("ONSET_COMMAND", command))
+}
