@@ -103,6 +103,15 @@ struct Rates {
     strain_per_slip: f64,
 }
 
+/// The tangent of continued flow, and the direction of strain in which it goes on.
+struct Continued {
+    direction: Vector3<f64>,
+    /// As those of [`Answer`].
+    normal: Matrix3<f64>,
+    shear: Matrix3<f64>,
+    swap: Matrix3<f64>,
+}
+
 /// Stress and moduli of an increment along the axes.
 struct Answer {
     /// Cauchy stress.
@@ -271,7 +280,7 @@ impl<'a> Increments<'a> {
     }
 
     /// The tangent of continued flow: that of small increments along the path, continued to none.
-    fn flowing(&self) -> Result<(Vector3<f64>, Matrix3<f64>, [Matrix3<f64>; 2]), PlasticityError> {
+    fn flowing(&self) -> Result<Continued, PlasticityError> {
         let size = PROBE * self.scale;
         // The direction of the path bends where flow begins.
         let mut ahead = self.clone();
@@ -282,19 +291,25 @@ impl<'a> Increments<'a> {
         let limit = |near: Matrix3<f64>, far: Matrix3<f64>| near * 2.0 - far;
         let [_, near_shear, near_swap] = near.moduli;
         let [_, far_shear, far_swap] = far.moduli;
-        Ok((
-            ahead.direction,
-            limit(near.normal, far.normal),
-            [limit(near_shear, far_shear), limit(near_swap, far_swap)],
-        ))
+        Ok(Continued {
+            direction: ahead.direction,
+            normal: limit(near.normal, far.normal),
+            shear: limit(near_shear, far_shear),
+            swap: limit(near_swap, far_swap),
+        })
     }
 
     /// This state of the path with its critical moduli at a plastic shear strain, and how flow goes on.
     fn point(&self, slip: f64) -> Result<(PathPoint, Rates), PlasticityError> {
         let elastic = self.unloading()?;
         let own = self.answer(&[])?;
-        let (direction, flowing, [shear, swap]) = self.flowing()?;
-        let taken = Taken::of(&elastic.normal, &flowing, &direction)?;
+        let Continued {
+            direction,
+            normal,
+            shear,
+            swap,
+        } = self.flowing()?;
+        let taken = Taken::of(&elastic.normal, &normal, &direction)?;
         let per_strain = taken.loading / taken.stiffness;
         let rates = Rates {
             slip: per_strain,
