@@ -29,7 +29,7 @@ pub(super) struct Engine<'a, const D: usize> {
     pub(super) links: Links<D>,
     /// Stretches beyond the dimensions of the body.
     pub(super) transverse: DeformationGradient,
-    /// Under the penalty; see [`PairLaw::penalty_offsets`](super::PairLaw::penalty_offsets).
+    /// Under the penalty; see [`PairLaw::penalty_offsets`](crate::scheme::PairLaw::penalty_offsets).
     pub(super) offsets: Option<[f64; 2]>,
     pub(super) density: f64,
     pub(super) volumes: Vec<f64>,
