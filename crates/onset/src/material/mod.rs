@@ -324,11 +324,9 @@ impl LaneStress {
 
     /// Whether every state has a finite energy and stress.
     fn is_finite(&self) -> bool {
-        let stresses = self.first_piola.as_flattened().iter();
-        let all = stresses.chain([&self.energy]);
-        // A sum of numbers less themselves is zero, of any other no number.
-        let lost = all.fold(Lanes([0.0; LANES]), |sum, own| sum + (*own - *own));
-        lost.0 == [0.0; LANES]
+        let mut all = self.first_piola.as_flattened().iter();
+        let is_finite = |own: &Lanes| own.0.iter().all(|own| own.is_finite());
+        is_finite(&self.energy) && all.all(is_finite)
     }
 }
 

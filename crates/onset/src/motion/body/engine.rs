@@ -1,11 +1,11 @@
 //! Deformation gradients, stresses and accelerations of all particles.
 
 use super::links::{Block, Kind, Links, Pair, Run};
-use super::vectors::Chunk;
+use super::vectors::{Single, Vectors, Wide};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::{LANES, Lanes};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 /// A component of all particles, with room for vectors that end behind the last one.
 pub(super) type Component = Vec<f64>;
@@ -29,7 +29,7 @@ pub(super) struct Engine<'a, const D: usize> {
     pub(super) links: Links<D>,
     /// Stretches beyond the dimensions of the body.
     pub(super) transverse: DeformationGradient,
-    /// Under the penalty; see [`PairLaw::penalty_offsets`](super::PairLaw::penalty_offsets).
+    /// Under the penalty; see [`PairLaw::penalty_offsets`](crate::scheme::PairLaw::penalty_offsets).
     pub(super) offsets: Option<[f64; 2]>,
     pub(super) density: f64,
     pub(super) volumes: Vec<f64>,
@@ -261,7 +261,8 @@ fn stress<const D: usize>(
         let response = material.lane_stress(&states(transverse, &f, place, count), D);
         for i in 0..D {
             for j in 0..D {
-                response.first_piola[i][j].store(&mut t[i][j][place..place + count]);
+                t[i][j][place..place + count]
+                    .copy_from_slice(&response.first_piola[i][j].0[..count]);
             }
         }
         let is_lost = |lane: &usize| {
@@ -283,17 +284,18 @@ struct Strained<'s, 'f, const D: usize> {
     f: &'s mut [[&'f mut [f64]; D]; D],
 }
 
-impl<const D: usize> NullaryFnOnce for Strained<'_, '_, D> {
+impl<const D: usize> WithSimd for Strained<'_, '_, D> {
     type Output = ();
 
     #[inline(always)]
-    fn call(mut self) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         for run in &self.links.runs[self.block.runs[0]..self.block.runs[1]] {
+            let count = run.count as usize;
             let mut offset = 0;
-            while offset < run.count as usize {
-                offset += match is_wide(run.count as usize - offset) {
-                    true => self.strain::<Lanes>(run, offset),
-                    false => self.strain::<f64>(run, offset),
+            while offset < count {
+                offset += match is_wide(count - offset) {
+                    true => self.strain(Wide(simd), run, offset),
+                    false => self.strain(Single, run, offset),
                 };
             }
         }
@@ -309,37 +311,37 @@ fn is_wide(left: usize) -> bool {
 // Closures would not be compiled for the vectors of the machine here: loops it is.
 impl<const D: usize> Strained<'_, '_, D> {
     #[inline(always)]
-    fn strain<R: Chunk>(&mut self, run: &Run<D>, offset: usize) -> usize {
+    fn strain<V: Vectors>(&mut self, v: V, run: &Run<D>, offset: usize) -> usize {
         let links = self.links;
         let place = run.first as usize + offset;
-        let zero = R::constant(0.0);
+        let zero = v.splat(0.0);
         let mut own = [zero; D];
         for i in 0..D {
-            own[i] = R::load(self.u[i], place);
+            own[i] = v.load(self.u[i], place);
         }
         let mut sum = [[zero; D]; D];
         for pair in &links.pairs[run.pairs[0] as usize..run.pairs[1] as usize] {
             let kind = &links.kinds[pair.kind as usize];
             let other = pair.other as usize + offset;
             for i in 0..D {
-                let apart = R::load(self.u[i], other) - own[i];
+                let apart = v.sub(v.load(self.u[i], other), own[i]);
                 for j in 0..D {
-                    sum[i][j] = sum[i][j] + apart * kind.a[j];
+                    sum[i][j] = v.add(sum[i][j], v.mul(apart, v.splat(kind.a[j])));
                 }
             }
         }
         let first = place - self.block.particles[0];
-        let end = first + R::WIDTH.min(run.count as usize - offset);
+        let end = first + V::WIDTH.min(run.count as usize - offset);
         for i in 0..D {
             for j in 0..D {
-                let mut f = R::constant(if i == j { 1.0 } else { 0.0 });
+                let mut f = v.splat(if i == j { 1.0 } else { 0.0 });
                 for k in 0..D {
-                    f = f + sum[i][k] * run.correction[k][j];
+                    f = v.add(f, v.mul(sum[i][k], v.splat(run.correction[k][j])));
                 }
-                f.store(&mut self.f[i][j][first..end]);
+                v.store(f, &mut self.f[i][j][first..end]);
             }
         }
-        R::WIDTH
+        V::WIDTH
     }
 }
 
@@ -399,18 +401,19 @@ const OFFSET: u8 = 2;
 /// The same under one form of the penalty.
 struct Under<'s, 'f, const D: usize, const FORM: u8>(Kicked<'s, 'f, D>);
 
-impl<const D: usize, const FORM: u8> NullaryFnOnce for Under<'_, '_, D, FORM> {
+impl<const D: usize, const FORM: u8> WithSimd for Under<'_, '_, D, FORM> {
     type Output = ();
 
     #[inline(always)]
-    fn call(mut self) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let own = &mut self.0;
         for run in &own.links.runs[own.block.runs[0]..own.block.runs[1]] {
+            let count = run.count as usize;
             let mut offset = 0;
-            while offset < run.count as usize {
-                offset += match is_wide(run.count as usize - offset) {
-                    true => own.kick::<Lanes, FORM>(run, offset),
-                    false => own.kick::<f64, FORM>(run, offset),
+            while offset < count {
+                offset += match is_wide(count - offset) {
+                    true => own.kick::<_, FORM>(Wide(simd), run, offset),
+                    false => own.kick::<_, FORM>(Single, run, offset),
                 };
             }
         }
@@ -419,19 +422,19 @@ impl<const D: usize, const FORM: u8> NullaryFnOnce for Under<'_, '_, D, FORM> {
 
 impl<const D: usize> Kicked<'_, '_, D> {
     #[inline(always)]
-    fn kick<R: Chunk, const FORM: u8>(&mut self, run: &Run<D>, offset: usize) -> usize {
+    fn kick<V: Vectors, const FORM: u8>(&mut self, v: V, run: &Run<D>, offset: usize) -> usize {
         let links = self.links;
         let place = run.first as usize + offset;
-        let zero = R::constant(0.0);
+        let zero = v.splat(0.0);
         let mut t = [[zero; D]; D];
         let mut f = [[zero; D]; D];
         let mut u = [zero; D];
         for i in 0..D {
-            u[i] = R::load(self.u[i], place);
+            u[i] = v.load(self.u[i], place);
             for j in 0..D {
-                t[i][j] = R::load(self.t[i][j], place);
+                t[i][j] = v.load(self.t[i][j], place);
                 if FORM != WITHOUT {
-                    f[i][j] = R::load(self.f[i][j], place);
+                    f[i][j] = v.load(self.f[i][j], place);
                 }
             }
         }
@@ -441,7 +444,8 @@ impl<const D: usize> Kicked<'_, '_, D> {
             let other = pair.other as usize + offset;
             for i in 0..D {
                 for j in 0..D {
-                    sum[i] = sum[i] + (t[i][j] + R::load(self.t[i][j], other)) * kind.a[j];
+                    let both = v.add(t[i][j], v.load(self.t[i][j], other));
+                    sum[i] = v.add(sum[i], v.mul(both, v.splat(kind.a[j])));
                 }
             }
             if FORM == WITHOUT {
@@ -451,42 +455,39 @@ impl<const D: usize> Kicked<'_, '_, D> {
             let mut x = [zero; D];
             let mut missed = [zero; D];
             for i in 0..D {
-                x[i] = R::load(self.u[i], other) - u[i] + kind.x[i];
-                missed[i] = x[i] * -2.0;
+                let apart = v.sub(v.load(self.u[i], other), u[i]);
+                x[i] = v.add(apart, v.splat(kind.x[i]));
+                missed[i] = v.mul(x[i], v.splat(-2.0));
                 for j in 0..D {
-                    missed[i] = missed[i] + (f[i][j] + R::load(self.f[i][j], other)) * kind.x[j];
+                    let both = v.add(f[i][j], v.load(self.f[i][j], other));
+                    missed[i] = v.add(missed[i], v.mul(both, v.splat(kind.x[j])));
                 }
             }
             let mut squared = zero;
             let mut along = zero;
             for i in 0..D {
-                squared = squared + x[i] * x[i];
-                along = along + missed[i] * x[i];
+                squared = v.add(squared, v.mul(x[i], x[i]));
+                along = v.add(along, v.mul(missed[i], x[i]));
             }
             if FORM == OFFSET {
-                let length = squared.sqrt();
-                squared = (length + self.offsets[0]) * (length + self.offsets[1]);
+                let length = v.sqrt(squared);
+                let (first, second) = (v.splat(self.offsets[0]), v.splat(self.offsets[1]));
+                squared = v.mul(v.add(length, first), v.add(length, second));
             }
-            let along = along / squared * kind.stiffness;
+            let along = v.mul(v.div(along, squared), v.splat(kind.stiffness));
             for i in 0..D {
-                sum[i] = sum[i] - x[i] * along;
+                sum[i] = v.sub(sum[i], v.mul(x[i], along));
             }
         }
         let first = place - self.block.particles[0];
-        let end = first + R::WIDTH.min(run.count as usize - offset);
+        let end = first + V::WIDTH.min(run.count as usize - offset);
         for i in 0..D {
-            // Room for a vector is not behind every part: what is added to is loaded one by one there.
-            add(&mut self.v[i][first..end], sum[i] * self.factor);
+            let mut more = [0.0; LANES];
+            v.store(v.mul(sum[i], v.splat(self.factor)), &mut more[..V::WIDTH]);
+            for (to, more) in self.v[i][first..end].iter_mut().zip(more) {
+                *to += more;
+            }
         }
-        R::WIDTH
-    }
-}
-
-#[inline(always)]
-fn add<R: Chunk>(to: &mut [f64], more: R) {
-    let mut all = [0.0; LANES];
-    more.store(&mut all[..R::WIDTH]);
-    for n in 0..to.len() {
-        to[n] += all[n];
+        V::WIDTH
     }
 }
