@@ -14,7 +14,7 @@ const SIZES = { wide: [1440, 950], tablet: [900, 1100], phone: [390, 844] };
 const PATIENCE = Number(process.env.ONSET_PATIENCE ?? 1);
 
 const chrome = await browser();
-const options = { skip: chrome === null ? "NOT TESTED: no browser" : false, timeout: 240_000 };
+const options = { skip: chrome === null ? "NOT TESTED: no browser" : false, timeout: 400_000 };
 let server;
 
 before(async () => {
@@ -300,7 +300,7 @@ test("a stored map is shown, and a state in it is asked", options, async () => {
   assert.match(await page.locator("#map-note").textContent(), /A stored map/);
   await page.waitForFunction(() => document.getElementById("sentence").textContent !== "");
   await click(page, 1.2, 1.0);
-  await page.waitForFunction(() => document.getElementById("sentence").dataset.state?.startsWith("1.2"));
+  await page.waitForFunction(() => Math.abs(parseFloat(document.getElementById("sentence").dataset.state) - 1.2) < 0.01);
   assert.match(await page.locator("#map-note").textContent(), /A stored map/);
   await context.close();
   own.end();
@@ -309,7 +309,9 @@ test("a stored map is shown, and a state in it is asked", options, async () => {
 test("axe-core finds nothing, and the pictures of three sizes are taken", options, async () => {
   for (const dark of [false, true]) {
     for (const [name, size] of Object.entries(SIZES)) {
-      const { page, close } = await open({ size, dark });
+      // Boundaries that are not ragged are traced soon.
+      const hash = "#set=material.model%3Dblatz-ko&set=discretization.method%3Dtotal-lagrangian-sph&set=discretization.penalty%3D0.3&stretch=1.2,1";
+      const { page, close } = await open({ size, dark, hash });
       await finest(page);
       await page.waitForFunction(() => performance.getEntriesByName("drawn:boundary").length > 0, null, { timeout: 60_000 });
       await page.screenshot({ path: join(SHOTS, `${name}${dark ? "-dark" : ""}.png`), fullPage: true });
