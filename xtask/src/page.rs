@@ -7,6 +7,9 @@ use std::process::Command;
 /// Where its sources are.
 const FOLDER: &str = "crates/onset-cli/page";
 
+/// How much longer answers may take where tests run, on machines that do other work beside.
+const SHARED: u32 = 20;
+
 /// What npm is called.
 const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
@@ -18,7 +21,7 @@ pub fn run() -> Result<(), String> {
     installed()?;
     succeed(&mut npm(&["run", "check"]))?;
     succeed(&mut npm(&["run", "build"]))?;
-    driven()
+    driven(1)
 }
 
 /// Tests the page, whose built files must be what its sources build.
@@ -50,7 +53,7 @@ pub fn test() -> Result<(), String> {
             ));
         }
     }
-    driven()
+    driven(SHARED)
 }
 
 /// Whether there is what the page is built and tested with.
@@ -86,12 +89,18 @@ fn installed() -> Result<(), String> {
     std::fs::write(&mark, wanted).map_err(|error| format!("{}: {error}", mark.display()))
 }
 
-/// Drives the page of the program in the profile of the tests with a browser.
-fn driven() -> Result<(), String> {
+/// Drives the page of the program in the profile of the tests with a browser, which may take so many times the time that the page is to
+/// take.
+fn driven(patience: u32) -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     succeed(Command::new(cargo).args(["build", "--package", "onset-cli", "--all-features"]))?;
     let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
     let command = std::path::absolute(command).map_err(|error| error.to_string())?;
     eprintln!("== page: a browser");
-    succeed(npm(&["test"]).env("ONSET_COMMAND", command))
+    let patience = std::env::var("ONSET_PATIENCE").unwrap_or_else(|_| patience.to_string());
+    succeed(
+        npm(&["test"])
+            .env("ONSET_COMMAND", command)
+            .env("ONSET_PATIENCE", patience),
+    )
 }
