@@ -28,7 +28,7 @@ pub struct Event {
     pub change: Change,
     /// The stretch `lambda` at which it changes; 1 where it is lost with the first deformation.
     pub stretch: f64,
-    /// Half of the width of the bracket of `ln lambda`, or how far rounding of the free stretches can move it, if that is more.
+    /// Half of the width of the bracket of `ln lambda`, or how far rounding of the measure or of the free stretches can move it, if that is more.
     pub tolerance: f64,
     /// The perturbation on the side where the criterion does not hold.
     pub witness: Witness,
@@ -156,8 +156,8 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
     })
 }
 
-/// How far rounding can move a change of sign at `s`, in `ln lambda`: how much the measure changes with the free stretches that it leaves open, by
-/// the slope of the measure along the path.
+/// How far rounding can move a change of sign at `s`, in `ln lambda`: what counts as zero of the measure, or how much it changes with the free stretches that
+/// rounding leaves open, by the slope of the measure along the path.
 fn undetermined(
     path: &LoadingPath<'_>,
     criterion: Criterion,
@@ -173,7 +173,7 @@ fn undetermined(
     let changes = off.iter().filter_map(|state| criterion.measure(state));
     let noise = changes
         .map(|measure| (measure.signed() - own.signed()).abs())
-        .fold(0.0, f64::max);
+        .fold(own.zero.max(own.neutral), f64::max);
     // The slope from within, where the criterion is sure to be asked.
     let step = SLOPE_STEP.min(0.5 * s.abs());
     let slope =
