@@ -455,9 +455,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 is_limit.then(|| self.growing_long_wave(&softest)).flatten()
             })
             .unwrap_or(rest);
-        // A limit of long waves that is hardly negative, along which no wave grows, is zero to the rounding of the relaxation.
-        let is_rounding = softest.is_long_wave
-            && softest.scaled >= -long.of_limit
+        // What is hardly negative, where no other wave grows, is zero to the rounding of the relaxation or of eigenvalues.
+        let rounding = match softest.is_long_wave {
+            true => long.of_limit,
+            false => self.rounding_at(&softest),
+        };
+        let is_rounding = softest.scaled >= -rounding
             && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
         Softest {
             softest,
@@ -470,6 +473,24 @@ impl<'a, const D: usize> Sweep<'a, D> {
             },
             bound: covered.map_or(f64::NEG_INFINITY, |covered| covered.bound),
         }
+    }
+
+    /// The scaled measure of what rounding makes of a squared frequency whose vectors on both sides are nearly dependent: the product of their
+    /// lengths times as much as of one of a Hermitian matrix, of which the measure of zero is told already.
+    fn rounding_at(&self, mode: &Mode<D>) -> f64 {
+        if self.system.is_hermitian() {
+            return 0.0;
+        }
+        let k = mode.wave_vector;
+        let Some(all) = Decomposition::new(self.system.expansion_at(&k).value) else {
+            return 0.0;
+        };
+        let distance = |n: &usize| (all.values[*n] - mode.omega_squared).norm();
+        let nearest = (0..all.values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let condition =
+            nearest.map_or(1.0, |n| all.left.row(n).norm() * all.right.column(n).norm());
+        let noise = ROUNDING * self.system.noise() * condition;
+        noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
 
     /// Wave vectors in pockets of complex `omega^2`.
