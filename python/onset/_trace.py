@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import inspect
 import math
 import numbers as abstract
+import re
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ _AXES = (1, 2, 3)
 _TENSORS = ("F", "C", "E")
 #: Numbers that a function can take: what a formula calls so.
 _SCALARS = ("I1", "I2", "I3", "J", "I1bar", "I2bar", "lambda1", "lambda2", "lambda3", "I4", "I5", "I6", "I7")
+
+#: What a formula calls components.
+_COMPONENT = re.compile(r"[CEF][123][123]\Z")
 
 #: NumPy's functions of one number that a formula has under some name.
 _FUNCTIONS = {
@@ -255,10 +259,10 @@ def _symbol(value: object) -> Symbol:
         value = value.item()
     if isinstance(value, Symbol):
         return value
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (abstract.Real, np.number)):
+    if isinstance(value, (bool, np.bool_, np.complexfloating)) or not isinstance(value, (abstract.Real, np.number)):
         raise InputError(f"the function computes with {type(value).__name__}, of which a formula knows nothing\n  hint: numbers and NumPy's functions")
     number = int(value) if isinstance(value, abstract.Integral) else float(value)
-    if not math.isfinite(number):
+    if isinstance(number, int) and abs(number) >= 2**1023 or not math.isfinite(number):
         raise InputError(f"the function computes with the number {number}; expected finite ones")
     text = repr(number)
     return Symbol("-", Symbol(text[1:])) if text.startswith("-") else Symbol(text)
@@ -330,12 +334,16 @@ def written(symbol: Symbol) -> str:
     count(symbol)
     texts: dict[int, tuple[str, int]] = {}
     helpers: list[str] = []
+    names = {part._word for part in order if not part._operands}
+    prefix = "part"
+    while any(name.startswith(prefix) for name in names):
+        prefix += "_"
     for part in order:
         text, binding = _text(part, [texts[id(operand)] for operand in part._operands])
         # A condition is no number, and has no name.
         is_number = part._word not in _JOINED.values() and part._word not in _COMPARISONS.values() and part._word != "not"
         if part._operands and uses[id(part)] > 1 and is_number:
-            name = f"part{len(helpers) + 1}"
+            name = f"{prefix}{len(helpers) + 1}"
             helpers.append(f"let {name} = {text}; ")
             text, binding = name, _ATOM
         texts[id(part)] = (text, binding)
@@ -398,6 +406,8 @@ def formula(energy: Callable[..., Any], parameters: Mapping[str, object]) -> tup
                 raise InputError(
                     f"the energy takes {name}, which has no value\n  hint: give it, {name}=...; variables are {', '.join((*_TENSORS, *_SCALARS))}"
                 )
+            if _COMPONENT.match(name):
+                raise InputError(f"the parameter {name} is called like a component of a tensor\n  hint: call it otherwise, c{name[1:]} for example; tensors are C, E and F")
             own = Symbol(name.rstrip("_"))
         if argument.kind is argument.POSITIONAL_ONLY:
             positional.append(own)

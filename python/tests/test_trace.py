@@ -68,6 +68,14 @@ def test_a_part_that_is_used_again_is_written_once() -> None:
     assert len(text) < 2000 and text.count("let ") == 29
 
 
+def test_a_name_of_an_argument_is_not_taken_by_a_part() -> None:
+    def energy(I1, part1=2.0):  # type: ignore[no-untyped-def]
+        part = I1 - 3
+        return part * part + part1
+
+    assert Material(energy).energy(np.diag([1.0, 1.0, 2.0])) == 11.0
+
+
 def test_defaults_of_arguments_are_values_of_parameters() -> None:
     def energy(I1, J, mu=0.25):  # type: ignore[no-untyped-def]
         return mu * (I1 - 3 - 2 * np.log(J))
@@ -94,6 +102,9 @@ def raises(J):  # type: ignore[no-untyped-def]
         (lambda J: None, "NoneType"),
         (lambda J: np.inf * J, "expected finite ones"),
         (lambda J: J + 1j, "complex"),
+        (lambda J: np.complex128(1 + 2j) * J, "complex128"),
+        (lambda J: 10**400 * J, "expected finite ones"),
+        (lambda J, C11=1.0: C11 * J, "component of a tensor"),
         (lambda C: np.linalg.det(C[:2]), "square matrix"),
     ],
 )

@@ -9,9 +9,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
+use std::time::Duration;
 
 /// Connections at a time; a browser opens six.
 const MOST: usize = 64;
+/// What is waited after a connection that could not be had.
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// The page and what answers its questions.
 pub struct Server {
@@ -40,7 +43,11 @@ impl Server {
     pub fn run(self, listener: &TcpListener) -> Result<ExitCode, Failure> {
         let server = Arc::new(self);
         for stream in listener.incoming() {
-            let stream = stream.map_err(Failure::machine)?;
+            // A connection that was given up, or for which there is no room just now, is none of the others' business.
+            let Ok(stream) = stream else {
+                thread::sleep(PAUSE);
+                continue;
+            };
             if server.open.fetch_add(1, Ordering::Relaxed) >= MOST {
                 server.open.fetch_sub(1, Ordering::Relaxed);
                 continue;

@@ -37,6 +37,9 @@ pub struct Window {
     pub ranges: [[f64; 2]; 2],
 }
 
+/// Displacements of a cell, at most: a page asks many questions, of which the last one counts.
+const UNKNOWNS: usize = 96;
+
 impl Default for Window {
     fn default() -> Self {
         Self {
@@ -65,6 +68,12 @@ impl Question {
     /// Material, discretization and state.
     pub(super) fn problem(&self, trust: &Trust) -> Result<(Problem, Strain), Refusal> {
         let problem = Problem::new(self.settings(trust)?)?;
+        let unknowns = problem.dimension() * problem.analysis.sites();
+        if unknowns > UNKNOWNS {
+            return Err(Refusal::Input(format!(
+                "the cell has {unknowns} displacements; a page answers for at most {UNKNOWNS}\n  hint: choose fewer discretization.cells here, or ask the command"
+            )));
+        }
         let strain = Strain::of_stretches("--stretch", &self.stretch, problem.dimension())?;
         Ok((problem, strain))
     }

@@ -35,13 +35,13 @@ fn hint(error: &PlasticityError) -> String {
                 .to_owned()
         }
         PlasticityError::NeverYields { .. } => {
-            "pressure outgrows the strength on this path; lower plasticity.friction, or take another path".to_owned()
+            "pressure outgrows the strength on this path: lower plasticity.friction, or take another path; of a routine, see with `onset audit` whether DDSDDE is that of flow".to_owned()
         }
         PlasticityError::Confinement { .. } => {
             "choose a plasticity.confinement within the yield surface: with cam-clay above 0 and below plasticity.preconsolidation; with other laws a lower one, or a larger plasticity.strength".to_owned()
         }
         PlasticityError::ElasticNotElliptic => {
-            "the strength is of the order of the stiffness; raise plasticity.shear-modulus".to_owned()
+            "the strength is of the order of the stiffness: raise plasticity.shear-modulus, or that of a routine by its material.properties".to_owned()
         }
         PlasticityError::NoDeviator | PlasticityError::Apex => {
             "the path leads to the apex of the yield cone; add plasticity.confinement".to_owned()

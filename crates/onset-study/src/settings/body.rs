@@ -65,6 +65,11 @@ pub const BODY_KEYS: &[Key] = &[
     .only_with(&[&[is("body.shape", &["file"])]]),
 ];
 
+/// How far beyond its corners a grip holds, in spacings: places of particles carry rounding.
+const RIM: f64 = 1e-9;
+/// Cells of a lattice in the box of a body, at most.
+const CELLS: f64 = 1e8;
+
 /// The keys of a grip, of which a study can have several.
 pub const GRIP_KEYS: &[Key] = &[
     key(
@@ -298,6 +303,19 @@ impl BodySettings {
                 };
                 let given = numbers(&self.values, "body.size", sides, &self.origin)?;
                 let last = given[given.len() - 1];
+                // Cells are gone through before particles are counted: of a thin and long body there can be more.
+                let cells = (0..dimension).map(|i| given.get(i).copied().unwrap_or(last) + 3.0);
+                if cells.product::<f64>() > CELLS {
+                    let origin = self.values.get("body.size").map(|(_, origin)| origin);
+                    let origin = origin.unwrap_or(&self.origin).clone();
+                    return Err(SettingError::new(
+                        origin,
+                        "the box of the body has too many cells",
+                    )
+                    .hint(format!(
+                        "expected at most {CELLS:e}: choose a smaller body.size"
+                    )));
+                }
                 let sides = (0..dimension).map(|i| spacing * given.get(i).copied().unwrap_or(last));
                 let notch = match self.values.get("body.notch") {
                     None => None,
@@ -335,7 +353,10 @@ impl BodySettings {
     pub fn grips(&self, dimension: usize, spacing: f64) -> Result<Vec<Grip>, SettingError> {
         let grip = |(values, whole): &(BTreeMap<&'static str, (Value, Origin)>, Origin)| {
             let list = |name: &str| numbers(values, name, dimension, whole).map(<[f64]>::to_vec);
-            let scaled = |own: Vec<f64>| own.into_iter().map(|x| x * spacing).collect();
+            // Faces are held whatever rounding makes of the place of a particle on them.
+            let scaled = |own: Vec<f64>, beyond: f64| {
+                own.into_iter().map(|x| (x + beyond) * spacing).collect()
+            };
             let ramp = values.get("grips.ramp");
             let time = ramp.and_then(|(value, _)| value.number()).unwrap_or(0.0);
             if let Some((_, origin)) = ramp.filter(|_| time < 0.0) {
@@ -344,8 +365,8 @@ impl BodySettings {
                     .hint("expected a time that is not negative"));
             }
             Ok(Grip {
-                low: scaled(list("grips.from")?),
-                high: scaled(list("grips.to")?),
+                low: scaled(list("grips.from")?, -RIM),
+                high: scaled(list("grips.to")?, RIM),
                 velocity: list("grips.velocity")?,
                 ramp: time,
             })

@@ -41,6 +41,8 @@ pub struct Study {
     pub text: String,
     /// Whether the file asks for a comparison too.
     has_methods: bool,
+    /// Whether it has a body, which maps do not read.
+    has_body: bool,
     origins: Origins,
 }
 

@@ -113,6 +113,16 @@ pub fn run_body(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<BodyAnswer, SimulateError> {
+    let material = &problem.settings.material;
+    if material.model.is_elastic_plastic() || material.is_library() {
+        return Err(refused(
+            format!(
+                "`{}` cannot be run in a body: its particles would not remember how they have flowed",
+                material.model.name()
+            ),
+            "choose an elastic law: `onset list materials`",
+        ));
+    }
     let dimension = problem.dimension();
     let spacing = problem.analysis.spacing();
     let particles = question.body.particles(dimension, spacing)?;

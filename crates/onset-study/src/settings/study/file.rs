@@ -2,8 +2,8 @@
 
 use super::super::toml::{File, described, in_order, list, read_keys, scalar};
 use super::super::{
-    Axis, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value,
-    error::nearest, listed, study_keys, units, unknown_key,
+    Axis, BodySettings, Kind, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings,
+    Value, error::nearest, listed, study_keys, units, unknown_key,
 };
 use super::{AxisOrigin, Origins, Study};
 use crate::number::counted;
@@ -38,6 +38,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
         map: MapSettings::default(),
         text: text.to_owned(),
         has_methods: false,
+        has_body: false,
         origins: Origins {
             file: file.at(0),
             keys: BTreeMap::new(),
@@ -65,8 +66,9 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
-            // Read by those who run bodies.
-            ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {}
+            ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {
+                study.has_body = true;
+            }
             ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {
                 study.has_methods = true;
             }
@@ -77,6 +79,10 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(unknown_key(other, known, file.of(key)));
             }
         }
+    }
+    if study.has_body {
+        // Read again by those who run it; what is wrong with it is told to everyone.
+        BodySettings::of_file(file.name, file.text)?;
     }
     Ok(study)
 }
@@ -89,7 +95,10 @@ impl Study {
                 self.origins.file.clone(),
                 "the study has no axes; expected two or three",
             )
-            .hint(EXAMPLE)),
+            .hint(match self.has_body {
+                true => "a [body] is run by `onset simulate STUDY`",
+                false => EXAMPLE,
+            })),
             false => Ok(()),
         }
     }
