@@ -143,7 +143,6 @@ const VERIFY_EXAMPLES: &str = "Examples:
 Exit codes of run and read: 0 agrees, 1 differs, 3 undecided, 2 the input is wrong.";
 const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
-  onset simulate --stretch 1,1 --wave-vector 3.141592654,0 --set discretization.lattice=square --cells 4
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
   onset simulate studies/bodies/notched-plate.toml --time 60 --amplitude 0.01 --out plate
 

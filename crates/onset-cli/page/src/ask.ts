@@ -1,4 +1,4 @@
-// Questions to the program. A question that is asked anew gives up the one before, and the program stops computing it.
+// Questions to the program. A question that is asked anew gives up the one before; the program stops computing maps and boundaries then.
 
 export interface Window {
   axes: [string, string];

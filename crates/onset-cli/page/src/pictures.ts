@@ -87,7 +87,13 @@ export function height(omegaSquared: Complex): number {
   return growth > oscillation ? -growth : oscillation;
 }
 
-/** A diagram of dispersion: frequencies upward, growth rates downward. */
+/** Minus the growth rate of a wave that oscillates as it grows; not a number for others. */
+function flutter(omegaSquared: Complex, noise: number): number {
+  const growth = Math.sqrt(Math.max(0, (Math.hypot(omegaSquared.re, omegaSquared.im) - omegaSquared.re) / 2));
+  return height(omegaSquared) >= 0 && growth > noise ? -growth : NaN;
+}
+
+/** A diagram of dispersion: frequencies upward, growth rates downward, those of waves that oscillate too in a curve of their own. */
 export function dispersion(answer: Dispersion, width: number): Drawn {
   const branches = answer.samples[0]?.omega_squared.length ?? 0;
   const own = answer.samples[0]?.continuum_omega_squared.length ?? 0;
@@ -99,11 +105,13 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
     });
   const particles = Array.from({ length: branches }, (_, n) => curve((sample) => height(sample.omega_squared[n]!)));
   const continuum = Array.from({ length: own }, (_, n) => curve((sample) => height({ re: sample.continuum_omega_squared[n]!, im: 0 })));
-  const heights = particles.flat().map(([, y]) => y!).filter(Number.isFinite);
-  const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
-  const margin = 0.08 * (high - low || 1);
   const critical = answer.critical;
   const mark = critical.length === null ? [] : [[critical.length, critical.stable ? height(critical.omega_squared) : -critical.growth_rate]];
+  const size = Math.max(...particles.flat().map(([, y]) => Math.abs(y!)).filter(Number.isFinite));
+  const fluttering = Array.from({ length: branches }, (_, n) => curve((sample) => flutter(sample.omega_squared[n]!, 1e-6 * size)));
+  const heights = [...particles, ...fluttering, mark].flat().map(([, y]) => y!).filter(Number.isFinite);
+  const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
+  const margin = 0.08 * (high - low || 1);
   const ticks = new Map<number, string>();
   for (const { name, length } of answer.corners) ticks.set(length, ticks.has(length) ? `${ticks.get(length)}|${name}` : name);
   return Plot.plot({
@@ -119,6 +127,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
       Plot.ruleY([0], { stroke: color("text") }),
       ...continuum.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("quiet"), strokeDasharray: "6,4", clip: true })),
       ...particles.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("blue"), strokeWidth: 1.8 })),
+      ...fluttering.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("vermilion"), strokeWidth: 1.8 })),
       Plot.dot(mark, { x: "0", y: "1", r: 6, fill: color("vermilion"), stroke: color("ground") }),
     ],
   });

@@ -281,7 +281,7 @@ mod tests {
     #[test]
     fn heads_are_read_or_refused() {
         assert_eq!(told("GET / HTTP/1.1\r\nHost: a"), "more");
-        assert_eq!(told("GET /a?b HTTP/1.1\r\nHost: a\r\n\r\n"), "GET /a 28 0");
+        assert_eq!(told("GET /a?b HTTP/1.1\r\nHost: a\r\n\r\n"), "GET /a 30 0");
         let post = |header: &str| told(&format!("POST / HTTP/1.1\r\n{header}\r\n\r\n"));
         assert!(post("Content-Length: 12").ends_with(" 12"));
         assert_eq!(post("Content-Length: 1\r\nContent-Length: 2"), "400");
