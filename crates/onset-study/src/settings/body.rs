@@ -94,11 +94,14 @@ pub const GRIP_KEYS: &[Key] = &[
     ),
 ];
 
+/// What keys were set to, with where.
+type Values = BTreeMap<&'static str, (Value, Origin)>;
+
 /// A body with its grips, as a study has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySettings {
-    values: BTreeMap<&'static str, (Value, Origin)>,
-    grips: Vec<(BTreeMap<&'static str, (Value, Origin)>, Origin)>,
+    values: Values,
+    grips: Vec<(Values, Origin)>,
     /// Where the body is.
     origin: Origin,
     /// Files are looked for beside the study.
@@ -111,7 +114,7 @@ fn read(
     section: &str,
     keys: &'static [Key],
     table: &DeTable<'_>,
-) -> Result<BTreeMap<&'static str, (Value, Origin)>, SettingError> {
+) -> Result<Values, SettingError> {
     let mut values = BTreeMap::new();
     for (key, value) in in_order(table) {
         let name = format!("{section}.{}", key.get_ref());
@@ -135,7 +138,7 @@ fn read(
 }
 
 fn numbers<'v>(
-    values: &'v BTreeMap<&'static str, (Value, Origin)>,
+    values: &'v Values,
     name: &str,
     count: usize,
     whole: &Origin,
@@ -219,7 +222,7 @@ impl BodySettings {
     fn read_grips(
         file: &File<'_>,
         value: &Spanned<DeValue<'_>>,
-    ) -> Result<Vec<(BTreeMap<&'static str, (Value, Origin)>, Origin)>, SettingError> {
+    ) -> Result<Vec<(Values, Origin)>, SettingError> {
         let wrong = |value: &Spanned<DeValue<'_>>| {
             let message = format!("`grips` cannot be {}", described(value.get_ref()));
             SettingError::new(file.of(value), message)
@@ -351,7 +354,7 @@ impl BodySettings {
     /// # Errors
     /// [`SettingError`] for a key that is missing or has another number of numbers.
     pub fn grips(&self, dimension: usize, spacing: f64) -> Result<Vec<Grip>, SettingError> {
-        let grip = |(values, whole): &(BTreeMap<&'static str, (Value, Origin)>, Origin)| {
+        let grip = |(values, whole): &(Values, Origin)| {
             let list = |name: &str| numbers(values, name, dimension, whole).map(<[f64]>::to_vec);
             // Faces are held whatever rounding makes of the place of a particle on them.
             let scaled = |own: Vec<f64>, beyond: f64| {
