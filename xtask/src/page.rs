@@ -1,6 +1,7 @@
 //! The page of `onset explore`: built from its sources, and driven by a real browser.
 
 use crate::python::succeed;
+use crate::wheel;
 use std::path::Path;
 use std::process::Command;
 
@@ -92,10 +93,7 @@ fn installed() -> Result<(), String> {
 /// Drives the page of the program in the profile of the tests with a browser, which may take so many times the time that the page is to
 /// take.
 fn driven(patience: u32) -> Result<(), String> {
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    succeed(Command::new(cargo).args(["build", "--package", "onset-cli", "--all-features"]))?;
-    let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
-    let command = std::path::absolute(command).map_err(|error| error.to_string())?;
+    let command = wheel::command()?;
     eprintln!("== page: a browser");
     let patience = std::env::var("ONSET_PATIENCE").unwrap_or_else(|_| patience.to_string());
     succeed(

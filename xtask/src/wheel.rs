@@ -32,16 +32,7 @@ pub fn run() -> Result<(), String> {
 /// What failed, in words.
 pub fn test() -> Result<(), String> {
     let wheel = made("dev", "target/wheels-dev")?;
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    succeed(Command::new(cargo).args([
-        "build",
-        "--package",
-        "onset-cli",
-        "--package",
-        "onset-py",
-    ]))?;
-    let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
-    let command = std::path::absolute(command).map_err(|error| error.to_string())?;
+    let command = command()?;
     let interpreter = environment("python", Path::new(TESTING))?;
     succeed(
         Command::new(&interpreter)
@@ -64,6 +55,18 @@ pub fn test() -> Result<(), String> {
             .env("ONSET_COMMAND", &command)
             .env("ONSET_UMAT_HOST", &command),
     )
+}
+
+/// The command in the profile of the tests, built together with what the wheel has: one build of what both stand on.
+///
+/// # Errors
+/// What failed, in words.
+pub fn command() -> Result<PathBuf, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let both = ["build", "--package", "onset-cli", "--package", "onset-py"];
+    succeed(Command::new(cargo).args(both))?;
+    let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
+    std::path::absolute(command).map_err(|error| error.to_string())
 }
 
 /// Makes a wheel in a profile into a folder; where it is.
