@@ -119,6 +119,11 @@ async function anew(): Promise<void> {
   if (!stored) void askMap(answered);
 }
 
+/** What a chain is shown over beside its stretch: the length by which its particles see each other. */
+const LENGTHS = ["discretization.support", "discretization.horizon"];
+/** From where on a particle of a chain sees its neighbors; in spacings. */
+const SEEN: [number, number] = [1.2, 4];
+
 /** As many stretches as there are dimensions, and a window of what is read. */
 function fit({ dimension, fields }: Form): void {
   const given = question.stretch === "" ? [] : numbers(question.stretch);
@@ -131,10 +136,10 @@ function fit({ dimension, fields }: Form): void {
   axes.forEach((axis, n) => {
     if (isRead(axis) && axes[1 - n] !== axis) return;
     const free = (["stretch-1", "stretch-2"] as const).slice(0, dimension).find((own) => axes[1 - n] !== own);
-    const other = fields.find((own) => own.name.startsWith("discretization.") && own.takes === "number" && own.slider);
+    const other = LENGTHS.map((name) => fields.find((own) => own.name === name && own.slider)).find((own) => own);
     const found = free ?? other?.name ?? "discretization.spacing";
     axes[n as 0 | 1] = found;
-    ranges[n as 0 | 1] = free ? [...WINDOW.ranges[0]] : [...(other?.slider ?? [0.5, 2])];
+    ranges[n as 0 | 1] = free ? [...WINDOW.ranges[0]] : other ? [...SEEN] : [0.5, 2];
   });
 }
 
