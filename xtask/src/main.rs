@@ -33,11 +33,11 @@ const TEST: &[Step] = &[
             "warnings",
         ],
     ),
-    ("tests", &["test", "--workspace", "--all-features"]),
     (
         "documentation",
         &["doc", "--workspace", "--no-deps", "--all-features"],
     ),
+    ("tests", &["test", "--workspace", "--all-features"]),
     (
         "the paper",
         &[

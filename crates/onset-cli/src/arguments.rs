@@ -403,7 +403,7 @@ pub enum Command {
     ///
     /// A patch of cells about a homogeneous state, one wave or noise, the nonlinear forces of the method: the measured rate of a wave beside the
     /// predicted one in discrete time, with histories, fields and checkpoints.
-    /// Of a study with a [body] that body instead, with its grips.
+    /// Of a study with a body that body instead, with its grips.
     #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &(keys() + &body_keys())))]
     Simulate(Box<SimulateArguments>),
     /// Draw stored maps: verdicts and boundaries, or a field; overlays
@@ -974,8 +974,8 @@ pub struct MapArguments {
 /// A plastic material and its loading.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with keys of
-    /// [material]: library, properties, state-variables); short for --set plasticity.model=MODEL.
+    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with a
+    /// material's keys library, properties, state-variables); short for --set plasticity.model=MODEL.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
     /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for

@@ -14,7 +14,7 @@ use onset_study::criteria::{Lateral, Mode};
 use onset_study::map::{Evaluator, Record};
 use onset_study::output::text;
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
-use onset_study::simulate::{self, Duration, Place, Question, Seeded, Stepper};
+use onset_study::simulate::{self, Duration, Pace, Place, Question, Seeded, Stepper};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -372,13 +372,15 @@ impl Problem {
                 branch,
                 amplitude,
                 seed,
-                duration,
-                fraction,
-                time_step,
-                is_supercritical: supercritical,
+                pace: Pace {
+                    duration,
+                    fraction,
+                    time_step,
+                    is_supercritical: supercritical,
+                    every,
+                    fields,
+                },
                 stepper,
-                every,
-                fields,
                 tolerance,
             };
             let answer = simulate::simulate(&problem, &question, place.as_ref(), &interrupt)?;

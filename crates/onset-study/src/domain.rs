@@ -112,9 +112,10 @@ impl Domain {
     /// # Errors
     /// As for [`Domain::of`].
     pub fn smoothed(&self) -> Result<Self, ProblemError> {
+        let problem = Problem::new(self.study.settings.clone())?;
         let mut finer = self.clone();
         for _ in 0..HALVINGS {
-            finer = finer.halved_unless(&|| false)?;
+            finer = halved(&finer, &problem, &|| false)?;
         }
         Ok(finer)
     }

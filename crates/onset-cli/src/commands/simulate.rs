@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::answers::{Problem, numbers};
 use onset_study::settings::BodySettings;
 use onset_study::simulate::{
-    BodyQuestion, Duration, Place, Question, Seeded, SimulateError, Stepper, Watch, run_body,
+    BodyQuestion, Duration, Pace, Place, Question, Seeded, SimulateError, Stepper, Watch, run_body,
     simulate as run,
 };
 use std::process::ExitCode;
@@ -64,11 +64,18 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
     }
 }
 
-fn duration(arguments: &SimulateArguments) -> Duration {
-    match (arguments.steps, arguments.time) {
-        (Some(steps), _) => Duration::Steps(steps),
-        (None, Some(time)) => Duration::Time(time),
-        (None, None) => Duration::Natural,
+fn pace(arguments: &SimulateArguments) -> Pace {
+    Pace {
+        duration: match (arguments.steps, arguments.time) {
+            (Some(steps), _) => Duration::Steps(steps),
+            (None, Some(time)) => Duration::Time(time),
+            (None, None) => Duration::Natural,
+        },
+        fraction: arguments.fraction,
+        time_step: arguments.time_step,
+        is_supercritical: arguments.supercritical,
+        every: arguments.every,
+        fields: arguments.fields,
     }
 }
 
@@ -90,13 +97,8 @@ fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, F
         branch: arguments.branch.unwrap_or(1),
         amplitude: arguments.amplitude.unwrap_or(1e-6),
         seed: arguments.seed,
-        duration: duration(arguments),
-        fraction: arguments.fraction,
-        time_step: arguments.time_step,
-        is_supercritical: arguments.supercritical,
+        pace: pace(arguments),
         stepper: arguments.integrator.unwrap_or(Stepper::KICK_DRIFT_KICK),
-        every: arguments.every,
-        fields: arguments.fields,
         tolerance: arguments.tolerance.unwrap_or(1e-6),
     })
 }
@@ -134,12 +136,7 @@ fn body_question(
         },
         amplitude: arguments.amplitude.unwrap_or(0.0),
         seed: arguments.seed,
-        duration: duration(arguments),
-        fraction: arguments.fraction,
-        time_step: arguments.time_step,
-        is_supercritical: arguments.supercritical,
-        every: arguments.every,
-        fields: arguments.fields,
+        pace: pace(arguments),
     })
 }
 

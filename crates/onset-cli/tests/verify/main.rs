@@ -1,9 +1,10 @@
 //! `onset verify`: what it says of runs that are right, wrong, noisy, cut off, or of another study.
 //!
-//! `motion` is `onset simulate`. `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
+//! `motion` is `onset simulate`, `bodies` the same of bodies. `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
 //! themselves, where the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask test` and
 //! `cargo xtask verify --all` install them.
 
+mod bodies;
 mod lammps;
 mod made;
 mod motion;
@@ -71,6 +72,15 @@ struct Answer {
 }
 
 impl Answer {
+    fn of(mut command: Command) -> Self {
+        let output = command.output().expect("the command starts");
+        Self {
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+
     fn document(&self) -> Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|_| panic!("{}", self.stderr))
     }
@@ -82,17 +92,27 @@ impl Answer {
 
 /// `onset verify` with arguments separated by blanks, and others.
 fn verify(line: &str, others: &[&str]) -> Answer {
-    let output = Command::new(env!("CARGO_BIN_EXE_onset"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+    command
         .arg("verify")
         .args(line.split_whitespace())
-        .args(others)
-        .output()
-        .expect("the command starts");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+        .args(others);
+    Answer::of(command)
+}
+
+/// The files of a folder with their bytes.
+fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut files: Vec<(String, Vec<u8>)> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.is_file())
+        .map(|path| {
+            let name = path.file_name().expect("a name").to_string_lossy();
+            (name.into_owned(), std::fs::read(&path).expect("a file"))
+        })
+        .collect();
+    files.sort();
+    files
 }
 
 fn text(path: &Path) -> &str {

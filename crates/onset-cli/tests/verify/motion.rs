@@ -1,7 +1,7 @@
 //! `onset simulate`: every method moves as its linearized equations say, and a run that ends early goes on to the same bytes.
 
 use crate::hunt::hunted;
-use crate::{Answer, Place, text};
+use crate::{Answer, Place, text, tree};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -17,12 +17,7 @@ fn command(line: &str, others: &[String]) -> Command {
 }
 
 fn simulate(line: &str, others: &[String]) -> Answer {
-    let output = command(line, others).output().expect("the command starts");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+    Answer::of(command(line, others))
 }
 
 fn number(document: &Value, pointer: &str) -> f64 {
@@ -356,25 +351,6 @@ const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangia
 
 fn into(place: &Path) -> [String; 2] {
     ["--out".to_owned(), text(place).to_owned()]
-}
-
-/// The files of a folder with their bytes.
-fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut files: Vec<(String, Vec<u8>)> = entries
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.is_file())
-        .map(|path| {
-            let name = path
-                .file_name()
-                .expect("a name")
-                .to_string_lossy()
-                .into_owned();
-            (name, std::fs::read(path).expect("a file"))
-        })
-        .collect();
-    files.sort();
-    files
 }
 
 fn whole() -> (Place, Vec<(String, Vec<u8>)>, Duration) {

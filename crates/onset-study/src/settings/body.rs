@@ -179,9 +179,16 @@ impl BodySettings {
     /// [`SettingError`] with file, line and column of what is wrong.
     pub fn of_file(name: &str, text: &str) -> Result<Option<Self>, SettingError> {
         let file = File { name, text };
-        let table = file.table()?;
+        Self::of_table(&file, file.table()?.get_ref())
+    }
+
+    /// The body of a study that has been read as a table.
+    pub(super) fn of_table(
+        file: &File<'_>,
+        table: &DeTable<'_>,
+    ) -> Result<Option<Self>, SettingError> {
         let (mut body, mut grips) = (None, None);
-        for (key, value) in in_order(table.get_ref()) {
+        for (key, value) in in_order(table) {
             match key.get_ref().as_ref() {
                 "body" => body = Some((key, value)),
                 "grips" => grips = Some((key, value)),
@@ -204,13 +211,13 @@ impl BodySettings {
                 .hint("expected a table: [body] with its keys below"));
         };
         let own = Self {
-            values: read(&file, "body", BODY_KEYS, table)?,
+            values: read(file, "body", BODY_KEYS, table)?,
             grips: match grips {
-                Some((_, value)) => Self::read_grips(&file, value)?,
+                Some((_, value)) => Self::read_grips(file, value)?,
                 None => Vec::new(),
             },
             origin: file.of(key),
-            folder: Path::new(name)
+            folder: Path::new(file.name)
                 .parent()
                 .map(Path::to_owned)
                 .unwrap_or_default(),

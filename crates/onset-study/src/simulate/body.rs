@@ -1,7 +1,7 @@
 //! A body with its grips, run.
 
 use super::picture::{DRAWN, figure};
-use super::plan::{Duration, HALF, checked, every, fields, mark, refused, stable};
+use super::plan::{Duration, HALF, Pace, checked, every, fields, mark, refused, stable};
 use super::run::{Course, Keeper, Moving, Place, Watch};
 use super::{SimulateError, fields as vtk};
 use crate::answers::{Problem, notes};
@@ -44,18 +44,8 @@ pub struct BodyQuestion {
     pub amplitude: f64,
     /// Of the random displacements.
     pub seed: u64,
-    /// For how long.
-    pub duration: Duration,
-    /// The step over the largest stable one; a half when left out.
-    pub fraction: Option<f64>,
-    /// The step itself, instead of that.
-    pub time_step: Option<f64>,
-    /// Whether a step above the largest stable one is meant.
-    pub is_supercritical: bool,
-    /// Steps between lines of the history; about four hundred lines when left out.
-    pub every: Option<u64>,
-    /// Fields that are written, from the first step to the last.
-    pub fields: u64,
+    /// How long, and in which steps.
+    pub pace: Pace,
 }
 
 impl BodyQuestion {
@@ -113,8 +103,8 @@ pub fn run_body(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<BodyAnswer, SimulateError> {
-    let material = &problem.settings.material;
-    if material.model.is_elastic_plastic() || material.is_library() {
+    if problem.material.is_path_dependent() {
+        let material = &problem.settings.material;
         return Err(refused(
             format!(
                 "`{}` cannot be run in a body: its particles would not remember how they have flowed",
@@ -166,7 +156,7 @@ fn course(
     };
     body.start(&start, 0.0).map_err(unstarted)?;
     let critical = body.critical_time_step().map_err(unstarted)?;
-    let step = match (question.time_step, question.fraction) {
+    let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
         (None, fraction) => fraction.unwrap_or(HALF) * critical,
     };
@@ -176,8 +166,8 @@ fn course(
             "give --time-step",
         ));
     }
-    let step = stable(step, critical, question.is_supercritical)?;
-    let steps = match question.duration {
+    let step = stable(step, critical, question.pace.is_supercritical)?;
+    let steps = match question.pace.duration {
         Duration::Steps(count) => checked(count as f64)?,
         Duration::Time(time) => checked((time / step).round())?,
         Duration::Natural => {
@@ -187,8 +177,8 @@ fn course(
             ));
         }
     };
-    let every = every(question.every, steps)?;
-    let fields = fields(question.fields, steps);
+    let every = every(question.pace.every, steps)?;
+    let fields = fields(question.pace.fields, steps);
     body.start(&start, step).map_err(unstarted)?;
     decisive["run"] = json!({ "step": step, "steps": steps, "every": every, "fields": fields });
     Ok(Course {

@@ -21,7 +21,7 @@ pub use body::{BodyAnswer, BodyQuestion, run_body};
 pub use checkpoint::CHECKPOINT;
 pub use error::SimulateError;
 pub use patch::simulate;
-pub use plan::{Duration, Question, Seeded};
+pub use plan::{Duration, Pace, Question, Seeded};
 pub use run::{Place, Watch};
 
 pub use onset::motion::Stepper;

@@ -35,6 +35,23 @@ pub enum Duration {
     Time(f64),
 }
 
+/// How long a run is, in which steps, and what is kept of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// For how long.
+    pub duration: Duration,
+    /// The step over the largest stable one; a half, or less where a wave asks for it, when left out.
+    pub fraction: Option<f64>,
+    /// The step itself, instead of that.
+    pub time_step: Option<f64>,
+    /// Whether a step above the largest stable one is meant.
+    pub is_supercritical: bool,
+    /// Steps between lines of the history; about four hundred lines when left out.
+    pub every: Option<u64>,
+    /// Fields that are written, from the first step to the last.
+    pub fields: u64,
+}
+
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
@@ -50,20 +67,10 @@ pub struct Question {
     pub amplitude: f64,
     /// Of the noise.
     pub seed: u64,
-    /// For how long.
-    pub duration: Duration,
-    /// The step over the largest stable one for the waves of the patch; a half, or less where the wave asks for it, when left out.
-    pub fraction: Option<f64>,
-    /// The step itself, instead of that.
-    pub time_step: Option<f64>,
-    /// Whether a step above the largest stable one is meant.
-    pub is_supercritical: bool,
+    /// How long, and in which steps.
+    pub pace: Pace,
     /// How steps are taken.
     pub stepper: Stepper,
-    /// Steps between lines of the history; about four hundred lines when left out.
-    pub every: Option<u64>,
-    /// Fields that are written, from the first step to the last.
-    pub fields: u64,
     /// The relative difference of rates that counts as agreement.
     pub tolerance: f64,
 }
@@ -188,7 +195,7 @@ impl Plan {
             )
         })?;
         let steps = steps(question, &wave, step)?;
-        let every = every(question.every, steps)?;
+        let every = every(question.pace.every, steps)?;
         let (sampling, samples) = sampled(&wave, step, steps);
         let amplitude = question.amplitude * problem.analysis.spacing();
         let start = match question.seeded {
@@ -200,7 +207,7 @@ impl Plan {
             Seeded::Critical => "critical",
             Seeded::Wave(_) | Seeded::Turns(_) => "wave",
         };
-        let fields = fields(question.fields, steps);
+        let fields = fields(question.pace.fields, steps);
         let decisive = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "settings": problem.settings.effective(),
@@ -378,7 +385,7 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
 fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, SimulateError> {
     // What grows or travels fast is resolved by at least so many steps.
     let resolved = natural(wave).map_or(f64::INFINITY, |time| time / FEWEST);
-    let step = match (question.time_step, question.fraction) {
+    let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
         (None, Some(fraction)) => fraction * critical,
         (None, None) => (HALF * critical).min(resolved),
@@ -389,7 +396,7 @@ fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, Sim
             "give --time-step",
         ));
     }
-    stable(step, critical, question.is_supercritical)
+    stable(step, critical, question.pace.is_supercritical)
 }
 
 /// A step, unless it is above the largest stable one and not meant to be.
@@ -455,7 +462,7 @@ fn natural(wave: &PatchWave) -> Option<f64> {
 }
 
 fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, SimulateError> {
-    let count = match question.duration {
+    let count = match question.pace.duration {
         Duration::Steps(count) => return checked(count as f64),
         Duration::Time(time) => (time / step).round(),
         Duration::Natural => match natural(&wave.wave) {

@@ -356,14 +356,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         if !self.centrosymmetric {
             return None;
         }
-        let mut real = Expansion::starting_at(self.rigid);
-        let phases = HalfPhases::new(self, k);
-        for term in &self.terms {
-            let half = phases.of(term);
-            let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
-            let derivatives = [-versine, -sine, versine - 1.0];
-            real.add::<2>(&term.even, derivatives, &term.vector);
-        }
+        let [real, _] = self.sums::<2>(k);
         Some(real.finished())
     }
 

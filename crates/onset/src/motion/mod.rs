@@ -10,7 +10,7 @@
 //! the matrix by which a step multiplies them. So what is predicted and what moves share the forces of the method, and nothing else: the one
 //! differentiates them, the other adds them up.
 //!
-//! What is finite, with a free surface and grips, is a [body](body).
+//! What is finite, with a free surface and grips, is a [body].
 //!
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 

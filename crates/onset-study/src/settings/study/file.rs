@@ -66,9 +66,8 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
-            ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {
-                study.has_body = true;
-            }
+            // Read as a whole below.
+            ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {}
             ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {
                 study.has_methods = true;
             }
@@ -80,10 +79,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
             }
         }
     }
-    if study.has_body {
-        // Read again by those who run it; what is wrong with it is told to everyone.
-        BodySettings::of_file(file.name, file.text)?;
-    }
+    study.has_body = BodySettings::of_table(&file, table.get_ref())?.is_some();
     Ok(study)
 }
 

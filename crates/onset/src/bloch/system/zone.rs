@@ -482,7 +482,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return 0.0;
         }
         let k = mode.wave_vector;
-        let Some(all) = Decomposition::new(self.system.expansion_at(&k).value) else {
+        let Some(all) = Decomposition::new(self.system.dynamical_matrix_at(&k)) else {
             return 0.0;
         };
         let distance = |n: &usize| (all.values[*n] - mode.omega_squared).norm();

@@ -1,34 +1,26 @@
 //! `onset simulate` with a body: what it writes, how it goes on, and what it says of faults.
 
+use crate::{Answer, Place, tree};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// A folder with a study, gone at the end.
-struct Place(PathBuf);
+/// A folder with the study of a body.
+struct Body(Place);
 
-impl Place {
+impl Body {
     fn new(study: &str) -> Self {
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("onset-bodies-{}-{number}", std::process::id());
-        let place = Self(std::env::temp_dir().join(name));
-        std::fs::create_dir_all(&place.0).expect("a folder");
+        let place = Place::new();
         place.write("study.toml", study);
-        place
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.0.join(name), text).expect("written");
+        Self(place)
     }
 
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
         command
             .arg("simulate")
-            .arg(self.0.join("study.toml"))
+            .arg(self.0.path().join("study.toml"))
             .args(line.split_whitespace());
         command
     }
@@ -41,44 +33,8 @@ impl Place {
     }
 
     fn out(&self) -> PathBuf {
-        self.0.join("out")
+        self.0.path().join("out")
     }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-struct Answer {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-fn run(mut command: Command) -> Answer {
-    let output = command.output().expect("the command starts");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
-}
-
-/// The files of a folder with their bytes.
-fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut files: Vec<(String, Vec<u8>)> = entries
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.is_file())
-        .map(|path| {
-            let name = path.file_name().expect("a name").to_string_lossy();
-            (name.into_owned(), std::fs::read(&path).expect("a file"))
-        })
-        .collect();
-    files.sort();
-    files
 }
 
 const METHOD: &str = "[material]\nmodel = 'neo-hooke'\n[discretization]\nmethod = 'total-lagrangian-sph'\nlattice = 'square'\nsupport = 2.4\npenalty = 0.5\n";
@@ -96,8 +52,8 @@ const LINE: &str = "--steps 400 --every 10 --fields 3 --amplitude 1e-4 --checkpo
 
 #[test]
 fn a_bar_is_pulled_and_everything_is_kept() {
-    let place = Place::new(&pulled());
-    let answer = run(place.kept(&format!("{LINE} --json")));
+    let place = Body::new(&pulled());
+    let answer = Answer::of(place.kept(&format!("{LINE} --json")));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
     assert_eq!(document["particles"], 120);
@@ -128,21 +84,21 @@ fn a_bar_is_pulled_and_everything_is_kept() {
     assert!(field.contains("Name=\"volume_ratio\"") && field.contains("NumberOfPoints=\"120\""));
     // Of a run that has come to its end nothing is left, and nothing changes.
     let files = tree(&place.out());
-    let again = run(place.kept(&format!("{LINE} --resume")));
+    let again = Answer::of(place.kept(&format!("{LINE} --resume")));
     assert_eq!(again.code, Some(0), "{}", again.stderr);
     assert!(tree(&place.out()) == files);
 }
 
 #[test]
 fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
-    let whole = Place::new(&pulled());
+    let whole = Body::new(&pulled());
     let start = Instant::now();
-    assert_eq!(run(whole.kept(LINE)).code, Some(0));
+    assert_eq!(Answer::of(whole.kept(LINE)).code, Some(0));
     let duration = start.elapsed();
     let files = tree(&whole.out());
     let mut resumed = 0;
     for case in 1..8 {
-        let place = Place::new(&pulled());
+        let place = Body::new(&pulled());
         let mut child = place
             .kept(LINE)
             .stdout(Stdio::null())
@@ -155,7 +111,7 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
         let is_kept = place.out().join("checkpoint.onset").exists();
         resumed += usize::from(is_kept);
         let more = if is_kept { "--resume" } else { "" };
-        let answer = run(place.kept(&format!("{LINE} {more}")));
+        let answer = Answer::of(place.kept(&format!("{LINE} {more}")));
         assert_eq!(answer.code, Some(0), "case {case}: {}", answer.stderr);
         assert!(tree(&place.out()) == files, "case {case}: other bytes");
     }
@@ -165,10 +121,10 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_body_goes_on_to_the_same_bytes() {
-    let whole = Place::new(&pulled());
+    let whole = Body::new(&pulled());
     let line = "--steps 4000 --every 100 --fields 3 --checkpoint 50";
-    assert_eq!(run(whole.kept(line)).code, Some(0));
-    let place = Place::new(&pulled());
+    assert_eq!(Answer::of(whole.kept(line)).code, Some(0));
+    let place = Body::new(&pulled());
     let mut child = place
         .kept(line)
         .stdout(Stdio::null())
@@ -184,14 +140,14 @@ fn an_interrupted_body_goes_on_to_the_same_bytes() {
     let sent = Command::new("kill").args(["-INT", &number]).status();
     assert!(sent.expect("kill").success());
     assert_eq!(child.wait().expect("an end").code(), Some(130));
-    let answer = run(place.kept(&format!("{line} --resume")));
+    let answer = Answer::of(place.kept(&format!("{line} --resume")));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(tree(&place.out()) == tree(&whole.out()));
 }
 
 /// A run that is refused or fails, with what it says.
-fn told(place: &Place, line: &str, code: i32) -> String {
-    let answer = run(place.command(line));
+fn told(body: &Body, line: &str, code: i32) -> String {
+    let answer = Answer::of(body.command(line));
     assert_eq!(
         answer.code,
         Some(code),
@@ -205,8 +161,8 @@ fn told(place: &Place, line: &str, code: i32) -> String {
 #[test]
 fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
     let study = pulled().replace("velocity = [0.05, 0]", "velocity = [-3, 0]");
-    let place = Place::new(&study);
-    let answer = run(place.kept("--steps 4000 --checkpoint 5 --quiet"));
+    let place = Body::new(&study);
+    let answer = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet"));
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);
     for word in [
         "the motion ends at time",
@@ -224,7 +180,7 @@ fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
         );
     }
     // It is whole: a resumed run goes on from it, to the same end.
-    let again = run(place.kept("--steps 4000 --checkpoint 5 --quiet --resume"));
+    let again = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet --resume"));
     assert_eq!(again.code, Some(1));
     let ends = |text: &str| text.lines().next().map(str::to_owned);
     assert_eq!(ends(&again.stderr), ends(&answer.stderr));
@@ -236,14 +192,14 @@ fn a_particle_beyond_the_domain_of_its_law_is_told() {
     let study = pulled()
         .replace("model = 'neo-hooke'", "model = 'gent'\njm = 0.05")
         .replace("[0.05, 0]", "[0.3, 0]");
-    let told = told(&Place::new(&study), "--steps 100000 --quiet", 1);
+    let told = told(&Body::new(&study), "--steps 100000 --quiet", 1);
     assert!(told.contains("the law is not defined there"), "{told}");
     assert!(told.contains("at particle"), "{told}");
 }
 
 #[test]
 fn steps_above_the_critical_one_are_refused_or_told_from_their_end() {
-    let place = Place::new(&pulled());
+    let place = Body::new(&pulled());
     let refused = told(&place, "--steps 10 --fraction 1.5", 2);
     assert!(refused.contains("of the largest stable one"), "{refused}");
     let line = "--steps 3000 --fraction 2 --supercritical --amplitude 1e-6 --quiet";
@@ -256,7 +212,7 @@ fn steps_above_the_critical_one_are_refused_or_told_from_their_end() {
 
 #[test]
 fn bodies_that_cannot_be_are_refused() {
-    let refused = |study: &str, line: &str| told(&Place::new(study), line, 2);
+    let refused = |study: &str, line: &str| told(&Body::new(study), line, 2);
     let body = |body: &str| format!("{METHOD}[body]\n{body}\n");
     let bar = body("shape = 'bar'\nsize = [20, 6]");
     let grip = "[[grips]]\nfrom = [40, 0]\nto = [50, 6]\nvelocity = [1, 0]\n";
@@ -315,15 +271,15 @@ fn bodies_that_cannot_be_are_refused() {
 #[test]
 fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
     let study = format!("{METHOD}[body]\nshape = 'file'\nfile = 'particles.csv'\n");
-    let place = Place::new(&study);
+    let place = Body::new(&study);
     let mut table = "x,y,volume\n".to_owned();
     for i in 0..8 {
         for j in 0..5 {
             table += &format!("{i}.0,{j}.25,1.0\n");
         }
     }
-    place.write("particles.csv", &table);
-    let answer = run(place.command("--steps 20 --amplitude 1e-3 --json --quiet"));
+    place.0.write("particles.csv", &table);
+    let answer = Answer::of(place.command("--steps 20 --amplitude 1e-3 --json --quiet"));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
     assert_eq!(document["particles"], 40);
@@ -342,7 +298,7 @@ fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
         ),
         ("3.0,2.25,1.0", "3.0,1.25,1.0", "are both at"),
     ] {
-        place.write("particles.csv", &table.replacen(from, to, 1));
+        place.0.write("particles.csv", &table.replacen(from, to, 1));
         let told = told(&place, "--steps 20", 2);
         assert!(told.contains(words), "no `{words}` in {told}");
     }
