@@ -19,7 +19,7 @@ const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 /// # Errors
 /// What failed, in words.
 pub fn run() -> Result<(), String> {
-    installed()?;
+    tools()?;
     succeed(&mut npm(&["run", "check"]))?;
     succeed(&mut npm(&["run", "build"]))?;
     driven(1)
@@ -30,7 +30,7 @@ pub fn run() -> Result<(), String> {
 /// # Errors
 /// What failed, in words.
 pub fn test() -> Result<(), String> {
-    installed()?;
+    tools()?;
     succeed(&mut npm(&["run", "check"]))?;
     let again = Path::new("target/page");
     // What an earlier build has left must not stand for what this one makes.
@@ -57,27 +57,15 @@ pub fn test() -> Result<(), String> {
     driven(SHARED)
 }
 
-/// Whether there is what the page is built and tested with.
+/// Sees to what the page is built and tested with: the packages of the lock file, which are installed only when it has changed since.
 ///
 /// # Errors
-/// What is lacking, in words.
+/// What cannot be had, in words.
 pub fn tools() -> Result<(), String> {
     let found = Command::new(NPM).arg("--version").output();
-    match found.is_ok_and(|output| output.status.success()) {
-        true => Ok(()),
-        false => Err("npm, which comes with Node.js, is not there".to_owned()),
+    if !found.is_ok_and(|output| output.status.success()) {
+        return Err("npm, which comes with Node.js, is not there".to_owned());
     }
-}
-
-fn npm(arguments: &[&str]) -> Command {
-    let mut command = Command::new(NPM);
-    command.args(arguments).current_dir(FOLDER);
-    command
-}
-
-/// The packages of the lock file, which are installed only when it has changed since.
-fn installed() -> Result<(), String> {
-    tools()?;
     let folder = Path::new(FOLDER);
     let lock = folder.join("package-lock.json");
     let wanted = std::fs::read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
@@ -88,6 +76,12 @@ fn installed() -> Result<(), String> {
     eprintln!("== page: npm ci");
     succeed(&mut npm(&["ci", "--no-audit", "--no-fund"]))?;
     std::fs::write(&mark, wanted).map_err(|error| format!("{}: {error}", mark.display()))
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut command = Command::new(NPM);
+    command.args(arguments).current_dir(FOLDER);
+    command
 }
 
 /// Drives the page of the program in the profile of the tests with a browser, which may take so many times the time that the page is to
