@@ -35,8 +35,8 @@ pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
 use crate::kinematics::DeformationGradient;
-use crate::material::{MaterialError, StrainEnergy, energy_of_stretches};
-use crate::real::{Interval, Jet, Real};
+use crate::material::{LaneStress, MaterialError, StrainEnergy, energy_of_stretches};
+use crate::real::{Interval, Jet, Lanes, Real};
 use graph::{Graph, Id, Leaf};
 use std::ops::Range;
 use stretches::StretchTape;
@@ -299,6 +299,13 @@ impl StrainEnergy for FormulaLaw {
             }
             .into()),
             None => Ok(()),
+        }
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        match self.stretches {
+            Some(_) => LaneStress::one_by_one(self, states, dimension),
+            None => LaneStress::of_components(self, states, dimension),
         }
     }
 

@@ -80,6 +80,7 @@ impl<R: Real> DeformationGradient<R> {
     }
 
     /// The right Cauchy-Green tensor `C_IJ = F_kI F_kJ`.
+    #[inline(always)]
     pub fn right_cauchy_green(&self) -> [[R; 3]; 3] {
         let f = &self.0;
         let product =
@@ -93,11 +94,13 @@ impl<R: Real> DeformationGradient<R> {
     }
 
     /// The determinant `J = det F`.
+    #[inline(always)]
     pub fn determinant(&self) -> R {
         determinant(&self.0)
     }
 
     /// The principal invariants of `C`.
+    #[inline(always)]
     pub fn invariants(&self) -> Invariants<R> {
         let c = self.right_cauchy_green();
         let minor = |i: usize, j: usize| c[i][i] * c[j][j] - c[i][j] * c[i][j];
@@ -112,6 +115,7 @@ impl<R: Real> DeformationGradient<R> {
     }
 }
 
+#[inline(always)]
 fn determinant<R: Real>(f: &[[R; 3]; 3]) -> R {
     f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1])
         - f[0][1] * (f[1][0] * f[2][2] - f[1][2] * f[2][0])

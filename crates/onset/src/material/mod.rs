@@ -5,11 +5,13 @@
 //! rest of the program sees only the object-safe [`Hyperelastic`]. A material knows nothing of
 //! particles.
 
+mod invariants;
 mod law;
 mod laws;
 mod principal;
 mod tensors;
 
+pub(crate) use invariants::{InvariantEnergy, given_by_invariants};
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
@@ -144,6 +146,15 @@ pub trait StrainEnergy {
     /// side bound nothing.
     fn is_smooth(&self, _f: &DeformationGradient<Interval>) -> bool {
         true
+    }
+
+    /// Energy and stress of several states, as [`Hyperelastic::lane_stress`] has them; by the derivatives of the energy by the components of `F`, unless a law
+    /// has a shorter way. Lanes need not be right where the law asks for the one number that they do not have in common.
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress
+    where
+        Self: Sized,
+    {
+        LaneStress::of_components(self, states, dimension)
     }
 }
 
@@ -286,6 +297,18 @@ impl LaneStress {
         all
     }
 
+    /// That of a law by its energy, with the derivatives by the components of `F` that are not fixed.
+    pub(crate) fn of_components(
+        law: &impl StrainEnergy,
+        states: &DeformationGradient<Lanes>,
+        dimension: usize,
+    ) -> Self {
+        match dimension {
+            3 => Self::of_law::<3, 9>(law, states),
+            _ => Self::of_law::<2, 4>(law, states),
+        }
+    }
+
     /// That of a law by its energy, with the derivatives by the first `D` rows and columns of `F`, which are `N` numbers.
     fn of_law<const D: usize, const N: usize>(
         law: &impl StrainEnergy,
@@ -309,24 +332,45 @@ impl LaneStress {
             }
         }
         let volumes = states.determinant();
-        for lane in 0..LANES {
+        all.keep(|lane| {
             let state = f.map(|row| row.map(|entry| entry.0[lane]));
-            let is_defined = volumes.0[lane] > 0.0
-                && law
-                    .admits(&DeformationGradient::from_components(state))
-                    .is_ok();
-            if !is_defined {
-                all.energy.0[lane] = f64::NAN;
-            }
-        }
+            let is_admitted = || law.admits(&DeformationGradient::from_components(state));
+            volumes.0[lane] > 0.0 && is_admitted().is_ok()
+        });
         all
     }
 
-    /// Whether every state has a finite energy and stress.
-    fn is_finite(&self) -> bool {
-        let mut all = self.first_piola.as_flattened().iter();
-        let is_finite = |own: &Lanes| own.0.iter().all(|own| own.is_finite());
-        is_finite(&self.energy) && all.all(is_finite)
+    /// Takes the energy of those states away that have none.
+    fn keep(&mut self, is_defined: impl Fn(usize) -> bool) {
+        for (lane, energy) in self.energy.0.iter_mut().enumerate() {
+            if !is_defined(lane) {
+                *energy = f64::NAN;
+            }
+        }
+    }
+
+    /// That of a law whose stress is found for one state at a time.
+    pub(crate) fn one_by_one(
+        law: &(impl StrainEnergy + Send + Sync),
+        states: &DeformationGradient<Lanes>,
+        dimension: usize,
+    ) -> Self {
+        Self::of_each(states, dimension, |f| law.energy_and_stress(f).ok())
+    }
+
+    /// Whether a state has a finite energy and stress.
+    pub(crate) fn is_known(&self, lane: usize) -> bool {
+        let mut stress = self.first_piola.as_flattened().iter();
+        self.energy.0[lane].is_finite() && stress.all(|own| own.0[lane].is_finite())
+    }
+
+    /// Takes over what another one has for a state.
+    fn take(&mut self, lane: usize, other: &Self) {
+        self.energy.0[lane] = other.energy.0[lane];
+        let own = self.first_piola.as_flattened_mut().iter_mut();
+        for (own, other) in own.zip(other.first_piola.as_flattened()) {
+            own.0[lane] = other.0[lane];
+        }
     }
 }
 
@@ -536,15 +580,19 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
-        let all = match dimension {
-            3 => LaneStress::of_law::<3, 9>(self, states),
-            _ => LaneStress::of_law::<2, 4>(self, states),
-        };
-        // A law may ask for the one number that lanes do not have in common.
-        match all.is_finite() {
-            true => all,
-            false => LaneStress::of_each(states, dimension, |f| self.energy_and_stress(f).ok()),
+        let mut all = StrainEnergy::lane_stress(self, states, dimension);
+        for lane in (0..LANES)
+            .filter(|lane| !all.is_known(*lane))
+            .collect::<Vec<_>>()
+        {
+            // A law may ask for the one number that lanes do not have in common.
+            let state = states
+                .components()
+                .map(|row| row.map(|own| Lanes([own.0[lane]; LANES])));
+            let alone = DeformationGradient::from_components(state);
+            all.take(lane, &StrainEnergy::lane_stress(self, &alone, dimension));
         }
+        all
     }
 
     fn undeformed(&self) -> Result<Response, MaterialError> {

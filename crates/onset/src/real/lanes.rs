@@ -33,6 +33,13 @@ impl<W: Work> NullaryFnOnce for InVectors<W> {
 }
 
 impl Lanes {
+    /// The first ones of some numbers.
+    pub(crate) fn of(numbers: &[f64]) -> Self {
+        let mut lanes = [0.0; LANES];
+        lanes.copy_from_slice(&numbers[..LANES]);
+        Self(lanes)
+    }
+
     #[inline(always)]
     fn map(mut self, function: impl Fn(f64) -> f64) -> Self {
         for lane in &mut self.0 {

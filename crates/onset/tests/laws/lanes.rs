@@ -3,7 +3,7 @@
 use crate::table::{Random, laws};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, PlaneTangent, StrainEnergy, library};
-use onset::real::{Lanes, Mirrored, Real};
+use onset::real::{LANES, Lanes, Mirrored, Real};
 
 fn stretched(random: &mut Random) -> DeformationGradient {
     let stretches = [
@@ -85,6 +85,66 @@ fn every_law_of_the_library_gives_together_what_it_gives_alone() {
             assert_eq!(together.is_ok(), full.is_ok(), "{}", law.name);
             if let Ok(tangent) = together {
                 assert_close(&tangent, &expected(&*built, f), law.name);
+            }
+        }
+    }
+}
+
+fn together(states: &[DeformationGradient; LANES]) -> DeformationGradient<Lanes> {
+    DeformationGradient::from_components(std::array::from_fn(|i| {
+        std::array::from_fn(|j| Lanes(states.map(|f| f.components()[i][j])))
+    }))
+}
+
+#[test]
+fn stresses_of_many_states_are_those_of_each() {
+    let mut random = Random::new(35);
+    for law in library() {
+        let built = law.build(&[]).expect("defaults");
+        for dimension in [2, 3] {
+            for round in 0..8 {
+                let mut states: [DeformationGradient; LANES] =
+                    std::array::from_fn(|_| match dimension {
+                        2 => random.planar_state(1.3),
+                        _ => random.state(),
+                    });
+                // One that is turned inside out has no stress, and takes none from the others.
+                let mirror = [[-1.0, 0.2, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.0]];
+                states[round] = DeformationGradient::from_components(mirror);
+                let all = built.lane_stress(&together(&states), dimension);
+                let same = built.lane_stress(&together(&[states[7 - round]; LANES]), dimension);
+                for (lane, f) in states.iter().enumerate() {
+                    if lane == 7 - round && lane != round {
+                        assert_eq!(all.energy.0[lane], same.energy.0[0], "{}", law.name);
+                        for (own, alone) in all.first_piola.iter().zip(&same.first_piola) {
+                            assert_eq!(
+                                own.map(|p| p.0[lane]),
+                                alone.map(|p| p.0[0]),
+                                "{}",
+                                law.name
+                            );
+                        }
+                    }
+                    let own = (lane != round).then(|| built.energy_and_stress(f).ok());
+                    let Some((energy, stress)) = own.flatten() else {
+                        assert!(all.energy.0[lane].is_nan(), "{}", law.name);
+                        continue;
+                    };
+                    let scale = stress.amax().max(energy.abs()).max(1.0);
+                    let tolerance = 1e-11 * scale;
+                    assert!((all.energy.0[lane] - energy).abs() <= tolerance);
+                    for i in 0..dimension {
+                        for j in 0..dimension {
+                            let found = all.first_piola[i][j].0[lane];
+                            assert!(
+                                (found - stress[(i, j)]).abs() <= tolerance,
+                                "{}: {found} instead of {}",
+                                law.name,
+                                stress[(i, j)]
+                            );
+                        }
+                    }
+                }
             }
         }
     }

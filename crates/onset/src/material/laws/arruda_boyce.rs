@@ -3,10 +3,10 @@
 //! `W = mu sum_i a_i / locking^(2i-2) ((J^(-2/3) I1)^i - 3^i) + kappa/2 ((J^2 - 1)/2 - ln J)`,
 //! `a = 1/2, 1/20, 11/1050, 19/7000, 519/673750`. The shear modulus at small strains is `2 mu sum_i i a_i 3^(i-1) / locking^(2i-2)`.
 
-use super::super::StrainEnergy;
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{InvariantEnergy, given_by_invariants};
 use super::volumetric::{isochoric_first, polyconvex};
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 const SERIES: [f64; 5] = [
@@ -64,11 +64,10 @@ struct ArrudaBoyce {
     kappa: f64,
 }
 
-impl StrainEnergy for ArrudaBoyce {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for ArrudaBoyce {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         // With x = 3 + y, x^i - 3^i has the factor y; Horner's scheme in x / locking^2.
-        let x = isochoric_first(&i);
+        let x = isochoric_first(i);
         let scale = self.locking.powi(-2);
         let chains = (0..5)
             .rev()
@@ -80,3 +79,5 @@ impl StrainEnergy for ArrudaBoyce {
         (x * chains - 3.0 * reference) * self.mu + polyconvex(i.jacobian) * (0.5 * self.kappa)
     }
 }
+
+given_by_invariants!(ArrudaBoyce);

@@ -1,8 +1,8 @@
 //! The Blatz-Ko law.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
-use crate::kinematics::DeformationGradient;
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 pub(in super::super) const LAW: Law = Law {
@@ -58,9 +58,10 @@ impl Default for BlatzKo {
     }
 }
 
-impl StrainEnergy for BlatzKo {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for BlatzKo {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         (i.second / i.third + i.jacobian * 2.0 - 5.0) * (0.5 * self.mu)
     }
 }
+
+given_by_invariants!(BlatzKo);

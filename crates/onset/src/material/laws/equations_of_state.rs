@@ -8,10 +8,10 @@
 //! - Mie and Grueneisen: the isentrope through the reference of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`; below.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
 use super::volumetric::isochoric_first;
 use crate::algebra::unit_interval;
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 const fn bulk(default: f64) -> Parameter {
@@ -142,16 +142,21 @@ struct WithDeviator<Volume> {
     volume: Volume,
 }
 
-impl<Volume: Volumetric> StrainEnergy for WithDeviator<Volume> {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
-        (isochoric_first(&i) - 3.0) * (0.5 * self.mu) + self.volume.energy(i.jacobian)
+impl<Volume: Volumetric> InvariantEnergy for WithDeviator<Volume> {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
+        (isochoric_first(i) - 3.0) * (0.5 * self.mu) + self.volume.energy(i.jacobian)
     }
 
-    fn admits(&self, f: &DeformationGradient) -> Result<(), MaterialError> {
-        self.volume.admits(f.jacobian())
+    fn admits_invariants(&self, i: &Invariants<f64>) -> Result<(), MaterialError> {
+        self.volume.admits(i.jacobian)
     }
 }
+
+given_by_invariants!(
+    WithDeviator<Murnaghan>,
+    WithDeviator<Tait>,
+    WithDeviator<MieGrueneisen>
+);
 
 struct Murnaghan {
     kappa: f64,

@@ -5,10 +5,10 @@
 //! of this law, whose deviator is that of space. In three dimensions no constants make it elliptic everywhere.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::hencky::logarithmic_invariants;
 use crate::kinematics::DeformationGradient;
-use crate::real::Real;
+use crate::real::{Lanes, Real};
 
 pub(in super::super) const LAW: Law = Law {
     name: "exponentiated-hencky",
@@ -72,5 +72,9 @@ impl PrincipalEnergy for ExponentiatedHencky {
 impl StrainEnergy for ExponentiatedHencky {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         energy_of_stretches(self, f)
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        LaneStress::one_by_one(self, states, dimension)
     }
 }

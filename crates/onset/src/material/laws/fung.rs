@@ -4,10 +4,12 @@
 //! Orthotropic: `W = c/2 (exp Q - 1)` with a quadratic form `Q` in Green's strain. The stiffness at small strains is `c` times the form.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, SmallStrainStiffness, StrainEnergy};
+use super::super::{
+    InvariantEnergy, MaterialError, SmallStrainStiffness, StrainEnergy, given_by_invariants,
+};
 use super::quadratic::{QuadraticForm, is_positive, orthotropic, turned};
 use super::volumetric::{isochoric_first, polyconvex};
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::{DeformationGradient, Invariants};
 use crate::real::Real;
 
 pub(in super::super) const ISOTROPIC: Law = Law {
@@ -102,13 +104,14 @@ struct Isotropic {
     kappa: f64,
 }
 
-impl StrainEnergy for Isotropic {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
-        let growth = ((isochoric_first(&i) - 3.0) * self.b).exp() - 1.0;
+impl InvariantEnergy for Isotropic {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
+        let growth = ((isochoric_first(i) - 3.0) * self.b).exp() - 1.0;
         growth * (0.5 * self.mu / self.b) + polyconvex(i.jacobian) * (0.5 * self.kappa)
     }
 }
+
+given_by_invariants!(Isotropic);
 
 struct Orthotropic {
     modulus: f64,

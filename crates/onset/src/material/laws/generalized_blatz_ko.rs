@@ -3,9 +3,9 @@
 //! `W = mu/2 f (I1 - 3 + (J^(-2 b) - 1)/b) + mu/2 (1 - f) (I2/I3 - 3 + (J^(2 b) - 1)/b)`, `b = nu / (1 - 2 nu)`. With `f = 0` and
 //! `nu = 1/4` the law `blatz-ko`.
 
-use super::super::StrainEnergy;
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use crate::kinematics::DeformationGradient;
+use super::super::{InvariantEnergy, given_by_invariants};
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 pub(in super::super) const LAW: Law = Law {
@@ -49,9 +49,8 @@ struct GeneralizedBlatzKo {
     b: f64,
 }
 
-impl StrainEnergy for GeneralizedBlatzKo {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for GeneralizedBlatzKo {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         let log = i.jacobian.ln();
         // (J^(2 s b) - 1) / b, whose limit at b = 0 is 2 s ln J.
         let power = |sign: f64| match self.b {
@@ -62,3 +61,5 @@ impl StrainEnergy for GeneralizedBlatzKo {
             + (i.second / i.third - 3.0 + power(1.0)) * (0.5 * self.mu * (1.0 - self.f))
     }
 }
+
+given_by_invariants!(GeneralizedBlatzKo);

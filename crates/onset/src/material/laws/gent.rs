@@ -4,9 +4,9 @@
 //! `jm`; beyond, the law is not defined, and states are refused.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
 use super::volumetric::{isochoric_first, polyconvex};
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 pub(in super::super) const LAW: Law = Law {
@@ -45,15 +45,14 @@ struct Gent {
     kappa: f64,
 }
 
-impl StrainEnergy for Gent {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
-        let rest = (isochoric_first(&i) - 3.0) * (-1.0 / self.jm) + 1.0;
+impl InvariantEnergy for Gent {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
+        let rest = (isochoric_first(i) - 3.0) * (-1.0 / self.jm) + 1.0;
         rest.ln() * (-0.5 * self.mu * self.jm) + polyconvex(i.jacobian) * (0.5 * self.kappa)
     }
 
-    fn admits(&self, f: &DeformationGradient) -> Result<(), MaterialError> {
-        let value = isochoric_first(&f.invariants()) - 3.0;
+    fn admits_invariants(&self, i: &Invariants<f64>) -> Result<(), MaterialError> {
+        let value = isochoric_first(i) - 3.0;
         // Also where it is not a number.
         if value < self.jm {
             return Ok(());
@@ -65,3 +64,5 @@ impl StrainEnergy for Gent {
         })
     }
 }
+
+given_by_invariants!(Gent);

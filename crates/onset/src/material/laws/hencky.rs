@@ -3,9 +3,9 @@
 //! `W = mu |dev h|^2 + kappa/2 (tr h)^2`. The principal Kirchhoff stresses are `2 mu dev h_i + kappa tr h`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use crate::kinematics::DeformationGradient;
-use crate::real::Real;
+use crate::real::{Lanes, Real};
 
 pub(in super::super) const LAW: Law = Law {
     name: "hencky",
@@ -57,5 +57,9 @@ impl PrincipalEnergy for Hencky {
 impl StrainEnergy for Hencky {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         energy_of_stretches(self, f)
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        LaneStress::one_by_one(self, states, dimension)
     }
 }

@@ -5,10 +5,10 @@
 //! `mu_p = 0` do not count.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::exponentials::beyond_linear;
 use crate::kinematics::DeformationGradient;
-use crate::real::Real;
+use crate::real::{Lanes, Real};
 
 const fn modulus(name: &'static str, default: f64) -> Parameter {
     let meaning = "modulus of the term, of either sign";
@@ -120,5 +120,9 @@ impl PrincipalEnergy for Hyperfoam {
 impl StrainEnergy for Hyperfoam {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         energy_of_stretches(self, f)
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        LaneStress::one_by_one(self, states, dimension)
     }
 }

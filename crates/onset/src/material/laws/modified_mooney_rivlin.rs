@@ -1,8 +1,8 @@
 //! The compressible law of equation (5).
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
-use crate::kinematics::DeformationGradient;
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 pub(in super::super) const LAW: Law = Law {
@@ -68,9 +68,8 @@ impl Default for ModifiedMooneyRivlin {
     }
 }
 
-impl StrainEnergy for ModifiedMooneyRivlin {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for ModifiedMooneyRivlin {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         let log = i.third.ln();
         let cube_root = i.third.powf(1.0 / 3.0);
         i.first * (0.5 * self.c1) + i.second * (0.5 * self.c2)
@@ -79,3 +78,5 @@ impl StrainEnergy for ModifiedMooneyRivlin {
             + log * log * (0.25 * self.lambda)
     }
 }
+
+given_by_invariants!(ModifiedMooneyRivlin);

@@ -5,9 +5,9 @@
 //! logarithmic strain `h`, `I2 - 3 - 4 ln J = 2 |h|^2 + 2 (tr h)^2`: `c01` adds `4 c01` to Lame's first constant.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
 use super::volumetric::{isochoric_first, isochoric_second};
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 const C10: Parameter = Parameter::new("c10", "stress", 0.4, Admitted::Any, "constant of I1");
@@ -77,9 +77,8 @@ struct Compressible {
     lambda: f64,
 }
 
-impl StrainEnergy for Compressible {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for Compressible {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         let log = i.jacobian.ln();
         (i.first - 3.0 - log * 2.0) * self.c10
             + (i.second - 3.0 - log * 4.0) * self.c01
@@ -87,18 +86,21 @@ impl StrainEnergy for Compressible {
     }
 }
 
+given_by_invariants!(Compressible);
+
 struct Isochoric {
     c10: f64,
     c01: f64,
     kappa: f64,
 }
 
-impl StrainEnergy for Isochoric {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for Isochoric {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         let change = i.jacobian - 1.0;
-        (isochoric_first(&i) - 3.0) * self.c10
-            + (isochoric_second(&i) - 3.0) * self.c01
+        (isochoric_first(i) - 3.0) * self.c10
+            + (isochoric_second(i) - 3.0) * self.c01
             + change * change * (0.5 * self.kappa)
     }
 }
+
+given_by_invariants!(Isochoric);

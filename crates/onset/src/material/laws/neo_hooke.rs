@@ -6,9 +6,9 @@
 //! or before; the other two are polyconvex.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, StrainEnergy};
+use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
 use super::volumetric::{isochoric_first, polyconvex};
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 const MU: Parameter = Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus");
@@ -97,9 +97,8 @@ impl NeoHooke {
     }
 }
 
-impl StrainEnergy for NeoHooke {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
+impl InvariantEnergy for NeoHooke {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
         let (j, log) = (i.jacobian, i.jacobian.ln());
         let volumetric = match self.volumetric {
             Volumetric::Logarithmic => log * log,
@@ -110,14 +109,17 @@ impl StrainEnergy for NeoHooke {
     }
 }
 
+given_by_invariants!(NeoHooke);
+
 struct Isochoric {
     mu: f64,
     kappa: f64,
 }
 
-impl StrainEnergy for Isochoric {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
-        (isochoric_first(&i) - 3.0) * (0.5 * self.mu) + polyconvex(i.jacobian) * (0.5 * self.kappa)
+impl InvariantEnergy for Isochoric {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
+        (isochoric_first(i) - 3.0) * (0.5 * self.mu) + polyconvex(i.jacobian) * (0.5 * self.kappa)
     }
 }
+
+given_by_invariants!(Isochoric);

@@ -4,10 +4,10 @@
 //! modulus is `1/2 sum_p mu_p alpha_p`. Terms with `mu_p = 0` do not count.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
-use super::super::{MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::exponentials::beyond_linear;
 use crate::kinematics::DeformationGradient;
-use crate::real::Real;
+use crate::real::{Lanes, Real};
 
 const MODULUS: &str = "modulus of the term, of either sign";
 const EXPONENT: &str = "exponent of the term, not 0";
@@ -98,5 +98,9 @@ impl PrincipalEnergy for Ogden {
 impl StrainEnergy for Ogden {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         energy_of_stretches(self, f)
+    }
+
+    fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
+        LaneStress::one_by_one(self, states, dimension)
     }
 }

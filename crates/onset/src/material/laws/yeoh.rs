@@ -2,10 +2,10 @@
 //!
 //! `W = c10 x + c20 x^2 + c30 x^3 + kappa/2 (J - 1)^2`, `x = J^(-2/3) I1 - 3`. Shear modulus `2 c10`.
 
-use super::super::StrainEnergy;
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
+use super::super::{InvariantEnergy, given_by_invariants};
 use super::volumetric::isochoric_first;
-use crate::kinematics::DeformationGradient;
+use crate::kinematics::Invariants;
 use crate::real::Real;
 
 pub(in super::super) const LAW: Law = Law {
@@ -54,11 +54,12 @@ struct Yeoh {
     kappa: f64,
 }
 
-impl StrainEnergy for Yeoh {
-    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        let i = f.invariants();
-        let (x, change) = (isochoric_first(&i) - 3.0, i.jacobian - 1.0);
+impl InvariantEnergy for Yeoh {
+    fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R {
+        let (x, change) = (isochoric_first(i) - 3.0, i.jacobian - 1.0);
         let [c1, c2, c3] = self.c;
         x * (x * (x * c3 + c2) + c1) + change * change * (0.5 * self.kappa)
     }
 }
+
+given_by_invariants!(Yeoh);

@@ -1,13 +1,20 @@
 //! Deformation gradients, stresses and accelerations of all particles.
 
-use super::links::{Block, Kind, Links, Pair, Run};
-use super::vectors::{Single, Vectors, Wide};
+//!
+//! All is done for groups of so many particles as vectors hold. Sums are fused with products, on all machines, and each particle has its own: the same bits
+//! come out of vectors of any width, and of any number of cores.
+
+use super::links::{Kind, Links, Pair, Stencil};
+use super::vectors::{MASKS, load, part, store};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::{LANES, Lanes};
-use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
-/// A component of all particles, with room for vectors that end behind the last one.
+/// Groups that one core works on at a time.
+const BLOCK: usize = 128;
+
+/// A component of all particles, filled up with zeros to whole groups.
 pub(super) type Component = Vec<f64>;
 /// A vector of all particles.
 pub(super) type Field<const D: usize> = [Component; D];
@@ -16,7 +23,7 @@ pub(super) type Tensors<const D: usize> = [[Component; D]; D];
 
 /// A vector of zeros for so many particles.
 pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
-    std::array::from_fn(|_| vec![0.0; count + LANES])
+    std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
 }
 
 /// The particle about which there is no stress.
@@ -68,46 +75,53 @@ impl<'a, const D: usize> Engine<'a, D> {
             transverse,
             deformations,
             stresses,
+            volumes,
             ..
         } = self;
-        let blocks = &links.blocks;
-        let parts = tensor_parts(deformations, blocks)
+        let parts = tensor_parts(deformations)
             .into_iter()
-            .zip(tensor_parts(stresses, blocks))
-            .zip(blocks)
+            .zip(tensor_parts(stresses))
+            .zip(links.groups.chunks(BLOCK))
+            .enumerate()
             .collect();
         let u = u.each_ref().map(Vec::as_slice);
-        let (material, links, transverse) = (*material, &*links, &*transverse);
-        let lost = of_each(parts, |((mut f, mut t), block)| {
+        let (links, count) = (&*links, volumes.len());
+        let stressed = Stressed {
+            material: *material,
+            transverse,
+            links,
+        };
+        let lost = of_each(parts, |(number, ((mut f, mut t), groups))| {
+            let first = number * BLOCK * LANES;
             Arch::new().dispatch(Strained {
                 links,
-                block,
+                groups,
+                first,
                 u: &u,
                 f: &mut f,
             });
-            let lost = stress(material, transverse, &f, &mut t);
-            Arch::new().dispatch(Corrected {
-                links,
-                block,
-                t: &mut t,
-            });
-            lost.map(|own| Lost(block.particles[0] + own))
+            let lost = stressed.block(groups, &f, &mut t, count - first);
+            lost.map(|own| Lost(first + own))
         });
         lost.into_iter().flatten().min().map_or(Ok(()), Err)
     }
 
     /// `v += dt f / m` with the forces at displacements, of which [`Self::deform`] was called.
     pub(super) fn kick(&self, u: &Field<D>, v: &mut Field<D>, dt: f64) {
-        let blocks = &self.links.blocks;
-        let parts = field_parts(v, blocks).into_iter().zip(blocks).collect();
+        let parts = field_parts(v)
+            .into_iter()
+            .zip(self.links.groups.chunks(BLOCK))
+            .enumerate()
+            .collect();
         let u = u.each_ref().map(Vec::as_slice);
         let f = slices(&self.deformations);
         let t = slices(&self.stresses);
         let factor = dt / self.density;
-        of_each(parts, |(mut v, block)| {
+        of_each(parts, |(number, (mut v, groups))| {
             let kicked = Kicked {
                 links: &self.links,
-                block,
+                groups,
+                first: number * BLOCK * LANES,
                 u: &u,
                 f: &f,
                 t: &t,
@@ -125,30 +139,24 @@ impl<'a, const D: usize> Engine<'a, D> {
 
     /// `u += dt v`.
     pub(super) fn drift(&self, u: &mut Field<D>, v: &Field<D>, dt: f64) {
-        let blocks = &self.links.blocks;
-        let parts = field_parts(u, blocks).into_iter().zip(blocks).collect();
-        of_each(parts, |(u, block)| {
-            let [first, end] = block.particles;
-            for (u, v) in u.into_iter().zip(v) {
-                for (u, v) in u.iter_mut().zip(&v[first..end]) {
-                    *u += v * dt;
-                }
+        let parts = u.iter_mut().zip(v).collect();
+        of_each(parts, |(u, v): (&mut Component, &Component)| {
+            for (u, v) in u.iter_mut().zip(v) {
+                *u += v * dt;
             }
         });
     }
 
     /// `sum_I V_I W(F_I)`, of which [`Self::deform`] was called.
     pub(super) fn energy(&self) -> f64 {
-        let parts = self.links.blocks.iter().collect();
         let f = slices(&self.deformations);
-        let energies = of_each(parts, |block: &Block| {
-            let [first, end] = block.particles;
+        let parts = self.volumes.chunks(BLOCK * LANES).enumerate().collect();
+        let energies = of_each(parts, |(number, volumes): (usize, &[f64])| {
             let mut sum = 0.0;
-            for place in (first..end).step_by(LANES) {
-                let count = LANES.min(end - place);
-                let states = states(&self.transverse, &f, place, count);
+            for (group, volumes) in volumes.chunks(LANES).enumerate() {
+                let place = (number * BLOCK + group) * LANES;
+                let states = states(&self.transverse, &f, place);
                 let energies = self.material.lane_stress(&states, D).energy;
-                let volumes = &self.volumes[place..place + count];
                 let both = volumes.iter().zip(&energies.0);
                 sum += both.map(|(volume, energy)| volume * energy).sum::<f64>();
             }
@@ -159,13 +167,13 @@ impl<'a, const D: usize> Engine<'a, D> {
 
     /// What the engine keeps for a particle; bytes.
     pub(super) fn bytes(&self) -> usize {
-        let tensors = 2 * D * D * (self.volumes.len() + LANES);
+        let tensors = 2 * D * D * self.volumes.len().next_multiple_of(LANES);
         let links = &self.links;
         (tensors + self.volumes.len()) * size_of::<f64>()
             + links.kinds.len() * size_of::<Kind<D>>()
             + links.pairs.len() * size_of::<Pair>()
-            + links.runs.len() * size_of::<Run<D>>()
-            + links.blocks.len() * size_of::<Block>()
+            + links.stencils.len() * size_of::<Stencil<D>>()
+            + links.groups.len() * size_of::<u32>()
     }
 }
 
@@ -189,97 +197,91 @@ fn of_each<T, R>(things: Vec<T>, work: impl Fn(T) -> R) -> Vec<R> {
 }
 
 /// A field cut into what blocks write.
-fn field_parts<'f, const D: usize>(
-    field: &'f mut Field<D>,
-    blocks: &[Block],
-) -> Vec<[&'f mut [f64]; D]> {
-    let mut rest = field.each_mut().map(Vec::as_mut_slice);
-    let part = |block: &Block| {
-        let count = block.particles[1] - block.particles[0];
-        rest.each_mut().map(|rest| {
-            let (part, left) = std::mem::take(rest).split_at_mut(count);
-            *rest = left;
-            part
-        })
-    };
-    blocks.iter().map(part).collect()
+fn field_parts<const D: usize>(field: &mut Field<D>) -> Vec<[&mut [f64]; D]> {
+    let count = parts_of(field);
+    let mut parts = field.each_mut().map(|own| own.chunks_mut(BLOCK * LANES));
+    let next = |_| parts.each_mut().map(|own| own.next().unwrap_or_default());
+    (0..count).map(next).collect()
 }
 
 /// Tensors cut into what blocks write.
-fn tensor_parts<'f, const D: usize>(
-    tensors: &'f mut Tensors<D>,
-    blocks: &[Block],
-) -> Vec<[[&'f mut [f64]; D]; D]> {
-    let mut rest = tensors
-        .each_mut()
-        .map(|row| row.each_mut().map(Vec::as_mut_slice));
-    let part = |block: &Block| {
-        let count = block.particles[1] - block.particles[0];
-        rest.each_mut().map(|row| {
-            row.each_mut().map(|rest| {
-                let (part, left) = std::mem::take(rest).split_at_mut(count);
-                *rest = left;
-                part
-            })
-        })
-    };
-    blocks.iter().map(part).collect()
+fn tensor_parts<const D: usize>(tensors: &mut Tensors<D>) -> Vec<[[&mut [f64]; D]; D]> {
+    let count = parts_of(&tensors[0]);
+    let mut rows = tensors.each_mut().map(|row| field_parts(row).into_iter());
+    let none = || std::array::from_fn(|_| Default::default());
+    let next = |_| rows.each_mut().map(|row| row.next().unwrap_or_else(none));
+    (0..count).map(next).collect()
 }
 
-/// The deformation gradients of up to so many particles as vectors hold; what fills up is the reference state.
+fn parts_of<const D: usize>(field: &Field<D>) -> usize {
+    field[0].len().div_ceil(BLOCK * LANES)
+}
+
+/// The deformation gradients of the group that begins at a place.
 fn states<const D: usize>(
     transverse: &DeformationGradient,
     f: &[[&[f64]; D]; D],
     place: usize,
-    count: usize,
 ) -> DeformationGradient<Lanes> {
     let fixed = transverse.components();
     DeformationGradient::from_components(std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            if i >= D || j >= D {
-                return Lanes([fixed[i][j]; LANES]);
-            }
-            let mut lanes = [if i == j { 1.0 } else { 0.0 }; LANES];
-            lanes[..count].copy_from_slice(&f[i][j][place..place + count]);
-            Lanes(lanes)
+        std::array::from_fn(|j| match i < D && j < D {
+            true => Lanes::of(&f[i][j][place..]),
+            false => Lanes([fixed[i][j]; LANES]),
         })
     }))
 }
 
-/// `P(F_I)` of the particles of a block; tells the first one without.
-fn stress<const D: usize>(
-    material: &dyn Hyperelastic,
-    transverse: &DeformationGradient,
-    f: &[[&mut [f64]; D]; D],
-    t: &mut [[&mut [f64]; D]; D],
-) -> Option<usize> {
-    let f = f.each_ref().map(|row| row.each_ref().map(|own| &**own));
-    let total = f[0][0].len();
-    let mut lost = None;
-    for place in (0..total).step_by(LANES) {
-        let count = LANES.min(total - place);
-        let response = material.lane_stress(&states(transverse, &f, place, count), D);
-        for i in 0..D {
-            for j in 0..D {
-                t[i][j][place..place + count]
-                    .copy_from_slice(&response.first_piola[i][j].0[..count]);
+/// `T_I = P(F_I) K_I^-T`.
+struct Stressed<'s, const D: usize> {
+    material: &'s dyn Hyperelastic,
+    transverse: &'s DeformationGradient,
+    links: &'s Links<D>,
+}
+
+impl<const D: usize> Stressed<'_, D> {
+    /// Of the particles of a block, of which there are so many; tells the first one without.
+    fn block(
+        &self,
+        groups: &[u32],
+        f: &[[&mut [f64]; D]; D],
+        t: &mut [[&mut [f64]; D]; D],
+        count: usize,
+    ) -> Option<usize> {
+        let f = f.each_ref().map(|row| row.each_ref().map(|own| &**own));
+        let mut lost = None;
+        for (group, stencil) in groups.iter().enumerate() {
+            let place = group * LANES;
+            let states = states(self.transverse, &f, place);
+            let response = self.material.lane_stress(&states, D);
+            let own = LANES.min(count - place);
+            lost = lost.or_else(|| (place..place + own).find(|n| !response.is_known(n - place)));
+            let correction = &self.links.stencils[*stencil as usize].correction;
+            for i in 0..D {
+                for j in 0..D {
+                    let mut sum = [0.0; LANES];
+                    for k in 0..D {
+                        let (p, k) = (&response.first_piola[i][k].0, &correction[j][k]);
+                        for lane in 0..LANES {
+                            sum[lane] += p[lane] * k[lane];
+                        }
+                    }
+                    // What fills up has no stress, defined or not.
+                    sum[own..].fill(0.0);
+                    t[i][j][place..place + LANES].copy_from_slice(&sum);
+                }
             }
         }
-        let is_lost = |lane: &usize| {
-            let stresses = response.first_piola.as_flattened().iter();
-            !stresses
-                .chain([&response.energy])
-                .all(|own| own.0[*lane].is_finite())
-        };
-        lost = lost.or_else(|| (0..count).find(is_lost).map(|lane| place + lane));
+        lost
     }
-    lost
 }
 
 /// `F_I` of the particles of a block.
 struct Strained<'s, 'f, const D: usize> {
     links: &'s Links<D>,
-    block: &'s Block,
+    groups: &'s [u32],
+    /// The first particle of the block.
+    first: usize,
     u: &'s [&'s [f64]; D],
     f: &'s mut [[&'f mut [f64]; D]; D],
 }
@@ -289,90 +291,50 @@ impl<const D: usize> WithSimd for Strained<'_, '_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        for run in &self.links.runs[self.block.runs[0]..self.block.runs[1]] {
-            let count = run.count as usize;
-            let mut offset = 0;
-            while offset < count {
-                offset += match is_wide(count - offset) {
-                    true => self.strain(Wide(simd), run, offset),
-                    false => self.strain(Single, run, offset),
-                };
+        for (group, stencil) in self.groups.iter().enumerate() {
+            let stencil = &self.links.stencils[*stencil as usize];
+            for from in (0..LANES).step_by(S::F64_LANES) {
+                self.strain(simd, stencil, group * LANES, from);
             }
         }
     }
-}
-
-/// Whether so many particles are worth a vector.
-#[inline(always)]
-fn is_wide(left: usize) -> bool {
-    left > 2
 }
 
 // Closures would not be compiled for the vectors of the machine here: loops it is.
 impl<const D: usize> Strained<'_, '_, D> {
+    /// Of the group at a place of the block, from a particle on.
     #[inline(always)]
-    fn strain<V: Vectors>(&mut self, v: V, run: &Run<D>, offset: usize) -> usize {
+    fn strain<S: Simd>(&mut self, simd: S, stencil: &Stencil<D>, place: usize, from: usize) {
         let links = self.links;
-        let place = run.first as usize + offset;
-        let zero = v.splat(0.0);
-        let mut own = [zero; D];
+        let own = self.first + place + from;
+        let zero = simd.splat_f64s(0.0);
+        let mut u = [zero; D];
         for i in 0..D {
-            own[i] = v.load(self.u[i], place);
+            u[i] = load::<S>(self.u[i], own, 0);
         }
         let mut sum = [[zero; D]; D];
-        for pair in &links.pairs[run.pairs[0] as usize..run.pairs[1] as usize] {
+        for pair in &links.pairs[stencil.pairs[0] as usize..stencil.pairs[1] as usize] {
             let kind = &links.kinds[pair.kind as usize];
-            let other = pair.other as usize + offset;
+            let is_there = part::<S>(&MASKS[pair.of as usize], from);
+            let mut a = [zero; D];
+            for j in 0..D {
+                a[j] = simd.mul_f64s(is_there, simd.splat_f64s(kind.a[j]));
+            }
             for i in 0..D {
-                let apart = v.sub(v.load(self.u[i], other), own[i]);
+                let apart = simd.sub_f64s(load::<S>(self.u[i], own, pair.offset), u[i]);
                 for j in 0..D {
-                    sum[i][j] = v.add(sum[i][j], v.mul(apart, v.splat(kind.a[j])));
+                    sum[i][j] = simd.mul_add_f64s(apart, a[j], sum[i][j]);
                 }
             }
         }
-        let first = place - self.block.particles[0];
-        let end = first + V::WIDTH.min(run.count as usize - offset);
+        let place = place + from;
         for i in 0..D {
             for j in 0..D {
-                let mut f = v.splat(if i == j { 1.0 } else { 0.0 });
+                let mut f = simd.splat_f64s(if i == j { 1.0 } else { 0.0 });
                 for k in 0..D {
-                    f = v.add(f, v.mul(sum[i][k], v.splat(run.correction[k][j])));
+                    f = simd.mul_add_f64s(sum[i][k], part::<S>(&stencil.correction[k][j], from), f);
                 }
-                v.store(f, &mut self.f[i][j][first..end]);
-            }
-        }
-        V::WIDTH
-    }
-}
-
-/// `T_I = P_I K_I^-T` in the place of `P_I`.
-struct Corrected<'s, 'f, const D: usize> {
-    links: &'s Links<D>,
-    block: &'s Block,
-    t: &'s mut [[&'f mut [f64]; D]; D],
-}
-
-impl<const D: usize> NullaryFnOnce for Corrected<'_, '_, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for run in &self.links.runs[self.block.runs[0]..self.block.runs[1]] {
-            let first = run.first as usize - self.block.particles[0];
-            for place in first..first + run.count as usize {
-                for row in self.t.iter_mut() {
-                    let mut p = [0.0; D];
-                    for k in 0..D {
-                        p[k] = row[k][place];
-                    }
-                    for j in 0..D {
-                        let mut t = 0.0;
-                        for k in 0..D {
-                            t += p[k] * run.correction[j][k];
-                        }
-                        row[j][place] = t;
-                    }
-                }
+                store::<S>(&mut self.f[i][j][place..place + S::F64_LANES], f);
             }
         }
     }
@@ -381,7 +343,9 @@ impl<const D: usize> NullaryFnOnce for Corrected<'_, '_, D> {
 /// The velocities of the particles of a block, kicked.
 struct Kicked<'s, 'f, const D: usize> {
     links: &'s Links<D>,
-    block: &'s Block,
+    groups: &'s [u32],
+    /// The first particle of the block.
+    first: usize,
     u: &'s [&'s [f64]; D],
     f: &'s [[&'s [f64]; D]; D],
     t: &'s [[&'s [f64]; D]; D],
@@ -406,88 +370,92 @@ impl<const D: usize, const FORM: u8> WithSimd for Under<'_, '_, D, FORM> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let own = &mut self.0;
-        for run in &own.links.runs[own.block.runs[0]..own.block.runs[1]] {
-            let count = run.count as usize;
-            let mut offset = 0;
-            while offset < count {
-                offset += match is_wide(count - offset) {
-                    true => own.kick::<_, FORM>(Wide(simd), run, offset),
-                    false => own.kick::<_, FORM>(Single, run, offset),
-                };
+        let kicked = &mut self.0;
+        for (group, stencil) in kicked.groups.iter().enumerate() {
+            let stencil = &kicked.links.stencils[*stencil as usize];
+            for from in (0..LANES).step_by(S::F64_LANES) {
+                kicked.kick::<S, FORM>(simd, stencil, group * LANES, from);
             }
         }
     }
 }
 
 impl<const D: usize> Kicked<'_, '_, D> {
+    /// Those of the group at a place of the block, from a particle on.
     #[inline(always)]
-    fn kick<V: Vectors, const FORM: u8>(&mut self, v: V, run: &Run<D>, offset: usize) -> usize {
+    fn kick<S: Simd, const FORM: u8>(
+        &mut self,
+        simd: S,
+        stencil: &Stencil<D>,
+        place: usize,
+        from: usize,
+    ) {
         let links = self.links;
-        let place = run.first as usize + offset;
-        let zero = v.splat(0.0);
-        let mut t = [[zero; D]; D];
+        let own = self.first + place + from;
+        let zero = simd.splat_f64s(0.0);
+        let one = simd.splat_f64s(1.0);
+        let minus_two = simd.splat_f64s(-2.0);
+        let lengths = simd.splat_f64s(self.offsets[0] + self.offsets[1]);
+        let area = simd.splat_f64s(self.offsets[0] * self.offsets[1]);
         let mut f = [[zero; D]; D];
         let mut u = [zero; D];
+        let mut sum = [zero; D];
         for i in 0..D {
-            u[i] = v.load(self.u[i], place);
+            u[i] = load::<S>(self.u[i], own, 0);
             for j in 0..D {
-                t[i][j] = v.load(self.t[i][j], place);
+                let t = load::<S>(self.t[i][j], own, 0);
+                sum[i] = simd.mul_add_f64s(t, part::<S>(&stencil.total[j], from), sum[i]);
                 if FORM != WITHOUT {
-                    f[i][j] = v.load(self.f[i][j], place);
+                    f[i][j] = load::<S>(self.f[i][j], own, 0);
                 }
             }
         }
-        let mut sum = [zero; D];
-        for pair in &links.pairs[run.pairs[0] as usize..run.pairs[1] as usize] {
+        for pair in &links.pairs[stencil.pairs[0] as usize..stencil.pairs[1] as usize] {
             let kind = &links.kinds[pair.kind as usize];
-            let other = pair.other as usize + offset;
-            for i in 0..D {
-                for j in 0..D {
-                    let both = v.add(t[i][j], v.load(self.t[i][j], other));
-                    sum[i] = v.add(sum[i], v.mul(both, v.splat(kind.a[j])));
+            let is_there = part::<S>(&MASKS[pair.of as usize], from);
+            for j in 0..D {
+                let a = simd.mul_f64s(is_there, simd.splat_f64s(kind.a[j]));
+                for i in 0..D {
+                    let t = load::<S>(self.t[i][j], own, pair.offset);
+                    sum[i] = simd.mul_add_f64s(t, a, sum[i]);
                 }
             }
             if FORM == WITHOUT {
                 continue;
             }
-            // x_IJ, and (F_I + F_J) X_IJ - 2 x_IJ.
+            // x_IJ, and (F_I + F_J) X_IJ - 2 x_IJ along it.
             let mut x = [zero; D];
-            let mut missed = [zero; D];
-            for i in 0..D {
-                let apart = v.sub(v.load(self.u[i], other), u[i]);
-                x[i] = v.add(apart, v.splat(kind.x[i]));
-                missed[i] = v.mul(x[i], v.splat(-2.0));
-                for j in 0..D {
-                    let both = v.add(f[i][j], v.load(self.f[i][j], other));
-                    missed[i] = v.add(missed[i], v.mul(both, v.splat(kind.x[j])));
-                }
-            }
             let mut squared = zero;
             let mut along = zero;
             for i in 0..D {
-                squared = v.add(squared, v.mul(x[i], x[i]));
-                along = v.add(along, v.mul(missed[i], x[i]));
+                let apart = simd.sub_f64s(load::<S>(self.u[i], own, pair.offset), u[i]);
+                x[i] = simd.add_f64s(apart, simd.splat_f64s(kind.x[i]));
+                squared = simd.mul_add_f64s(x[i], x[i], squared);
+                let mut missed = simd.mul_f64s(x[i], minus_two);
+                for j in 0..D {
+                    let both = simd.add_f64s(f[i][j], load::<S>(self.f[i][j], own, pair.offset));
+                    missed = simd.mul_add_f64s(both, simd.splat_f64s(kind.x[j]), missed);
+                }
+                along = simd.mul_add_f64s(missed, x[i], along);
             }
             if FORM == OFFSET {
-                let length = v.sqrt(squared);
-                let (first, second) = (v.splat(self.offsets[0]), v.splat(self.offsets[1]));
-                squared = v.mul(v.add(length, first), v.add(length, second));
+                let length = simd.sqrt_f64s(squared);
+                squared = simd.mul_add_f64s(length, lengths, simd.add_f64s(squared, area));
             }
-            let along = v.mul(v.div(along, squared), v.splat(kind.stiffness));
+            // Where there is no such pair, nothing is divided by nothing.
+            squared = simd.add_f64s(squared, simd.sub_f64s(one, is_there));
+            let stiffness = simd.mul_f64s(is_there, simd.splat_f64s(-kind.stiffness));
+            let along = simd.div_f64s(simd.mul_f64s(along, stiffness), squared);
             for i in 0..D {
-                sum[i] = v.sub(sum[i], v.mul(x[i], along));
+                sum[i] = simd.mul_add_f64s(x[i], along, sum[i]);
             }
         }
-        let first = place - self.block.particles[0];
-        let end = first + V::WIDTH.min(run.count as usize - offset);
+        let place = place + from;
+        let factor = simd.splat_f64s(self.factor);
         for i in 0..D {
-            let mut more = [0.0; LANES];
-            v.store(v.mul(sum[i], v.splat(self.factor)), &mut more[..V::WIDTH]);
-            for (to, more) in self.v[i][first..end].iter_mut().zip(more) {
-                *to += more;
-            }
+            let v = &mut self.v[i][place..place + S::F64_LANES];
+            let kicked = simd.mul_add_f64s(sum[i], factor, part::<S>(v, 0));
+            store::<S>(v, kicked);
         }
-        V::WIDTH
     }
 }

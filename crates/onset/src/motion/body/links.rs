@@ -1,17 +1,14 @@
-//! Which particles see which: runs of particles that see the same.
+//! Which particles see which: groups of particles that follow each other, and what they see.
 
 use super::BodyError;
 use super::shape::Placed;
 use crate::lattice::{Crystal, Particle};
+use crate::real::LANES;
 use crate::scheme::sph::correction;
 use crate::scheme::{Bond, PairLaw};
 use nalgebra::SMatrix;
 use std::collections::HashMap;
 
-/// The most particles of a run.
-const RUN: u32 = 512;
-/// The most particles of a block, which one core works on.
-const BLOCK: usize = 1024;
 /// Particles nearer to each other than this share of the support are at one place.
 const SAME_PLACE: f64 = 1e-9;
 /// No particle.
@@ -28,39 +25,35 @@ pub(super) struct Kind<const D: usize> {
     pub(super) stiffness: f64,
 }
 
-/// A pair of the first particle of a run. Those that follow have the same, one particle further on.
-#[derive(Clone, Copy, Debug)]
+/// Pairs of particles of a group, of one kind, with others that are as far away in the order of particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Pair {
-    /// The number of the other particle.
-    pub(super) other: u32,
+    /// The number of the other particle less that of the own one.
+    pub(super) offset: i32,
     /// The number of the kind.
     pub(super) kind: u32,
+    /// The particles of the group that have such a pair: a bit each, the first one's lowest.
+    pub(super) of: u8,
 }
 
-/// Particles that follow each other and see the same neighbors, each one particle further on.
+/// What the particles of a group see; wherever the same is seen, it is written once.
 #[derive(Clone, Debug)]
-pub(super) struct Run<const D: usize> {
-    pub(super) first: u32,
-    pub(super) count: u32,
+pub(super) struct Stencil<const D: usize> {
     /// Its pairs, from one to before another.
     pub(super) pairs: [u32; 2],
-    /// `K^-1`.
-    pub(super) correction: [[f64; D]; D],
-}
-
-/// Runs that one core works on: from one to before another, and their particles likewise.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
-    pub(super) runs: [usize; 2],
-    pub(super) particles: [usize; 2],
+    /// `K^-1` of each particle.
+    pub(super) correction: [[[f64; LANES]; D]; D],
+    /// `sum_J a_IJ` of each particle.
+    pub(super) total: [[f64; LANES]; D],
 }
 
 /// Who sees whom in a body.
 pub(super) struct Links<const D: usize> {
     pub(super) kinds: Vec<Kind<D>>,
     pub(super) pairs: Vec<Pair>,
-    pub(super) runs: Vec<Run<D>>,
-    pub(super) blocks: Vec<Block>,
+    pub(super) stencils: Vec<Stencil<D>>,
+    /// The stencil of each group of so many particles as vectors hold.
+    pub(super) groups: Vec<u32>,
 }
 
 impl<const D: usize> Links<D> {
@@ -73,16 +66,15 @@ impl<const D: usize> Links<D> {
         let mut links = Self {
             kinds: Vec::new(),
             pairs: Vec::new(),
-            runs: Vec::new(),
-            blocks: Vec::new(),
+            stencils: Vec::new(),
+            groups: Vec::new(),
         };
         match &placed.places {
             Some(places) => links.regular(crystal, placed, places, law)?,
             None => links.irregular(placed, law)?,
         }
         links.pairs.shrink_to_fit();
-        links.runs.shrink_to_fit();
-        links.blocks = blocks(&links.runs);
+        links.stencils.shrink_to_fit();
         Ok(links)
     }
 
@@ -107,47 +99,32 @@ impl<const D: usize> Links<D> {
         places: &[Particle<D>],
         law: &dyn PairLaw<D>,
     ) -> Result<(), BodyError> {
-        let mut stencils = Vec::new();
+        let mut neighbors = Vec::new();
         for (site, place) in crystal.sites().iter().enumerate() {
             let home = Particle::home(site);
             let seen = crystal.within(place, law.radius(), &SMatrix::identity());
             let others = seen.into_iter().filter(|other| *other != home);
-            let stencil: Vec<(u32, Particle<D>)> = others
+            let own: Vec<(u32, Particle<D>)> = others
                 .map(|other| {
                     let x = crystal.position(&other) - crystal.position(&home);
                     let volume = crystal.volumes()[other.site];
                     (self.kind(law, x.into(), volume), other)
                 })
                 .collect();
-            stencils.push(stencil);
+            neighbors.push(own);
         }
         let numbers = Numbers::new(places, crystal.sites().len());
-        let (mut before, mut own): (Vec<Pair>, Vec<Pair>) = Default::default();
-        for (number, place) in places.iter().enumerate() {
-            own.clear();
-            for (kind, other) in &stencils[place.site] {
-                let other = numbers.of(&other.moved(&place.cell));
-                if other != NONE {
-                    own.push(Pair { other, kind: *kind });
-                }
-            }
-            let goes_on = self.runs.last().is_some_and(|run| {
-                let shifted = |(a, b): (&Pair, &Pair)| a.kind == b.kind && a.other + 1 == b.other;
-                run.count < RUN
-                    && before.len() == own.len()
-                    && places[number - 1].site == place.site
-                    && before.iter().zip(&own).all(shifted)
-            });
-            match self.runs.last_mut().filter(|_| goes_on) {
-                Some(run) => run.count += 1,
-                None => self.begin(number, &own, placed, law)?,
-            }
-            std::mem::swap(&mut before, &mut own);
+        let mut groups = Groups::new(self, placed, law);
+        for place in places {
+            let seen = neighbors[place.site]
+                .iter()
+                .map(|(kind, other)| (*kind, numbers.of(&other.moved(&place.cell))));
+            groups.next(seen.filter(|(_, other)| *other != NONE))?;
         }
-        Ok(())
+        groups.end()
     }
 
-    /// Particles anywhere, each a run of its own.
+    /// Particles anywhere, each pair of a kind of its own.
     fn irregular(&mut self, placed: &Placed<D>, law: &dyn PairLaw<D>) -> Result<(), BodyError> {
         let radius = law.radius();
         let cell = |x: &[f64; D]| x.map(|x| (x / radius).floor() as i64);
@@ -155,26 +132,24 @@ impl<const D: usize> Links<D> {
         for (number, x) in placed.positions.iter().enumerate() {
             cells.entry(cell(x)).or_default().push(number as u32);
         }
-        let mut own = Vec::new();
+        let mut groups = Groups::new(self, placed, law);
+        let mut near = Vec::new();
         for (number, x) in placed.positions.iter().enumerate() {
-            own.clear();
+            near.clear();
             let home = cell(x);
             for step in 0..3_usize.pow(D as u32) {
                 let mut rest = step;
-                let near = home.map(|n| {
+                let beside = home.map(|n| {
                     let moved = n + (rest % 3) as i64 - 1;
                     rest /= 3;
                     moved
                 });
-                own.extend(cells.get(&near).into_iter().flatten().copied());
+                near.extend(cells.get(&beside).into_iter().flatten().copied());
             }
-            own.sort_unstable();
+            near.retain(|other| *other as usize != number);
+            near.sort_unstable();
             let mut pairs = Vec::new();
-            for other in own
-                .iter()
-                .copied()
-                .filter(|other| *other as usize != number)
-            {
+            for other in near.iter().copied() {
                 let there = placed.positions[other as usize];
                 let apart: [f64; D] = std::array::from_fn(|i| there[i] - x[i]);
                 let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -187,54 +162,134 @@ impl<const D: usize> Links<D> {
                 }
                 // As in lattices: the rim does not count.
                 if distance < radius * (1.0 - 1e-12) {
-                    let kind = self.kind(law, apart, placed.volumes[other as usize]);
-                    pairs.push(Pair { other, kind });
+                    let volume = placed.volumes[other as usize];
+                    pairs.push((groups.links.kind(law, apart, volume), other));
                 }
             }
-            self.begin(number, &pairs, placed, law)?;
+            groups.next(pairs)?;
         }
+        groups.end()
+    }
+}
+
+/// Particles taken up one after the other, into groups of as many as vectors hold.
+struct Groups<'a, const D: usize> {
+    links: &'a mut Links<D>,
+    placed: &'a Placed<D>,
+    is_corrected: bool,
+    /// The stencils, by their pairs and how many particles there are.
+    known: HashMap<(usize, Vec<Pair>), u32>,
+    /// The pairs of the group that is filled.
+    pairs: Vec<Pair>,
+    /// The particles so far.
+    count: usize,
+}
+
+impl<'a, const D: usize> Groups<'a, D> {
+    fn new(links: &'a mut Links<D>, placed: &'a Placed<D>, law: &dyn PairLaw<D>) -> Self {
+        Self {
+            links,
+            placed,
+            is_corrected: law.is_corrected(),
+            known: HashMap::new(),
+            pairs: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// The next particle with what it sees: kinds and numbers.
+    fn next(&mut self, seen: impl IntoIterator<Item = (u32, u32)>) -> Result<(), BodyError> {
+        let own = 1 << (self.count % LANES);
+        for (place, (kind, other)) in seen.into_iter().enumerate() {
+            let offset = other as i32 - self.count as i32;
+            let is_it = |pair: &Pair| pair.kind == kind && pair.offset == offset;
+            // Mostly a particle sees what the one before has seen.
+            let known = match self.pairs.get(place).is_some_and(is_it) {
+                true => Some(place),
+                false => self.pairs.iter().position(is_it),
+            };
+            match known {
+                Some(known) => self.pairs[known].of |= own,
+                None => self.pairs.push(Pair {
+                    offset,
+                    kind,
+                    of: own,
+                }),
+            }
+        }
+        self.count += 1;
+        match self.count.is_multiple_of(LANES) {
+            true => self.close(LANES),
+            false => Ok(()),
+        }
+    }
+
+    /// The last group, which may not be full.
+    fn end(mut self) -> Result<(), BodyError> {
+        match self.count % LANES {
+            0 => Ok(()),
+            count => self.close(count),
+        }
+    }
+
+    /// Ends the group that is filled.
+    fn close(&mut self, count: usize) -> Result<(), BodyError> {
+        let key = (count, std::mem::take(&mut self.pairs));
+        let stencil = match self.known.get(&key) {
+            Some(known) => *known,
+            None => {
+                let number = self.links.stencils.len() as u32;
+                self.begin(&key.1, count)?;
+                self.known.insert(key, number);
+                number
+            }
+        };
+        self.links.groups.push(stencil);
         Ok(())
     }
 
-    /// Begins a run with a particle.
-    fn begin(
-        &mut self,
-        number: usize,
-        pairs: &[Pair],
-        placed: &Placed<D>,
-        law: &dyn PairLaw<D>,
-    ) -> Result<(), BodyError> {
-        let lonely = || BodyError::Lonely {
-            particle: number,
-            position: placed.positions[number].to_vec(),
-            neighbors: pairs.len(),
+    /// A stencil that was not there before.
+    fn begin(&mut self, pairs: &[Pair], count: usize) -> Result<(), BodyError> {
+        let mut stencil = Stencil {
+            pairs: [0; 2],
+            correction: [[[0.0; LANES]; D]; D],
+            total: [[0.0; LANES]; D],
         };
-        if pairs.len() < D {
-            return Err(lonely());
-        }
-        let correction = match law.is_corrected() {
-            true => {
-                let mut moment = [[0.0; D]; D];
-                for pair in pairs {
-                    let kind = &self.kinds[pair.kind as usize];
-                    for i in 0..D {
-                        for j in 0..D {
-                            moment[i][j] += kind.x[i] * kind.a[j];
-                        }
+        for lane in 0..count {
+            let own = || pairs.iter().filter(|pair| pair.of >> lane & 1 == 1);
+            let particle = self.count - count + lane;
+            let lonely = || BodyError::Lonely {
+                particle,
+                position: self.placed.positions[particle].to_vec(),
+                neighbors: own().count(),
+            };
+            if own().count() < D {
+                return Err(lonely());
+            }
+            let mut moment = [[0.0; D]; D];
+            for pair in own() {
+                let kind = &self.links.kinds[pair.kind as usize];
+                for i in 0..D {
+                    stencil.total[i][lane] += kind.a[i];
+                    for j in 0..D {
+                        moment[i][j] += kind.x[i] * kind.a[j];
                     }
                 }
-                correction(&moment).map_err(|_| lonely())?
             }
-            false => std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j))),
-        };
-        let first = self.pairs.len() as u32;
-        self.pairs.extend_from_slice(pairs);
-        self.runs.push(Run {
-            first: number as u32,
-            count: 1,
-            pairs: [first, self.pairs.len() as u32],
-            correction,
-        });
+            let correction = match self.is_corrected {
+                true => correction(&moment).map_err(|_| lonely())?,
+                false => std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j))),
+            };
+            for i in 0..D {
+                for j in 0..D {
+                    stencil.correction[i][j][lane] = correction[i][j];
+                }
+            }
+        }
+        let first = self.links.pairs.len() as u32;
+        self.links.pairs.extend_from_slice(pairs);
+        stencil.pairs = [first, self.links.pairs.len() as u32];
+        self.links.stencils.push(stencil);
         Ok(())
     }
 }
@@ -287,22 +342,4 @@ impl<const D: usize> Numbers<D> {
         self.place(particle)
             .map_or(NONE, |place| self.numbers[place])
     }
-}
-
-fn blocks<const D: usize>(runs: &[Run<D>]) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
-    for (number, run) in runs.iter().enumerate() {
-        let end = (run.first + run.count) as usize;
-        match blocks.last_mut() {
-            Some(block) if end - block.particles[0] <= BLOCK => {
-                block.runs[1] = number + 1;
-                block.particles[1] = end;
-            }
-            _ => blocks.push(Block {
-                runs: [number, number + 1],
-                particles: [run.first as usize, end],
-            }),
-        }
-    }
-    blocks
 }

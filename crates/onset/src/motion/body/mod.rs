@@ -9,8 +9,10 @@
 //!
 //! `F_I = 1 + (sum_J (u_J - u_I) (x) a_IJ) K_I^-1`, `T_I = P(F_I) K_I^-T`, `f_I = V_I sum_J (T_I + T_J) a_IJ`,
 //!
-//! and the penalty along bonds takes `F_I + F_J` in the same way. Pairs of a regular lattice share their vectors: particles that follow each other along a
-//! row and see the same neighbors are one run, whatever the shape of the body; particles that lie anywhere are runs of one.
+//! and the penalty along bonds takes `F_I + F_J` in the same way. Particles are numbered along the rows of the lattice, so that neighbors in space are mostly as far
+//! away in that order from one particle as from the next: eight particles that follow each other are one group, which has for each kind of pair and each
+//! distance in the order one entry, and a bit for every particle that has it. What a group sees is written once for all groups that see the same: a body with any
+//! boundary keeps as little for a particle as one without, and particles that lie anywhere are groups with many entries of one bit.
 //!
 //! Time is stepped by the leapfrog (central differences): one evaluation of the forces a step.
 //!
