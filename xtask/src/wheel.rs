@@ -15,7 +15,7 @@ const TESTING: &str = "python/tests/requirements.txt";
 /// # Errors
 /// What failed, in words.
 pub fn run() -> Result<(), String> {
-    let wheel = made("release", "target/wheels")?;
+    let wheel = made("wheel", "target/wheels")?;
     let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
     println!(
         "{}: {:.1} MB",
