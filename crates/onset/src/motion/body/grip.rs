@@ -1,5 +1,7 @@
 //! Grips: particles that move as told.
 
+use super::BodyError;
+
 /// The particles in a box, which move with a velocity that rises smoothly from zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grip {
@@ -29,6 +31,12 @@ impl Grip {
         s * s * (3.0 - 2.0 * s)
     }
 
+    /// The velocity at a time.
+    pub(super) fn velocity_at<const D: usize>(&self, time: f64) -> [f64; D] {
+        let share = self.share(time);
+        std::array::from_fn(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
+    }
+
     /// Whether a reference position is in the box, its faces included.
     pub(super) fn holds(&self, position: &[f64]) -> bool {
         let sides = position.iter().zip(self.low.iter().zip(&self.high));
@@ -36,4 +44,37 @@ impl Grip {
             .into_iter()
             .all(|(x, (low, high))| low <= x && x <= high)
     }
+}
+
+/// The gripped particles with the numbers of their grips.
+pub(super) fn held<const D: usize>(
+    positions: &[[f64; D]],
+    grips: &[Grip],
+) -> Result<Vec<(u32, u32)>, BodyError> {
+    let mut held: Vec<(u32, u32)> = Vec::new();
+    for (number, position) in positions.iter().enumerate() {
+        let mut own = (0..grips.len()).filter(|grip| grips[*grip].holds(position));
+        let Some(first) = own.next() else {
+            continue;
+        };
+        if let Some(second) = own.next() {
+            return Err(BodyError::HeldTwice {
+                particle: number,
+                position: position.to_vec(),
+                first: first + 1,
+                second: second + 1,
+            });
+        }
+        held.push((number as u32, first as u32));
+    }
+    for (grip, own) in grips.iter().enumerate() {
+        if held.iter().all(|(_, of)| *of as usize != grip) {
+            return Err(BodyError::EmptyGrip {
+                grip: grip + 1,
+                low: own.low.clone(),
+                high: own.high.clone(),
+            });
+        }
+    }
+    Ok(held)
 }

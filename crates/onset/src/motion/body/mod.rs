@@ -22,12 +22,15 @@ mod error;
 mod grip;
 mod links;
 mod moving;
+mod quantities;
 mod shape;
+mod stability;
 mod vectors;
 
 pub use error::BodyError;
 pub use grip::Grip;
-pub use moving::{BodyMotion, BodyQuantities, Start};
+pub use moving::{BodyMotion, Start};
+pub use quantities::BodyQuantities;
 pub use shape::{BodyParticles, Notch, PlacedParticle, Shape};
 
 pub(crate) use moving::with_body;
