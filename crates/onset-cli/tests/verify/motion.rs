@@ -118,8 +118,9 @@ impl Subject {
         }
     }
 
-    fn cells(&self) -> usize {
-        [8, 4, 2][self.dimension - 1]
+    /// In space more along one side: of a patch of two cells all waves alternate, which nodes do not see.
+    fn cells(&self) -> &str {
+        ["8", "4", "4,2,2"][self.dimension - 1]
     }
 
     fn stretch(&self, first: f64, others: f64) -> String {

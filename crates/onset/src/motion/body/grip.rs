@@ -13,6 +13,21 @@ pub struct Grip {
     pub velocity: Vec<f64>,
     /// How long it takes to rise; time. Zero for none.
     pub ramp: f64,
+    /// When the grip lets go: its particles keep the velocity that they have. Zero for particles that only start with a velocity, infinity for
+    /// never.
+    pub until: f64,
+}
+
+impl Default for Grip {
+    fn default() -> Self {
+        Self {
+            low: Vec::new(),
+            high: Vec::new(),
+            velocity: Vec::new(),
+            ramp: 0.0,
+            until: f64::INFINITY,
+        }
+    }
 }
 
 impl Grip {
@@ -20,7 +35,7 @@ impl Grip {
     ///
     /// ```
     /// use onset::motion::Grip;
-    /// let grip = Grip { low: vec![0.0], high: vec![1.0], velocity: vec![2.0], ramp: 4.0 };
+    /// let grip = Grip { low: vec![0.0], high: vec![1.0], velocity: vec![2.0], ramp: 4.0, ..Grip::default() };
     /// assert_eq!([-1.0, 0.0, 2.0, 4.0, 9.0].map(|t| grip.share(t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
     /// ```
     pub fn share(&self, time: f64) -> f64 {
@@ -35,6 +50,11 @@ impl Grip {
     pub(super) fn velocity_at<const D: usize>(&self, time: f64) -> [f64; D] {
         let share = self.share(time);
         std::array::from_fn(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
+    }
+
+    /// Whether it holds its particles at a time.
+    pub(super) fn is_closed(&self, time: f64) -> bool {
+        time < self.until
     }
 
     /// Whether a reference position is in the box, its faces included.
@@ -77,4 +97,17 @@ pub(super) fn held<const D: usize>(
         }
     }
     Ok(held)
+}
+
+/// What a grip does on a particle of a mass in a step: its impulse, by which the velocity becomes what is told and not what forces alone would make of it,
+/// times the mean velocity.
+pub(super) fn work_of<const D: usize>(
+    mass: f64,
+    before: &[f64; D],
+    free: &[f64; D],
+    next: &[f64; D],
+) -> f64 {
+    (0..D)
+        .map(|i| mass * (next[i] - free[i]) * 0.5 * (before[i] + next[i]))
+        .sum()
 }

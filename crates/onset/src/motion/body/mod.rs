@@ -12,9 +12,13 @@
 //! and the penalty along bonds takes `F_I + F_J` in the same way. Pairs of a regular lattice share their vectors: particles that follow each other along a
 //! row and see the same neighbors are one run, whatever the shape of the body; particles that lie anywhere are runs of one.
 //!
+//! Methods whose kernels see current coordinates ([`Discretization::current_pairs`]) find neighbors again as particles move, and each particle carries its
+//! deformation gradient.
+//!
 //! Time is stepped by the leapfrog (central differences): one evaluation of the forces a step.
 //!
 //! [`Discretization`]: crate::scheme::Discretization
+//! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
 mod engine;
@@ -22,9 +26,11 @@ mod error;
 mod grip;
 mod links;
 mod moving;
+mod neighbors;
 mod quantities;
 mod shape;
 mod stability;
+mod updated;
 mod vectors;
 
 pub use error::BodyError;

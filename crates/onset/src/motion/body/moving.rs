@@ -6,6 +6,7 @@ use super::links::Links;
 use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};
+use super::updated::with_updated_body;
 use super::{BodyError, BodyParticles, BodyQuantities, Grip};
 use crate::algebra::uniform;
 use crate::kinematics::DeformationGradient;
@@ -101,7 +102,9 @@ pub(crate) fn with_body<const D: usize>(
     grips: &[Grip],
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
-    let law = discretization.pairs(material)?.ok_or(BodyError::NoBodies)?;
+    let Some(law) = discretization.pairs(material)? else {
+        return with_updated_body(discretization, material, particles, grips, work);
+    };
     let crystal = discretization.crystal();
     let placed = placed(crystal, particles)?;
     let links = Links::new(crystal, &placed, &*law)?;
@@ -171,7 +174,11 @@ impl<const D: usize> MovingBody<'_, D> {
         self.engine.kick(&self.u, &mut v, 0.5 * step);
         let mut work = 0.0;
         for (particle, grip) in &self.held {
-            let next = self.grip_velocity(*grip, (self.count as f64 + 0.5) * step);
+            let time = (self.count as f64 + 0.5) * step;
+            if !self.grips[*grip as usize].is_closed(time) {
+                continue;
+            }
+            let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
             for i in 0..D {
                 let before = self.v[i][particle];
@@ -268,9 +275,16 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
         self.deform(step)?;
         self.engine.kick(&self.u, &mut self.v, -0.5 * step);
         for (particle, grip) in self.held.clone() {
-            let velocity = self.grip_velocity(grip, -0.5 * step);
+            let is_closed = self.grips[grip as usize].is_closed(0.0);
+            let velocity = self.grip_velocity(grip, if is_closed { -0.5 * step } else { 0.0 });
             for i in 0..D {
-                self.v[i][particle as usize] = velocity[i];
+                // What is let go at once starts with its velocity, and is kicked as all others.
+                let kicked = if is_closed {
+                    0.0
+                } else {
+                    self.v[i][particle as usize]
+                };
+                self.v[i][particle as usize] = kicked + velocity[i];
             }
         }
         // The first kick begins half a step before the start.
@@ -283,6 +297,7 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             step: self.count,
             displacements: self.flat(&self.u),
             velocities: self.flat(&self.v),
+            deformations: Vec::new(),
             work: self.work,
         }
     }
@@ -304,7 +319,11 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             .collect();
         self.engine.kick(&self.u, &mut self.v, step);
         for ((particle, grip), before) in held.iter().zip(&before) {
-            let next = self.grip_velocity(*grip, (self.count as f64 + 0.5) * step);
+            let time = (self.count as f64 + 0.5) * step;
+            if !self.grips[*grip as usize].is_closed(time) {
+                continue;
+            }
+            let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
             let mass = self.mass(particle);
             for i in 0..D {
