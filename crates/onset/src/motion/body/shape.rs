@@ -147,7 +147,7 @@ impl Shape {
     /// Whether a place is inside of the shape.
     fn is_around<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
         if let Self::Twice { shape, offset } = self {
-            let again = std::array::from_fn(|i| x[i] - offset[i]);
+            let again: [f64; D] = std::array::from_fn(|i| x[i] - offset[i]);
             return shape.is_around(x, rim) || shape.is_around(&again, rim);
         }
         self.corners::<D>()
