@@ -118,6 +118,96 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
     assert!(resumed > 0, "no kill has left a checkpoint");
 }
 
+/// Two blocks that fly into each other, of a method that finds neighbors again.
+fn colliding() -> String {
+    let method = METHOD
+        .replace("total-lagrangian-sph", "updated-sph")
+        .replace("penalty = 0.5", "viscosity = 0.5\nartificial-stress = 0.3");
+    format!(
+        "{method}[body]\nshape = 'block'\nsize = [6, 6]\nsecond = [9, 0]\n\
+         [[grips]]\nfrom = [0, 0]\nto = [6, 6]\nvelocity = [0.2, 0]\nuntil = 0\n\
+         [[grips]]\nfrom = [9, 0]\nto = [15, 6]\nvelocity = [-0.2, 0.1]\nuntil = 0\n"
+    )
+}
+
+#[test]
+fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_same_bytes() {
+    let whole = Body::new(&colliding());
+    let start = Instant::now();
+    let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
+    let duration = start.elapsed();
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
+    assert_eq!(document["particles"], 72);
+    let files = tree(&whole.out());
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    for name in [
+        "body.png",
+        "checkpoint.onset",
+        "field-0002.vtu",
+        "history.csv",
+    ] {
+        assert!(names.contains(&name), "no {name} in {names:?}");
+    }
+    let history = std::fs::read_to_string(whole.out().join("history.csv")).expect("a history");
+    let lines: Vec<Vec<f64>> = history
+        .lines()
+        .skip(1)
+        .map(|line| {
+            line.split(',')
+                .map(|own| own.parse().expect("a number"))
+                .collect()
+        })
+        .collect();
+    let (first, last) = (&lines[0], &lines[lines.len() - 1]);
+    // They have met, momentum stays, and what they lose is not given back.
+    assert!(last[2] < 0.9 * first[2], "{} {}", first[2], last[2]);
+    for axis in 6..8 {
+        assert!((last[axis] - first[axis]).abs() < 1e-11 * 36.0 * 0.1);
+    }
+    let mut resumed = 0;
+    for case in 1..6 {
+        let place = Body::new(&colliding());
+        let mut child = place
+            .kept(LINE)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command starts");
+        std::thread::sleep(duration.mul_f64(f64::from(case) / 6.0));
+        child.kill().expect("a process");
+        child.wait().expect("an end");
+        let is_kept = place.out().join("checkpoint.onset").exists();
+        resumed += usize::from(is_kept);
+        let more = if is_kept { "--resume" } else { "" };
+        let answer = Answer::of(place.kept(&format!("{LINE} {more}")));
+        assert_eq!(answer.code, Some(0), "case {case}: {}", answer.stderr);
+        assert!(tree(&place.out()) == files, "case {case}: other bytes");
+    }
+    assert!(resumed > 0, "no kill has left a checkpoint");
+}
+
+#[test]
+fn a_particle_that_loses_all_neighbors_flies_on_or_is_told_where_gradients_are_corrected() {
+    let thrown = |corrected: bool| {
+        pulled()
+            .replace("total-lagrangian-sph", "updated-sph")
+            .replace("penalty = 0.5", &format!("corrected = {corrected}"))
+            .replace("from = [18, 0]", "from = [19, 0]")
+            .replace("to = [20, 6]", "to = [20, 1]")
+            .replace("velocity = [0.05, 0]\nramp = 5", "velocity = [2, -1]")
+    };
+    let line = "--steps 200 --fraction 0.2 --quiet";
+    let told = told(&Body::new(&thrown(true)), line, 1);
+    assert!(told.contains("at particle 19"), "{told}");
+    assert!(told.contains("discretization.corrected"), "{told}");
+    let flies = Answer::of(Body::new(&thrown(false)).command(&format!("{line} --json")));
+    assert_eq!(flies.code, Some(0), "{}", flies.stderr);
+    let document: Value = serde_json::from_str(&flies.stdout).expect("a document");
+    let largest = document["largest_displacement"].as_f64().expect("a number");
+    assert!(largest > 3.0, "{largest}");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_body_goes_on_to_the_same_bytes() {
@@ -255,7 +345,7 @@ fn bodies_that_cannot_be_are_refused() {
             "cannot read",
         ),
         (
-            bar.replace("total-lagrangian-sph", "updated-sph")
+            bar.replace("total-lagrangian-sph", "kernel")
                 .replace("penalty = 0.5\n", ""),
             "--steps 9",
             "has no bodies",

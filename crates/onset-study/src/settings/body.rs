@@ -13,6 +13,7 @@ use toml::de::{DeTable, DeValue};
 
 const BLOCKS: &[&str] = &["bar", "block", "plate"];
 const ROUND: &[&str] = &["disk", "ring"];
+const CUT: &[&str] = &["bar", "block", "plate", "disk", "ring"];
 
 /// The keys of a body. Lengths are in units of discretization.spacing.
 pub const BODY_KEYS: &[Key] = &[
@@ -58,6 +59,12 @@ pub const BODY_KEYS: &[Key] = &[
     )
     .only_with(&[&[is("body.shape", ROUND)]]),
     key(
+        "body.second",
+        Kind::Numbers,
+        "vector in spacings by which the same shape is there a second time, a number for each dimension",
+    )
+    .only_with(&[&[is("body.shape", CUT)]]),
+    key(
         "body.file",
         Kind::Text,
         "table in CSV with the columns x, y, z (as many as dimensions) and volume, a line for each particle; length, length^D",
@@ -91,6 +98,11 @@ pub const GRIP_KEYS: &[Key] = &[
         "grips.ramp",
         Kind::Number("time"),
         "time in which the velocity rises smoothly from zero; at once when left out",
+    ),
+    key(
+        "grips.until",
+        Kind::Number("time"),
+        "time at which the grip lets its particles go with the velocity that they have, 0 for particles that only start with it; never when left out",
     ),
 ];
 
@@ -233,7 +245,7 @@ impl BodySettings {
         let wrong = |value: &Spanned<DeValue<'_>>| {
             let message = format!("`grips` cannot be {}", described(value.get_ref()));
             SettingError::new(file.of(value), message)
-                .hint("expected [[grips]] with from, to, velocity and ramp below")
+                .hint("expected [[grips]] with from, to, velocity, ramp and until below")
         };
         let DeValue::Array(items) = value.get_ref() else {
             return Err(wrong(value));
@@ -278,10 +290,25 @@ impl BodySettings {
     /// # Errors
     /// [`SettingError`] for a key that is missing or has another number of numbers, and for a file that cannot be read.
     pub fn particles(&self, dimension: usize, spacing: f64) -> Result<BodyParticles, SettingError> {
+        if self.shape()? == "file" {
+            return self.placed(dimension).map(BodyParticles::Given);
+        }
+        let shape = self.cut(dimension, spacing)?;
+        if !self.values.contains_key("body.second") {
+            return Ok(BodyParticles::Cut(shape));
+        }
+        let offset = numbers(&self.values, "body.second", dimension, &self.origin)?;
+        Ok(BodyParticles::Cut(Shape::Twice {
+            shape: Box::new(shape),
+            offset: offset.iter().map(|own| own * spacing).collect(),
+        }))
+    }
+
+    /// What is cut out of the lattice.
+    fn cut(&self, dimension: usize, spacing: f64) -> Result<Shape, SettingError> {
         let length = |name: &str| self.number(name).map(|own| own * spacing);
         let needed = |name: &str| length(name).ok_or_else(|| missing(name, &self.origin));
         match self.shape()? {
-            "file" => self.placed(dimension).map(BodyParticles::Given),
             "disk" | "ring" if dimension == 1 => Err(self.refused("is not one-dimensional")),
             shape @ ("disk" | "ring") => {
                 if let (Some((_, origin)), true) = (self.values.get("body.height"), dimension < 3) {
@@ -291,7 +318,7 @@ impl BodySettings {
                     )
                     .hint("leave it out"));
                 }
-                Ok(BodyParticles::Cut(Shape::Ring {
+                Ok(Shape::Ring {
                     radius: needed("body.radius")?,
                     inner: match shape {
                         "ring" => needed("body.inner-radius")?,
@@ -301,7 +328,7 @@ impl BodySettings {
                         3 => Some(needed("body.height")?),
                         _ => None,
                     },
-                }))
+                })
             }
             shape => {
                 if shape == "plate" && dimension == 1 {
@@ -337,11 +364,11 @@ impl BodySettings {
                         })
                     }
                 };
-                Ok(BodyParticles::Cut(Shape::Block {
+                Ok(Shape::Block {
                     size: sides.collect(),
                     hole: length("body.hole"),
                     notch,
-                }))
+                })
             }
         }
     }
@@ -367,18 +394,23 @@ impl BodySettings {
             let scaled = |own: Vec<f64>, beyond: f64| {
                 own.into_iter().map(|x| (x + beyond) * spacing).collect()
             };
-            let ramp = values.get("grips.ramp");
-            let time = ramp.and_then(|(value, _)| value.number()).unwrap_or(0.0);
-            if let Some((_, origin)) = ramp.filter(|_| time < 0.0) {
-                let message = format!("`grips.ramp` cannot be {time}");
-                return Err(SettingError::new(origin.clone(), message)
-                    .hint("expected a time that is not negative"));
-            }
+            let time = |name: &str, left_out: f64| match values.get(name) {
+                None => Ok(left_out),
+                Some((value, origin)) => match value.number() {
+                    Some(time) if time >= 0.0 => Ok(time),
+                    _ => Err(SettingError::new(
+                        origin.clone(),
+                        format!("`{name}` cannot be {value}"),
+                    )
+                    .hint("expected a time that is not negative")),
+                },
+            };
             Ok(Grip {
                 low: scaled(list("grips.from")?, -RIM),
                 high: scaled(list("grips.to")?, RIM),
                 velocity: list("grips.velocity")?,
-                ramp: time,
+                ramp: time("grips.ramp", 0.0)?,
+                until: time("grips.until", f64::INFINITY)?,
             })
         };
         self.grips.iter().map(grip).collect()
@@ -474,6 +506,17 @@ mod tests {
             panic!("a block");
         };
         assert_eq!((size, hole, notch), (vec![20.0, 3.0, 3.0], None, None));
+        let twice = text.replace("size = [40, 6]", "size = [40, 6]\nsecond = [0, 9]");
+        let twice = BodySettings::of_file("study.toml", &twice)
+            .expect("read")
+            .expect("a body");
+        let BodyParticles::Cut(Shape::Twice { shape, offset }) =
+            twice.particles(2, 0.5).expect("particles")
+        else {
+            panic!("two blocks");
+        };
+        assert_eq!(offset, [0.0, 4.5]);
+        assert!(matches!(*shape, Shape::Block { .. }));
         let grips = body.grips(2, 0.5).expect("grips");
         assert_eq!(grips[0].ramp, 2.0);
         // Faces are held, whatever rounding makes of a place on them.
@@ -510,6 +553,9 @@ mod tests {
         assert!(refused("[body]\nshape = 'bar'\nsise = [40, 2]").contains("size"));
         let grip = "[body]\nshape = 'disk'\nradius = 9\n[[grips]]\nfrom = [0, 0]\nto = [1, 1]\n";
         assert!(refused(grip).contains("grips.velocity"));
-        assert!(refused(&format!("{grip}velocity = [1, 0]\nramp = -1")).contains("negative"));
+        for key in ["ramp", "until"] {
+            let told = refused(&format!("{grip}velocity = [1, 0]\n{key} = -1"));
+            assert!(told.contains(key) && told.contains("negative"), "{told}");
+        }
     }
 }

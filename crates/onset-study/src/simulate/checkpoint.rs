@@ -10,7 +10,7 @@ use std::path::Path;
 /// The file of a checkpoint.
 pub const CHECKPOINT: &str = "checkpoint.onset";
 
-const FORMAT: &[u8; 8] = b"onsetck2";
+const FORMAT: &[u8; 8] = b"onsetck3";
 /// Digits of a mark.
 const MARK: usize = 12;
 /// What a run has come to.
@@ -33,6 +33,7 @@ impl Progress {
         let counts = [
             self.state.step,
             self.state.displacements.len() as u64,
+            self.state.deformations.len() as u64,
             self.history.len() as u64,
             self.samples.len() as u64,
             self.fields.len() as u64,
@@ -43,6 +44,7 @@ impl Progress {
             .displacements
             .iter()
             .chain(&self.state.velocities)
+            .chain(&self.state.deformations)
             .chain([&self.state.work]);
         let lists = self
             .history
@@ -55,12 +57,12 @@ impl Progress {
         bytes
     }
 
-    /// Reads a checkpoint of a run with a mark and so many numbers in its displacements.
+    /// Reads a checkpoint of a run with a mark and a start with as many numbers.
     pub(super) fn of_bytes(
         path: &Path,
         bytes: &[u8],
         mark: &str,
-        size: usize,
+        start: &PatchState,
     ) -> Result<Self, SimulateError> {
         const ANEW: &str = "run it anew with --overwrite, or into another folder";
         let wrong = |what: &str, hint| SimulateError::Checkpoint {
@@ -84,23 +86,27 @@ impl Progress {
             ));
         }
         let (numbers, _) = rest[..rest.len() - 4].as_chunks::<8>();
-        let (counts, numbers) = numbers.split_at_checked(5).ok_or_else(damaged)?;
-        let counts: [u64; 5] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
+        let (counts, numbers) = numbers.split_at_checked(6).ok_or_else(damaged)?;
+        let counts: [u64; 6] = std::array::from_fn(|i| u64::from_le_bytes(counts[i]));
         let numbers: Vec<f64> = numbers.iter().map(|own| f64::from_le_bytes(*own)).collect();
-        let [step, components, lines, samples, fields] = counts;
+        let [step, components, carried, lines, samples, fields] = counts;
+        let (size, tensors) = (start.displacements.len(), start.deformations.len());
         // The work is one number.
         let total = lines
             .checked_add(1)
             .and_then(|all| all.checked_add(samples.checked_mul(2)?))
             .and_then(|all| all.checked_add(components.checked_mul(2)?))
+            .and_then(|all| all.checked_add(carried))
             .and_then(|all| all.checked_add(fields));
-        if components != size as u64 || total != Some(numbers.len() as u64) {
+        let is_whole = components == size as u64 && carried == tensors as u64;
+        if !is_whole || total != Some(numbers.len() as u64) {
             return Err(damaged());
         }
         if let Some(place) = numbers.iter().position(|number| !number.is_finite()) {
             let what = match place {
                 place if place < size => "the displacement",
                 place if place < 2 * size => "the velocity",
+                place if place < 2 * size + tensors => "the deformation",
                 _ => "the history",
             };
             return Err(SimulateError::Checkpoint {
@@ -115,6 +121,7 @@ impl Progress {
         }
         let (displacements, rest) = numbers.split_at(size);
         let (velocities, rest) = rest.split_at(size);
+        let (deformations, rest) = rest.split_at(tensors);
         let (work, rest) = rest.split_at(1);
         let (history, rest) = rest.split_at(lines as usize);
         let (samples, fields) = rest.split_at(2 * samples as usize);
@@ -123,6 +130,7 @@ impl Progress {
                 step,
                 displacements: displacements.to_vec(),
                 velocities: velocities.to_vec(),
+                deformations: deformations.to_vec(),
                 work: work[0],
             },
             history: history.to_vec(),
@@ -144,6 +152,7 @@ mod tests {
                 step: 7,
                 displacements: vec![0.1, -0.2],
                 velocities: vec![1e-300, 3.0],
+                deformations: vec![1.0, 0.5, 0.0, 1.25],
                 work: 0.125,
             },
             history: vec![0.5, 1.5, 2.5],
@@ -155,19 +164,21 @@ mod tests {
     #[test]
     fn a_checkpoint_is_read_as_it_was_written() {
         let bytes = progress().bytes("0123456789ab");
-        let read = Progress::of_bytes(Path::new("c"), &bytes, "0123456789ab", 2);
+        let start = progress().state;
+        let read = Progress::of_bytes(Path::new("c"), &bytes, "0123456789ab", &start);
         assert_eq!(read.expect("a checkpoint"), progress());
     }
 
     #[test]
     fn damage_of_any_kind_is_told() {
         let bytes = progress().bytes("0123456789ab");
-        let read = |bytes: &[u8], mark: &str, size| {
-            let read = Progress::of_bytes(Path::new("c"), bytes, mark, size);
+        let own = progress().state;
+        let read = |bytes: &[u8], mark: &str, start: &PatchState| {
+            let read = Progress::of_bytes(Path::new("c"), bytes, mark, start);
             read.expect_err("refused").to_string()
         };
         for cut in 0..bytes.len() {
-            let told = read(&bytes[..cut], "0123456789ab", 2);
+            let told = read(&bytes[..cut], "0123456789ab", &own);
             assert!(
                 told.contains("cut off") || told.contains("no checkpoint"),
                 "{told}"
@@ -176,13 +187,20 @@ mod tests {
         for place in 0..bytes.len() {
             let mut changed = bytes.clone();
             changed[place] ^= 0x10;
-            read(&changed, "0123456789ab", 2);
+            read(&changed, "0123456789ab", &own);
         }
-        assert!(read(&bytes, "0123456789ac", 2).contains("another run"));
-        assert!(read(&bytes, "0123456789ab", 3).contains("damaged"));
+        assert!(read(&bytes, "0123456789ac", &own).contains("another run"));
+        let mut another = own.clone();
+        another.displacements.push(0.0);
+        assert!(read(&bytes, "0123456789ab", &another).contains("damaged"));
+        let without = PatchState {
+            deformations: Vec::new(),
+            ..own.clone()
+        };
+        assert!(read(&bytes, "0123456789ab", &without).contains("damaged"));
         let mut wrong = progress();
         wrong.state.velocities[1] = f64::NAN;
-        let told = read(&wrong.bytes("0123456789ab"), "0123456789ab", 2);
+        let told = read(&wrong.bytes("0123456789ab"), "0123456789ab", &own);
         assert!(
             told.contains("velocity number 1 is NaN, at step 7"),
             "{told}"

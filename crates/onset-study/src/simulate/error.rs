@@ -76,7 +76,7 @@ impl SimulateError {
 fn of_body(error: &BodyError) -> &'static str {
     match error {
         BodyError::NoBodies => {
-            "bodies are run with discretization.method = \"total-lagrangian-sph\", without viscosity and velocity smoothing"
+            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
         }
         BodyError::Lonely { .. } => {
             "choose a larger discretization.support, or a body of more rows of particles"

@@ -523,9 +523,8 @@ fn noise(patch: &dyn PatchMotion, amplitude: f64, seed: u64) -> PatchState {
         own.for_each(|u| *u -= mean);
     }
     PatchState {
-        step: 0,
         velocities: vec![0.0; displacements.len()],
         displacements,
-        work: 0.0,
+        ..PatchState::default()
     }
 }

@@ -3,6 +3,7 @@
 use super::checkpoint::{CHECKPOINT, Progress};
 use super::{SimulateError, fields};
 use crate::output::{Files, Output, text, write};
+use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -218,6 +219,9 @@ impl<'a> Keeper<'a> {
             _ if self.course.step > self.course.critical => {
                 "the step is above the largest stable one: leave --supercritical out"
             }
+            Ground::Method(MethodError::SingularMoment { .. }) => {
+                "the particle has lost its neighbors: with discretization.corrected = false it flies on as it is"
+            }
             Ground::NotFinite => "choose a smaller --fraction: the motion outgrew its step",
             _ => self.course.grown,
         };
@@ -265,12 +269,7 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
             "leave --resume out to begin",
         )
     })?;
-    Progress::of_bytes(
-        &path,
-        &bytes,
-        &course.mark,
-        course.start.displacements.len(),
-    )
+    Progress::of_bytes(&path, &bytes, &course.mark, &course.start)
 }
 
 /// The history as a table.

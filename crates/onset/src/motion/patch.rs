@@ -23,6 +23,8 @@ pub struct PatchState {
     pub displacements: Vec<f64>,
     /// Velocities as the integrator keeps them: of central differences those half a step before. Length/time.
     pub velocities: Vec<f64>,
+    /// Deformation gradients that particles of a body carry along, row by row; of others none, as they follow from the displacements, and none of a body that is deformed homogeneously.
+    pub deformations: Vec<f64>,
     /// What was done on them from outside; energy. Zero of patches.
     pub work: f64,
 }
@@ -267,6 +269,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             step: self.count,
             displacements: flat(&self.u),
             velocities: flat(&self.v),
+            deformations: Vec::new(),
             work: 0.0,
         }
     }
@@ -346,6 +349,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             step: 0,
             displacements: field(&wave.seed[0]),
             velocities: field(&wave.seed[1]),
+            deformations: Vec::new(),
             work: 0.0,
         }
     }

@@ -18,11 +18,11 @@ pub(super) struct MovingWeight<const D: usize> {
 
 /// A weight with its gradient.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Weighed<R, const D: usize> {
+pub(crate) struct Weighed<R, const D: usize> {
     /// `W`.
-    pub(super) value: R,
+    pub(crate) value: R,
     /// `W_,j` with respect to the vector from the center to the particle.
-    pub(super) gradient: [R; D],
+    pub(crate) gradient: [R; D],
 }
 
 impl<const D: usize> MovingWeight<D> {
@@ -47,6 +47,11 @@ impl<const D: usize> MovingWeight<D> {
     /// The support radius; length.
     pub(super) fn radius(&self) -> f64 {
         self.radius
+    }
+
+    /// A vector as the weight measures it; its support is a ball of these.
+    pub(super) fn measured(&self, x: &[f64; D]) -> [f64; D] {
+        (self.metric * SVector::from(*x)).into()
     }
 
     /// The weight at a vector from the center to the particle, and its gradient; zero outside of the support.

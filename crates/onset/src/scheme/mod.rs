@@ -27,6 +27,7 @@ mod strain_rows;
 
 pub use choices::MethodChoices;
 pub use lagrangian::LagrangianPoint;
+pub(crate) use layout::Weighed;
 pub use linearized::{Forced, linearized};
 pub use material_point::{
     Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
@@ -38,9 +39,11 @@ pub use peridynamics::{
     ZeroEnergyControl,
 };
 pub use response::PointResponse;
+pub(crate) use response::{determinant, inverse};
 pub use strain::{SeenForm, SeenPoint, StrainOperator};
 pub(crate) use strain_rows::StrainRows;
 
+use self::sph::CurrentPairs;
 use crate::bloch::{DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
@@ -211,6 +214,19 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         &self,
         _material: &dyn Hyperelastic,
     ) -> Result<Option<Box<dyn PairLaw<D>>>, MethodError> {
+        Ok(None)
+    }
+
+    /// How particles act on each other in pairs whose neighbors are found again as they move, with the kernels of a homogeneous state, so that
+    /// [bodies](crate::motion::body) of them can be run.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn current_pairs(
+        &self,
+        _material: &dyn Hyperelastic,
+        _f: &DeformationGradient,
+    ) -> Result<Option<CurrentPairs<D>>, MethodError> {
         Ok(None)
     }
 

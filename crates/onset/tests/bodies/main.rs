@@ -3,6 +3,7 @@
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;
+mod updated;
 
 use nalgebra::{DVector, SMatrix, SVector};
 use onset::analysis::{Analysis, analysis};
@@ -336,6 +337,7 @@ fn grips_do_the_work_that_the_body_gains() {
         high: high.to_vec(),
         velocity: vec![speed, 0.0],
         ramp: 3.0,
+        ..Grip::default()
     };
     let grips = [
         grip([0.0, 0.0], [1.0, 6.0], 0.0),
@@ -523,6 +525,7 @@ fn bodies_that_cannot_be_are_told() {
         high: vec![21.0, 5.0],
         velocity: vec![1.0, 0.0],
         ramp: 0.0,
+        ..Grip::default()
     };
     assert!(matches!(
         refused(&block(&[8.0, 8.0]), &[grip]),
@@ -533,6 +536,7 @@ fn bodies_that_cannot_be_are_told() {
         high: vec![9.0, 9.0],
         velocity: vec![0.0; 2],
         ramp: 0.0,
+        ..Grip::default()
     };
     assert!(matches!(
         refused(&block(&[8.0, 8.0]), &[everything.clone(), everything]),
@@ -594,6 +598,7 @@ fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
         high: high.to_vec(),
         velocity: vec![0.0; 2],
         ramp: 0.0,
+        ..Grip::default()
     };
     let grips = [
         rim([0.0, 0.0], [3.0, height]),

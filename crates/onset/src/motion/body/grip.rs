@@ -1,5 +1,7 @@
 //! Grips: particles that move as told.
 
+use super::BodyError;
+
 /// The particles in a box, which move with a velocity that rises smoothly from zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grip {
@@ -11,6 +13,21 @@ pub struct Grip {
     pub velocity: Vec<f64>,
     /// How long it takes to rise; time. Zero for none.
     pub ramp: f64,
+    /// When the grip lets go: its particles keep the velocity that they have. Zero for particles that only start with a velocity, infinity for
+    /// never.
+    pub until: f64,
+}
+
+impl Default for Grip {
+    fn default() -> Self {
+        Self {
+            low: Vec::new(),
+            high: Vec::new(),
+            velocity: Vec::new(),
+            ramp: 0.0,
+            until: f64::INFINITY,
+        }
+    }
 }
 
 impl Grip {
@@ -18,7 +35,7 @@ impl Grip {
     ///
     /// ```
     /// use onset::motion::Grip;
-    /// let grip = Grip { low: vec![0.0], high: vec![1.0], velocity: vec![2.0], ramp: 4.0 };
+    /// let grip = Grip { low: vec![0.0], high: vec![1.0], velocity: vec![2.0], ramp: 4.0, ..Grip::default() };
     /// assert_eq!([-1.0, 0.0, 2.0, 4.0, 9.0].map(|t| grip.share(t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
     /// ```
     pub fn share(&self, time: f64) -> f64 {
@@ -29,6 +46,17 @@ impl Grip {
         s * s * (3.0 - 2.0 * s)
     }
 
+    /// The velocity at a time.
+    pub(super) fn velocity_at<const D: usize>(&self, time: f64) -> [f64; D] {
+        let share = self.share(time);
+        std::array::from_fn(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
+    }
+
+    /// Whether it holds its particles at a time.
+    pub(super) fn is_closed(&self, time: f64) -> bool {
+        time < self.until
+    }
+
     /// Whether a reference position is in the box, its faces included.
     pub(super) fn holds(&self, position: &[f64]) -> bool {
         let sides = position.iter().zip(self.low.iter().zip(&self.high));
@@ -36,4 +64,50 @@ impl Grip {
             .into_iter()
             .all(|(x, (low, high))| low <= x && x <= high)
     }
+}
+
+/// The gripped particles with the numbers of their grips.
+pub(super) fn held<const D: usize>(
+    positions: &[[f64; D]],
+    grips: &[Grip],
+) -> Result<Vec<(u32, u32)>, BodyError> {
+    let mut held: Vec<(u32, u32)> = Vec::new();
+    for (number, position) in positions.iter().enumerate() {
+        let mut own = (0..grips.len()).filter(|grip| grips[*grip].holds(position));
+        let Some(first) = own.next() else {
+            continue;
+        };
+        if let Some(second) = own.next() {
+            return Err(BodyError::HeldTwice {
+                particle: number,
+                position: position.to_vec(),
+                first: first + 1,
+                second: second + 1,
+            });
+        }
+        held.push((number as u32, first as u32));
+    }
+    for (grip, own) in grips.iter().enumerate() {
+        if held.iter().all(|(_, of)| *of as usize != grip) {
+            return Err(BodyError::EmptyGrip {
+                grip: grip + 1,
+                low: own.low.clone(),
+                high: own.high.clone(),
+            });
+        }
+    }
+    Ok(held)
+}
+
+/// What a grip does on a particle of a mass in a step: its impulse, by which the velocity becomes what is told and not what forces alone would make of it,
+/// times the mean velocity.
+pub(super) fn work_of<const D: usize>(
+    mass: f64,
+    before: &[f64; D],
+    free: &[f64; D],
+    next: &[f64; D],
+) -> f64 {
+    (0..D)
+        .map(|i| mass * (next[i] - free[i]) * 0.5 * (before[i] + next[i]))
+        .sum()
 }

@@ -14,9 +14,13 @@
 //! distance in the order one entry, and a bit for every particle that has it. What a group sees is written once for all groups that see the same: a body with any
 //! boundary keeps as little for a particle as one without, and particles that lie anywhere are groups with many entries of one bit.
 //!
+//! Methods whose kernels see current coordinates ([`Discretization::current_pairs`]) find neighbors again as particles move, and each particle carries its
+//! deformation gradient.
+//!
 //! Time is stepped by the leapfrog (central differences): one evaluation of the forces a step.
 //!
 //! [`Discretization`]: crate::scheme::Discretization
+//! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
 mod engine;
@@ -24,12 +28,17 @@ mod error;
 mod grip;
 mod links;
 mod moving;
+mod neighbors;
+mod quantities;
 mod shape;
+mod stability;
+mod updated;
 mod vectors;
 
 pub use error::BodyError;
 pub use grip::Grip;
-pub use moving::{BodyMotion, BodyQuantities, Start};
+pub use moving::{BodyMotion, Start};
+pub use quantities::BodyQuantities;
 pub use shape::{BodyParticles, Notch, PlacedParticle, Shape};
 
 pub(crate) use moving::with_body;

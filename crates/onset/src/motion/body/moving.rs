@@ -1,19 +1,18 @@
 //! A body that moves.
 
 use super::engine::{Engine, Field, Lost, zeros};
+use super::grip::held;
 use super::links::Links;
+use super::quantities::in_space;
 use super::shape::placed;
-use super::{BodyError, BodyParticles, Grip};
+use super::stability::{DIFFERENCE, critical_step, largest_factor};
+use super::updated::with_updated_body;
+use super::{BodyError, BodyParticles, BodyQuantities, Grip};
 use crate::algebra::uniform;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::Discretization;
-
-/// Iterations by which the largest frequency is sought.
-const ITERATIONS: usize = 60;
-/// Displacements by which forces are differentiated, in spacings.
-const DIFFERENCE: f64 = 1e-5;
 
 /// How a body starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,25 +23,6 @@ pub struct Start {
     pub noise: f64,
     /// The seed of the random displacements.
     pub seed: u64,
-}
-
-/// What a body has as a whole.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyQuantities {
-    /// `sum m v^2 / 2`; energy (in one and two dimensions per unit of the dimensions that are left out, as all that follow).
-    pub kinetic: f64,
-    /// `sum V W(F)`; energy. The penalty has no potential.
-    pub strain: f64,
-    /// What the grips have done; energy.
-    pub work: f64,
-    /// `sum m v`; mass length/time.
-    pub momentum: [f64; 3],
-    /// `sum m x * v` about the origin; mass length^2/time.
-    pub angular_momentum: [f64; 3],
-    /// The largest displacement of a particle; length.
-    pub largest: f64,
-    /// The smallest and the largest volume ratio of a particle.
-    pub volume_ratios: [f64; 2],
 }
 
 /// A body in motion, whatever its dimension and method.
@@ -122,7 +102,9 @@ pub(crate) fn with_body<const D: usize>(
     grips: &[Grip],
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
-    let law = discretization.pairs(material)?.ok_or(BodyError::NoBodies)?;
+    let Some(law) = discretization.pairs(material)? else {
+        return with_updated_body(discretization, material, particles, grips, work);
+    };
     let crystal = discretization.crystal();
     let placed = placed(crystal, particles)?;
     let links = Links::new(crystal, &placed, &*law)?;
@@ -146,49 +128,6 @@ pub(crate) fn with_body<const D: usize>(
         count: 0,
     });
     Ok(())
-}
-
-fn held<const D: usize>(
-    positions: &[[f64; D]],
-    grips: &[Grip],
-) -> Result<Vec<(u32, u32)>, BodyError> {
-    let mut held: Vec<(u32, u32)> = Vec::new();
-    for (number, position) in positions.iter().enumerate() {
-        let mut own = (0..grips.len()).filter(|grip| grips[*grip].holds(position));
-        let Some(first) = own.next() else {
-            continue;
-        };
-        if let Some(second) = own.next() {
-            return Err(BodyError::HeldTwice {
-                particle: number,
-                position: position.to_vec(),
-                first: first + 1,
-                second: second + 1,
-            });
-        }
-        held.push((number as u32, first as u32));
-    }
-    for (grip, own) in grips.iter().enumerate() {
-        if held.iter().all(|(_, of)| *of as usize != grip) {
-            return Err(BodyError::EmptyGrip {
-                grip: grip + 1,
-                low: own.low.clone(),
-                high: own.high.clone(),
-            });
-        }
-    }
-    Ok(held)
-}
-
-fn in_space<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
 }
 
 impl<const D: usize> MovingBody<'_, D> {
@@ -220,9 +159,7 @@ impl<const D: usize> MovingBody<'_, D> {
 
     /// What grips want of their particles half a step after a time.
     fn grip_velocity(&self, grip: u32, time: f64) -> [f64; D] {
-        let grip = &self.grips[grip as usize];
-        let share = grip.share(time);
-        std::array::from_fn(|i| share * grip.velocity.get(i).copied().unwrap_or(0.0))
+        self.grips[grip as usize].velocity_at(time)
     }
 
     fn deform(&mut self, step: f64) -> Result<(), Box<Fault>> {
@@ -237,7 +174,11 @@ impl<const D: usize> MovingBody<'_, D> {
         self.engine.kick(&self.u, &mut v, 0.5 * step);
         let mut work = 0.0;
         for (particle, grip) in &self.held {
-            let next = self.grip_velocity(*grip, (self.count as f64 + 0.5) * step);
+            let time = (self.count as f64 + 0.5) * step;
+            if !self.grips[*grip as usize].is_closed(time) {
+                continue;
+            }
+            let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
             for i in 0..D {
                 let before = self.v[i][particle];
@@ -334,9 +275,16 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
         self.deform(step)?;
         self.engine.kick(&self.u, &mut self.v, -0.5 * step);
         for (particle, grip) in self.held.clone() {
-            let velocity = self.grip_velocity(grip, -0.5 * step);
+            let is_closed = self.grips[grip as usize].is_closed(0.0);
+            let velocity = self.grip_velocity(grip, if is_closed { -0.5 * step } else { 0.0 });
             for i in 0..D {
-                self.v[i][particle as usize] = velocity[i];
+                // What is let go at once starts with its velocity, and is kicked as all others.
+                let kicked = if is_closed {
+                    0.0
+                } else {
+                    self.v[i][particle as usize]
+                };
+                self.v[i][particle as usize] = kicked + velocity[i];
             }
         }
         // The first kick begins half a step before the start.
@@ -349,6 +297,7 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             step: self.count,
             displacements: self.flat(&self.u),
             velocities: self.flat(&self.v),
+            deformations: Vec::new(),
             work: self.work,
         }
     }
@@ -370,7 +319,11 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             .collect();
         self.engine.kick(&self.u, &mut self.v, step);
         for ((particle, grip), before) in held.iter().zip(&before) {
-            let next = self.grip_velocity(*grip, (self.count as f64 + 0.5) * step);
+            let time = (self.count as f64 + 0.5) * step;
+            if !self.grips[*grip as usize].is_closed(time) {
+                continue;
+            }
+            let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
             let mass = self.mass(particle);
             for i in 0..D {
@@ -394,33 +347,17 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
     fn quantities(&mut self, step: f64) -> Result<BodyQuantities, Box<Fault>> {
         self.deform(step)?;
         let (v, work) = self.now(step);
-        let mut own = BodyQuantities {
-            kinetic: 0.0,
-            strain: self.engine.energy(),
-            work: self.work + work,
-            momentum: [0.0; 3],
-            angular_momentum: [0.0; 3],
-            largest: 0.0,
-            volume_ratios: [f64::INFINITY, 0.0],
-        };
+        let mut own = BodyQuantities::new(self.engine.energy(), self.work + work);
         for particle in 0..self.len() {
-            let mass = self.mass(particle);
-            let (u, v) = (Self::of(&self.u, particle), Self::of(&v, particle));
-            let x: [f64; D] = std::array::from_fn(|i| self.positions[particle][i] + u[i]);
-            let turning = cross(in_space(&x), in_space(&v));
-            let squared = |x: &[f64; D]| x.iter().map(|x| x * x).sum::<f64>();
-            own.kinetic += 0.5 * mass * squared(&v);
-            own.largest = own.largest.max(squared(&u).sqrt());
-            for (i, v) in v.iter().enumerate() {
-                own.momentum[i] += mass * v;
-            }
-            for (all, own) in own.angular_momentum.iter_mut().zip(turning) {
-                *all += mass * own;
-            }
+            let u = Self::of(&self.u, particle);
             let f = DeformationGradient::from_components(self.deformation(particle));
-            let volume = f.determinant();
-            let [low, high] = own.volume_ratios;
-            own.volume_ratios = [low.min(volume), high.max(volume)];
+            own.count(
+                self.mass(particle),
+                &std::array::from_fn(|i| self.positions[particle][i] + u[i]),
+                &u,
+                [&Self::of(&v, particle); 2],
+                f.determinant(),
+            );
         }
         Ok(own)
     }
@@ -430,36 +367,15 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
     }
 
     fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
-        let mut random = 1;
-        let mut along = zeros::<D>(self.len());
-        for particle in 0..self.len() {
-            for i in 0..D {
-                along[i][particle] = 2.0 * uniform(&mut random) - 1.0;
-            }
-        }
-        let norm = |field: &Field<D>| {
-            let squares = field.iter().flatten().map(|x| x * x);
-            squares.sum::<f64>().sqrt()
-        };
-        let mut largest = 0.0_f64;
-        for _ in 0..ITERATIONS {
-            let length = norm(&along);
-            let highest = along
-                .iter()
-                .flatten()
-                .fold(0.0, |most: f64, x| most.max(x.abs()));
-            if highest == 0.0 {
-                break;
-            }
+        let unknowns = D * self.len();
+        let largest = largest_factor(unknowns, &mut |flat: &[f64], highest: f64| {
+            let mut along = zeros(self.len());
+            Self::filled(&mut along, flat);
             let image = self.changed(&along, DIFFERENCE * self.spacing / highest)?;
-            largest = norm(&image) / length;
-            let scale = largest.max(f64::MIN_POSITIVE).recip();
-            along = image.map(|own| own.into_iter().map(|x| x * scale).collect());
-        }
+            Ok(self.flat(&image))
+        })?;
         self.deform(0.0)?;
-        let unknowns = (D * self.len()) as f64;
-        let missed = 0.871 * unknowns.ln() / (ITERATIONS - 1) as f64;
-        Ok(2.0 / (largest / (1.0 - missed.min(0.5))).sqrt())
+        Ok(critical_step(largest, 0.0))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

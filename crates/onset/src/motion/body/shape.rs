@@ -39,6 +39,13 @@ pub enum Shape {
         /// The length of a cylinder; length.
         height: Option<f64>,
     },
+    /// A shape that is there twice.
+    Twice {
+        /// It.
+        shape: Box<Shape>,
+        /// Where it is again; length.
+        offset: Vec<f64>,
+    },
 }
 
 /// A particle that is given.
@@ -118,7 +125,34 @@ impl Shape {
                 }
                 Ok([low, high])
             }
+            Self::Twice { shape, offset } => {
+                let [mut low, mut high] = shape.corners::<D>()?;
+                for i in 0..D {
+                    let own = offset.get(i).copied().unwrap_or(f64::NAN);
+                    if !own.is_finite() {
+                        return Err(BodyError::Number {
+                            what: format!("component {} of the offset of the body", i + 1),
+                            value: own,
+                            expected: "a finite number",
+                        });
+                    }
+                    low[i] += own.min(0.0);
+                    high[i] += own.max(0.0);
+                }
+                Ok([low, high])
+            }
         }
+    }
+
+    /// Whether a place is inside of the shape.
+    fn is_around<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
+        if let Self::Twice { shape, offset } = self {
+            let again: [f64; D] = std::array::from_fn(|i| x[i] - offset[i]);
+            return shape.is_around(x, rim) || shape.is_around(&again, rim);
+        }
+        self.corners::<D>()
+            .is_ok_and(|[low, high]| (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&x[i])))
+            && self.holds(x, rim)
     }
 
     /// Whether a place inside of the box is inside of the shape.
@@ -139,6 +173,7 @@ impl Shape {
                 let distance = across(x[0], x.get(1).copied().unwrap_or(0.0));
                 (inner - rim..=radius + rim).contains(&distance)
             }
+            Self::Twice { .. } => self.is_around(x, rim),
         }
     }
 }
@@ -194,8 +229,7 @@ fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>,
         for site in 0..crystal.sites().len() {
             let particle = Particle { site, cell };
             let x: [f64; D] = crystal.position(&particle).add_scalar(half).into();
-            let is_in_box = (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&x[i]));
-            if is_in_box && shape.holds(&x, rim) {
+            if shape.is_around(&x, rim) {
                 found.push((particle, x));
             }
         }

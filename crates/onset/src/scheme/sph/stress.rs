@@ -1,23 +1,16 @@
 //! The forces that the stress of one particle exerts on itself and on its neighbors, with kernels that move.
 
-use super::super::layout::MovingWeight;
-use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
+use super::super::products::{displacement_gradient, times_transpose, transported};
 use super::super::response::determinant;
-use super::super::stabilization::Repulsion;
 use super::super::{Interaction, Motion, PointResponse};
-use super::updated::{DensityEvolution, MomentumForm};
+use super::current::{CurrentPairs, Laden};
 use crate::lattice::Particle;
 use crate::real::Real;
 
 /// What the particles of a state have in common.
 pub(super) struct Surroundings<'a, const D: usize> {
     pub(super) response: &'a PointResponse<'a, D>,
-    /// With the integral one.
-    pub(super) weight: MovingWeight<D>,
-    pub(super) momentum: MomentumForm,
-    pub(super) density_evolution: DensityEvolution,
-    pub(super) reference_density: f64,
-    pub(super) repulsion: Option<Repulsion>,
+    pub(super) pairs: &'a CurrentPairs<D>,
     /// Whether positions stay where they are, so that only what particles carry along follows a displacement.
     pub(super) holds_positions: bool,
 }
@@ -74,19 +67,16 @@ impl<const D: usize> StressOf<'_, D> {
     /// The density of the particle with a number.
     fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
         let circle = &self.circles[number];
-        match self.surroundings.density_evolution {
-            DensityEvolution::Summation => {
-                let members = circle.members.iter();
-                members.fold(R::constant(0.0), |sum, member| {
-                    let x = between(&moved.positions[number], &moved.positions[*member]);
-                    sum + self.surroundings.weight.at(&x).value * self.masses[*member]
-                })
-            }
-            DensityEvolution::Continuity => {
-                let f = self.deformation(moved.displacements, circle);
-                determinant(&f).recip() * self.surroundings.reference_density
-            }
+        let pairs = self.surroundings.pairs;
+        if pairs.sums_densities() {
+            let members = circle.members.iter();
+            return members.fold(R::constant(0.0), |sum, member| {
+                let x = between(&moved.positions[number], &moved.positions[*member]);
+                sum + pairs.weigh(&x).value * self.masses[*member]
+            });
         }
+        let f = self.deformation(moved.displacements, circle);
+        determinant(&f).recip() * pairs.reference_density()
     }
 }
 
@@ -114,32 +104,26 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
             &times_transpose(&surroundings.response.first_piola(&f), &f),
             determinant(&f),
         );
-        let tensile = surroundings.repulsion.map(|r| r.tensile_part(&stress));
-        let density = self.density(0, &moved);
+        let pairs = surroundings.pairs;
+        let own = Laden {
+            mass: self.masses[0],
+            density: self.density(0, &moved),
+            tensile: pairs.tensile(&stress),
+            stress,
+        };
         let mut forces = vec![[R::constant(0.0); D]; self.particles.len()];
         for &other in &circle.members[1..] {
             let x = between(&moved.positions[0], &moved.positions[other]);
-            let weight = surroundings.weight.at(&x);
-            let other_density = match surroundings.momentum {
-                MomentumForm::Symmetric => density,
-                MomentumForm::Mean | MomentumForm::Difference => self.density(other, &moved),
+            let other_density = match pairs.takes_both_densities() {
+                false => own.density,
+                true => self.density(other, &moved),
             };
-            let coefficient =
-                (density * other_density).recip() * (self.masses[0] * self.masses[other]);
-            // grad W_IJ with respect to x_I is minus that along x_J - x_I.
-            let gradient = weight.gradient.map(|slope| -slope * coefficient);
-            let mut traction = times_vector(&stress, &gradient);
-            if let (Some(repulsion), Some(tensile)) = (&surroundings.repulsion, &tensile) {
-                let factor = repulsion.factor(weight.value);
-                let less = times_vector(tensile, &gradient);
-                traction = std::array::from_fn(|i| traction[i] - less[i] * factor);
-            }
+            let seen = (self.masses[other], other_density);
+            let traction = pairs.traction(&own, seen, &pairs.weigh(&x));
+            let taken = pairs.taken(traction);
             for i in 0..D {
                 forces[other][i] = forces[other][i] - traction[i];
-                forces[0][i] = match surroundings.momentum {
-                    MomentumForm::Difference => forces[0][i] - traction[i],
-                    MomentumForm::Symmetric | MomentumForm::Mean => forces[0][i] + traction[i],
-                };
+                forces[0][i] = forces[0][i] + taken[i];
             }
         }
         forces

@@ -3,8 +3,8 @@
 use super::super::lagrangian::{LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
 use super::super::stabilization::{
-    ArtificialViscosity, BondPenalty, Compliance, PenaltyForm, Slope, ViscousBond, ViscousScales,
-    assert_coefficients, smoothed_velocities, viscous_bonds,
+    ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, Slope, ViscousBond,
+    ViscousScales, assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
     Assembled, Bond, Discretization, PairLaw, PatchForces, PeriodicPatch, PointResponse,
@@ -205,7 +205,8 @@ impl<const D: usize> TotalLagrangianSph<D> {
             kernel: self.choices.kernel,
             radius: self.choices.radius,
         };
-        viscous_bonds(viscosity, material, &scales, &masses, &densities, bonds)
+        let dashpot = Dashpot::new::<D>(viscosity, material, &scales)?;
+        Ok(viscous_bonds(dashpot, &masses, &densities, bonds))
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::super::layout::{Layout, assert_planar, assert_positive};
 use super::super::stabilization::{
-    ArtificialStress, ArtificialViscosity, Repulsion, Slope, SmoothedMotion, ViscousBond,
+    ArtificialStress, ArtificialViscosity, Dashpot, Repulsion, Slope, SmoothedMotion, ViscousBond,
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
     Assembled, Discretization, PatchForces, PeriodicPatch, PointResponse, StrainOperator,
     linearized, lumped_masses,
 };
+use super::current::CurrentPairs;
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use super::stress::{Circle, StressOf, Surroundings};
@@ -240,24 +241,48 @@ impl<const D: usize> UpdatedSph<D> {
     ) -> Result<T, MethodError> {
         let state = self.state(f)?;
         let response = PointResponse::new(material, f)?;
+        let pairs = self.pairs_of(&state.layout, material, &response)?;
         let surroundings = Surroundings {
             response: &response,
-            weight: state.layout.weight().normalized(),
-            momentum: self.choices.momentum,
-            density_evolution: self.choices.density_evolution,
-            reference_density: self.choices.density,
-            repulsion: self.repulsion(&state.layout, &response),
+            pairs: &pairs,
             holds_positions,
         };
         let sites = 0..self.crystal.sites().len();
         let mut interactions: Vec<SphInteraction<'_, D>> = sites
             .map(|site| SphInteraction::Moving(self.stress_of(site, &state, &surroundings)))
             .collect();
-        if let Some(viscosity) = &self.choices.viscosity {
-            let bonds = self.viscous_bonds(viscosity, material, &state)?;
+        if let Some(dashpot) = pairs.dashpot {
+            let bonds = Self::viscous_bonds(dashpot, &self.masses, &state);
             interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
         }
         Ok(work(&state, &interactions))
+    }
+
+    /// How particles act on each other with the kernels of a homogeneous state.
+    fn pairs_of(
+        &self,
+        layout: &Layout<D>,
+        material: &dyn Hyperelastic,
+        response: &PointResponse<'_, D>,
+    ) -> Result<CurrentPairs<D>, MethodError> {
+        let scales = ViscousScales {
+            density: self.choices.density,
+            kernel: self.choices.kernel,
+            radius: self.choices.radius,
+        };
+        let viscosity = self.choices.viscosity.as_ref();
+        let dashpot = viscosity.map(|own| Dashpot::new::<D>(own, material, &scales));
+        Ok(CurrentPairs {
+            weight: layout.weight().normalized(),
+            momentum: self.choices.momentum,
+            density_evolution: self.choices.density_evolution,
+            reference_density: self.choices.density,
+            is_corrected: self.choices.corrected,
+            repulsion: self.repulsion(layout, response),
+            dashpot: dashpot.transpose()?,
+            smoothing: self.choices.velocity_smoothing,
+            smoothed_motion: self.choices.smoothed_motion,
+        })
     }
 
     fn repulsion(&self, layout: &Layout<D>, response: &PointResponse<'_, D>) -> Option<Repulsion> {
@@ -349,12 +374,7 @@ impl<const D: usize> UpdatedSph<D> {
         (0..positioned).map(shares).collect()
     }
 
-    fn viscous_bonds(
-        &self,
-        viscosity: &ArtificialViscosity,
-        material: &dyn Hyperelastic,
-        state: &State<D>,
-    ) -> Result<Vec<ViscousBond<D>>, MethodError> {
+    fn viscous_bonds(dashpot: Dashpot, masses: &[f64], state: &State<D>) -> Vec<ViscousBond<D>> {
         let slope = Slope::Moving(state.layout.weight().normalized());
         let bonds = state.neighborhoods.iter().flat_map(|neighborhood| {
             let others = neighborhood.particles.iter().zip(&neighborhood.vectors);
@@ -363,19 +383,7 @@ impl<const D: usize> UpdatedSph<D> {
                 .skip(1)
                 .map(move |(other, vector)| ([own, *other], *vector, slope))
         });
-        let scales = ViscousScales {
-            density: self.choices.density,
-            kernel: self.choices.kernel,
-            radius: self.choices.radius,
-        };
-        viscous_bonds(
-            viscosity,
-            material,
-            &scales,
-            &self.masses,
-            &state.densities,
-            bonds,
-        )
+        viscous_bonds(dashpot, masses, &state.densities, bonds)
     }
 }
 
@@ -451,5 +459,21 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
 
     fn neighbors(&self) -> f64 {
         self.neighbors
+    }
+
+    fn current_pairs(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<CurrentPairs<D>>, MethodError> {
+        let UpdatedSphChoices {
+            kernel,
+            radius,
+            support_size,
+            ..
+        } = self.choices;
+        let layout = Layout::current(kernel, radius, support_size, f)?;
+        let response = PointResponse::new(material, f)?;
+        self.pairs_of(&layout, material, &response).map(Some)
     }
 }

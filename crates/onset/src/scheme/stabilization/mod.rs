@@ -20,7 +20,7 @@ pub use penalty::PenaltyForm;
 pub(super) use penalty::{BondPenalty, Compliance};
 pub use velocity_smoothing::SmoothedMotion;
 pub(super) use velocity_smoothing::{smoothed_velocities, smoothing_share};
-pub(super) use viscosity::{Slope, ViscousBond, ViscousScales, viscous_bonds};
+pub(super) use viscosity::{Dashpot, Slope, ViscousBond, ViscousScales, viscous_bonds};
 
 use crate::method::MethodError;
 

@@ -94,14 +94,11 @@ impl<const D: usize> Slope<D> {
     }
 }
 
-/// One of the two halves of the viscous force between two particles.
-pub(in super::super) struct ViscousBond<const D: usize> {
-    particles: [Particle<D>; 2],
-    /// `x_J - x_I` in the homogeneous state.
-    vector: [f64; D],
-    slope: Slope<D>,
-    /// `m_I m_J / (2 rho)`, halved again where the viscosity acts half of the time.
-    factor: f64,
+/// The viscous force between two particles, from where they are and how fast they move.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Dashpot {
+    /// One, or a half where the viscosity acts half of the time.
+    share: f64,
     /// `alpha c`.
     linear: f64,
     /// `beta`.
@@ -111,32 +108,88 @@ pub(in super::super) struct ViscousBond<const D: usize> {
     is_of_smd: bool,
 }
 
-impl<const D: usize> ViscousBond<D> {
+impl Dashpot {
+    /// # Errors
+    /// [`MethodError`] when the material has no stiffness in the reference state.
+    pub(in super::super) fn new<const D: usize>(
+        viscosity: &ArtificialViscosity,
+        material: &dyn Hyperelastic,
+        scales: &ViscousScales,
+    ) -> Result<Self, MethodError> {
+        let undeformed = Stiffness::<D>::at(material, &DeformationGradient::identity())?;
+        let speed = (undeformed.maximum_eigenvalue() / scales.density).sqrt();
+        let (share, length) = match viscosity.switch {
+            ViscositySwitch::Always => (1.0, scales.kernel.nominal_smoothing_length(scales.radius)),
+            ViscositySwitch::Averaged => {
+                (0.5, scales.kernel.nominal_smoothing_length(scales.radius))
+            }
+            ViscositySwitch::Smd => (1.0, scales.radius),
+        };
+        Ok(Self {
+            share,
+            linear: viscosity.alpha * speed,
+            quadratic: viscosity.beta,
+            length,
+            is_of_smd: viscosity.switch == ViscositySwitch::Smd,
+        })
+    }
+
+    /// `m_I m_J / rho` with the mean density of the two, halved where the viscosity acts half of the time.
+    pub(in super::super) fn factor(&self, masses: [f64; 2], densities: [f64; 2]) -> f64 {
+        let density = 0.5 * (densities[0] + densities[1]);
+        self.share * masses[0] * masses[1] / density
+    }
+
     /// `rho Pi` from the squared length of the bond and `v.x`.
-    fn pressure<R: Real>(&self, squared: R, rate: R) -> R {
+    fn pressure<R: Real>(&self, squared: R, rate: R, quadratic: f64) -> R {
         let h = self.length;
         if self.is_of_smd {
             let length = squared.sqrt() + 0.1 * h;
             let mu = rate * h / (length * length);
-            return mu * (mu * self.quadratic - self.linear);
+            return mu * (mu * quadratic - self.linear);
         }
         let mu = rate * h / (squared + 0.01 * h * h);
         let size = mu.switch(0.0, || -mu, || mu);
-        -mu * (size * self.quadratic + self.linear)
+        -mu * (size * quadratic + self.linear)
     }
 
-    /// The gradient of the kernel with respect to the end of the bond, with the direction that the code gives to it.
-    fn gradient<R: Real>(&self, x: &[R; D], squared: R) -> [R; D] {
-        let gradient = self.slope.at(x, squared);
-        match self.slope {
-            Slope::Fixed(_) if self.is_of_smd => {
-                let length = squared.sqrt();
-                let shorter = length / (length + 0.01 * self.length);
-                gradient.map(|component| component * shorter)
-            }
-            _ => gradient,
+    /// The force on the first particle, over `m_I m_J / rho`, from the vector to the other one and the difference of their velocities.
+    pub(in super::super) fn on_first<R: Real, const D: usize>(
+        &self,
+        x: &[R; D],
+        v: &[R; D],
+        slope: &Slope<D>,
+        factor: f64,
+    ) -> [R; D] {
+        let zero = R::constant(0.0);
+        let squared = x.iter().fold(zero, |sum, x| sum + *x * *x);
+        let rate = x.iter().zip(v).fold(zero, |sum, (x, v)| sum + *x * *v);
+        let quadratic = match slope {
+            Slope::Moving(_) if self.is_of_smd => 0.0,
+            _ => self.quadratic,
+        };
+        let pressure = self.pressure(squared, rate, quadratic) * factor;
+        // The gradient of the kernel with respect to the end of the bond, with the direction that the code gives to it.
+        let mut gradient = slope.at(x, squared);
+        if self.is_of_smd && matches!(slope, Slope::Fixed(_)) {
+            let length = squared.sqrt();
+            let shorter = length / (length + 0.01 * self.length);
+            gradient = gradient.map(|component| component * shorter);
         }
+        // grad W_IJ with respect to I is minus that with respect to J.
+        gradient.map(|slope| slope * pressure)
     }
+}
+
+/// One of the two halves of the viscous force between two particles.
+pub(in super::super) struct ViscousBond<const D: usize> {
+    particles: [Particle<D>; 2],
+    /// `x_J - x_I` in the homogeneous state.
+    vector: [f64; D],
+    slope: Slope<D>,
+    dashpot: Dashpot,
+    /// Half of [`Dashpot::factor`].
+    factor: f64,
 }
 
 impl<const D: usize> Interaction<D> for ViscousBond<D> {
@@ -148,12 +201,8 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
         let difference = |values: &[[R; D]], i: usize| values[1][i] - values[0][i];
         let x: [R; D] =
             std::array::from_fn(|i| difference(motion.displacements, i) + self.vector[i]);
-        let zero = R::constant(0.0);
-        let squared = x.iter().fold(zero, |sum, x| sum + *x * *x);
-        let rate = (0..D).fold(zero, |sum, i| sum + x[i] * difference(motion.velocities, i));
-        let pressure = self.pressure(squared, rate) * self.factor;
-        // grad W_IJ with respect to I is minus that with respect to J.
-        let on_first = self.gradient(&x, squared).map(|slope| slope * pressure);
+        let v = std::array::from_fn(|i| difference(motion.velocities, i));
+        let on_first = self.dashpot.on_first(&x, &v, &self.slope, self.factor);
         vec![on_first, on_first.map(|force| -force)]
     }
 
@@ -174,37 +223,20 @@ pub(in super::super) struct ViscousScales {
 /// The viscous bonds of all pairs, each pair given from both of its ends: with its vector in the homogeneous state and its
 /// kernel. Masses and densities are those of the sites.
 pub(in super::super) fn viscous_bonds<const D: usize>(
-    viscosity: &ArtificialViscosity,
-    material: &dyn Hyperelastic,
-    scales: &ViscousScales,
+    dashpot: Dashpot,
     masses: &[f64],
     densities: &[f64],
     pairs: impl Iterator<Item = ([Particle<D>; 2], [f64; D], Slope<D>)>,
-) -> Result<Vec<ViscousBond<D>>, MethodError> {
-    let undeformed = Stiffness::<D>::at(material, &DeformationGradient::identity())?;
-    let speed = (undeformed.maximum_eigenvalue() / scales.density).sqrt();
-    let is_of_smd = viscosity.switch == ViscositySwitch::Smd;
-    let (share, length) = match viscosity.switch {
-        ViscositySwitch::Always => (1.0, scales.kernel.nominal_smoothing_length(scales.radius)),
-        ViscositySwitch::Averaged => (0.5, scales.kernel.nominal_smoothing_length(scales.radius)),
-        ViscositySwitch::Smd => (1.0, scales.radius),
-    };
+) -> Vec<ViscousBond<D>> {
     let bond = |(particles, vector, slope): ([Particle<D>; 2], _, Slope<D>)| {
-        let of = |values: &[f64], end: usize| values[particles[end].site];
-        let density = 0.5 * (of(densities, 0) + of(densities, 1));
+        let of = |values: &[f64]| particles.map(|own| values[own.site]);
         ViscousBond {
             particles,
             vector,
             slope,
-            factor: share * 0.5 * of(masses, 0) * of(masses, 1) / density,
-            linear: viscosity.alpha * speed,
-            quadratic: match slope {
-                Slope::Moving(_) if is_of_smd => 0.0,
-                _ => viscosity.beta,
-            },
-            length,
-            is_of_smd,
+            dashpot,
+            factor: 0.5 * dashpot.factor(of(masses), of(densities)),
         }
     };
-    Ok(pairs.map(bond).collect())
+    pairs.map(bond).collect()
 }

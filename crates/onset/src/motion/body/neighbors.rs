@@ -1,0 +1,153 @@
+//! Who is near whom among particles that move.
+
+use std::collections::HashMap;
+
+/// How much farther than needed pairs are looked for, as a share of the distance: particles may move by half of it before they are looked for again.
+const SKIN: f64 = 0.2;
+/// So many cells from the origin, and farther, all are one.
+const FAR: f64 = 1e15;
+
+/// Pairs of particles that may be within a distance of each other, found again when a particle has moved too far.
+pub(super) struct Neighbors<const D: usize> {
+    distance: f64,
+    /// Where the particles were when the pairs were found.
+    found_at: Vec<[f64; D]>,
+    pairs: Vec<[u32; 2]>,
+}
+
+fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+impl<const D: usize> Neighbors<D> {
+    pub(super) fn new(distance: f64) -> Self {
+        Self {
+            distance,
+            found_at: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
+
+    /// Pairs with the smaller number first, in increasing order; among them are all whose distance is below that which is looked for. So a sum over those
+    /// is the same to the last digit, whenever they were found.
+    pub(super) fn near(&mut self, places: &[[f64; D]]) -> &[[u32; 2]] {
+        let allowed = 0.5 * SKIN * self.distance;
+        let is_found = self.found_at.len() == places.len() && {
+            let mut both = self.found_at.iter().zip(places);
+            both.all(|(a, b)| squared(a, b) < allowed * allowed)
+        };
+        if !is_found {
+            self.find(places);
+        }
+        &self.pairs
+    }
+
+    /// The pairs that are kept; bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.pairs.len() * size_of::<[u32; 2]>() + self.found_at.len() * size_of::<[f64; D]>()
+    }
+
+    /// How many pairs are kept.
+    pub(super) fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn find(&mut self, places: &[[f64; D]]) {
+        let reach = (1.0 + SKIN) * self.distance;
+        let cell = |x: &[f64; D]| x.map(|x| (x / reach).floor().clamp(-FAR, FAR) as i64);
+        let mut order: Vec<([i64; D], u32)> = places
+            .iter()
+            .enumerate()
+            .map(|(number, x)| (cell(x), number as u32))
+            .collect();
+        order.sort_unstable();
+        // Where the particles of a cell begin and end in that order.
+        let mut cells: HashMap<[i64; D], [usize; 2]> = HashMap::new();
+        for (place, (own, _)) in order.iter().enumerate() {
+            cells.entry(*own).or_insert([place, place])[1] = place + 1;
+        }
+        self.pairs.clear();
+        for (number, x) in places.iter().enumerate() {
+            let first = self.pairs.len();
+            let home = cell(x);
+            for code in 0..3_usize.pow(D as u32) {
+                let beside: [i64; D] = std::array::from_fn(|i| {
+                    home[i] + (code / 3_usize.pow(i as u32) % 3) as i64 - 1
+                });
+                let Some([begin, end]) = cells.get(&beside) else {
+                    continue;
+                };
+                for (_, other) in &order[*begin..*end] {
+                    let is_near = squared(x, &places[*other as usize]) < reach * reach;
+                    if *other as usize > number && is_near {
+                        self.pairs.push([number as u32, *other]);
+                    }
+                }
+            }
+            self.pairs[first..].sort_unstable();
+        }
+        self.found_at.clear();
+        self.found_at.extend_from_slice(places);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Neighbors, squared};
+    use crate::algebra::uniform;
+
+    fn every_pair<const D: usize>(places: &[[f64; D]], distance: f64) -> Vec<[u32; 2]> {
+        let mut all = Vec::new();
+        for i in 0..places.len() {
+            for j in i + 1..places.len() {
+                if squared(&places[i], &places[j]) < distance * distance {
+                    all.push([i as u32, j as u32]);
+                }
+            }
+        }
+        all
+    }
+
+    fn assert_found<const D: usize>(count: usize) {
+        let mut random = 3;
+        let mut number = || 2.0 * uniform(&mut random) - 1.0;
+        let mut places: Vec<[f64; D]> = (0..count)
+            .map(|_| std::array::from_fn(|_| 4.0 * number()))
+            .collect();
+        let mut neighbors = Neighbors::new(1.3);
+        let (mut kept, mut changed) = (0, 0);
+        let mut before = Vec::new();
+        for _ in 0..60 {
+            let near: Vec<[u32; 2]> = neighbors.near(&places).to_vec();
+            let within = |pair: &&[u32; 2]| {
+                let [a, b] = pair.map(|own| places[own as usize]);
+                squared(&a, &b) < 1.3 * 1.3
+            };
+            let found: Vec<[u32; 2]> = near.iter().filter(within).copied().collect();
+            assert_eq!(found, every_pair(&places, 1.3));
+            kept += usize::from(near == before);
+            changed += usize::from(near != before);
+            before = near;
+            for x in &mut places {
+                x.iter_mut().for_each(|x| *x += 0.03 * number());
+            }
+        }
+        assert!(kept > 10 && changed > 3, "{kept} {changed}");
+    }
+
+    #[test]
+    fn pairs_are_those_of_all_particles_with_all_while_they_move() {
+        assert_found::<1>(40);
+        assert_found::<2>(150);
+        assert_found::<3>(300);
+    }
+
+    #[test]
+    fn particles_that_fly_away_are_far_from_all_others() {
+        let mut places = vec![[0.0, 0.0], [0.5, 0.0], [1e300, 0.0], [-1e300, 1e12]];
+        let mut neighbors = Neighbors::new(1.0);
+        assert_eq!(neighbors.near(&places), [[0, 1]]);
+        places[1] = [1e300, 0.3];
+        assert_eq!(neighbors.near(&places), [[1, 2]]);
+    }
+}
