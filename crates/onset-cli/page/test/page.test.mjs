@@ -27,8 +27,8 @@ after(async () => {
 });
 
 /** A page that is open, of which every message counts, and every request that leaves the machine. */
-async function open({ hash = "", size = SIZES.wide, dark = false } = {}) {
-  const context = await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" });
+async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
+  const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
   const messages = [];
   page.on("console", (message) => messages.push(message.text()));
@@ -36,17 +36,24 @@ async function open({ hash = "", size = SIZES.wide, dark = false } = {}) {
   page.on("request", (request) => {
     const url = new URL(request.url());
     if (!["data:", "blob:"].includes(url.protocol) && url.origin !== origin()) messages.push(`a request to ${url.origin}`);
+    if (request.headers()["referer"] !== undefined) messages.push(`${url} is told where it was asked from`);
   });
-  await page.goto(origin() + "/" + hash);
+  await page.goto(linked(hash, shown));
   const close = async (allowed = []) => {
     const unexpected = messages.filter((text) => !allowed.some((own) => text.includes(own)));
-    await context.close();
+    await (beside ? page : context).close();
     assert.deepEqual(unexpected, [], "no message in the console, and no request to another server");
   };
   return { page, close };
 }
 
 const origin = () => new URL(server.address).origin;
+const token = (address) => new URLSearchParams(new URL(address).hash.slice(1)).get("token");
+/** The address of a question, with a token or without. */
+const linked = (hash, shown) => {
+  const parts = [shown ? `token=${shown}` : "", hash.replace(/^#/, "")].filter((part) => part !== "");
+  return `${origin()}/${parts.length > 0 ? "#" : ""}${parts.join("&")}`;
+};
 const finest = (page) => page.waitForFunction(() => document.querySelector("#map svg") && document.getElementById("map-state").textContent === "", null, { timeout: 120_000 });
 const sentence = (page) => page.locator("#sentence").textContent();
 const drawn = (page, stretch) => page.waitForFunction((own) => document.getElementById("sentence").dataset.state === own, stretch, { timeout: 60_000 });
@@ -180,6 +187,35 @@ test("a link reproduces the state, and the back button the one before", options,
   await page.goForward();
   await page.waitForFunction((text) => document.getElementById("sentence").textContent === text, second);
   await close();
+});
+
+test("the token stays out of links, and without it there is no answer", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  assert.ok(!page.url().includes("token"), page.url());
+  await page.click("#link");
+  const link = await page.locator("#export-text").inputValue();
+  assert.ok(link.startsWith(origin()) && !link.includes(token(server.address)), link);
+  const stretch = "1.3,1.1";
+  const hash = new URL(link).hash.replace(/stretch=[^&]*/, `stretch=${stretch}`);
+  const told = onset(...argumentsOf(questionOf(linked(hash)))).sentence;
+  // In the browser that has the token a link is answered, also one with the token of another run.
+  for (const shown of ["", "0".repeat(32), ""]) {
+    const other = await open({ hash, shown, beside: page });
+    await drawn(other.page, stretch);
+    assert.equal(await sentence(other.page), told);
+    assert.ok(!other.page.url().includes("token"), other.page.url());
+    await other.close(shown === "" ? [] : ["403"]);
+  }
+  await close();
+  // Another user of the machine has none, or guesses.
+  for (const shown of ["", "0".repeat(32)]) {
+    const stranger = await open({ hash, shown });
+    await stranger.page.waitForSelector("#error:not([hidden])");
+    assert.match(await stranger.page.locator("#error").textContent(), /open the address that `onset explore` has printed/);
+    assert.equal(await sentence(stranger.page), "");
+    await stranger.close(["403"]);
+  }
 });
 
 test("a wrong formula shows the caret and keeps the last picture", options, async () => {
