@@ -24,7 +24,8 @@ function cells(shown: ShownMap, classes: Catalog["classes"]): string {
   const canvas = document.createElement("canvas");
   canvas.width = columns;
   canvas.height = rows;
-  const context = canvas.getContext("2d")!;
+  // It is read at once: on a graphics card that would wait for all that is drawn there.
+  const context = canvas.getContext("2d", { willReadFrequently: true })!;
   shown.classes.forEach((n, place) => {
     if (n === null) return;
     context.fillStyle = classes[n]!.color;

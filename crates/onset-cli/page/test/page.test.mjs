@@ -30,16 +30,21 @@ after(async () => {
 async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
   const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
-  const messages = [];
+  const [messages, asked] = [[], []];
   page.on("console", (message) => messages.push(message.text()));
   page.on("pageerror", (error) => messages.push(String(error)));
   page.on("request", (request) => {
     const url = new URL(request.url());
     if (!["data:", "blob:"].includes(url.protocol) && url.origin !== origin()) messages.push(`a request to ${url.origin}`);
-    if (request.headers()["referer"] !== undefined) messages.push(`${url} is told where it was asked from`);
+  });
+  // What the browser has really sent is known at the end.
+  page.on("requestfinished", (request) => {
+    const told = (headers) => headers["referer"] !== undefined && messages.push(`${request.url()} is told where it was asked from`);
+    asked.push(request.allHeaders().then(told, () => {}));
   });
   await page.goto(linked(hash, shown));
   const close = async (allowed = []) => {
+    await Promise.race([Promise.all(asked), page.waitForTimeout(2000)]);
     const unexpected = messages.filter((text) => !allowed.some((own) => text.includes(own)));
     await (beside ? page : context).close();
     assert.deepEqual(unexpected, [], "no message in the console, and no request to another server");
@@ -82,19 +87,20 @@ async function click(page, x, y) {
 const six = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(6))));
 const cell = (page, name) => page.locator("#numbers tr", { has: page.locator("th", { hasText: new RegExp(`^${name}$`) }) }).locator("td").textContent();
 
-test("the first picture is there within two seconds", options, async () => {
+test("the first picture is there within two seconds", options, async (own) => {
   const since = Date.now();
   const { page, close } = await open();
   await page.waitForSelector("#map svg");
   await page.waitForSelector("#mode canvas");
   const took = Date.now() - since;
+  own.diagnostic(`${took} ms`);
   assert.ok(took < 2000 * PATIENCE, `${took} ms`);
   await finest(page);
   await page.waitForFunction(() => performance.getEntriesByName("drawn:boundary").length > 0, null, { timeout: 60_000 });
   await close();
 });
 
-test("three states that are clicked are told as by the command, and drawn at once", options, async () => {
+test("three states that are clicked are told as by the command, and drawn at once", options, async (own) => {
   const { page, close } = await open();
   await finest(page);
   for (const [x, y] of [[1.2, 1.0], [1.7, 1.8], [1.05, 1.45]]) {
@@ -117,6 +123,7 @@ test("three states that are clicked are told as by the command, and drawn at onc
       const at = (name) => performance.getEntriesByName(name).at(-1).startTime;
       return at("drawn:mode") - at("answer:mode");
     });
+    own.diagnostic(`from the answer to the moving mode ${took} ms`);
     assert.ok(took < 50 * PATIENCE, `from the answer to the moving mode ${took} ms`);
   }
   await close();
@@ -140,7 +147,7 @@ test("the mode moves, as far as the slider says, and can be paused", options, as
   await close();
 });
 
-test("a slider draws anew within 200 ms of a step", options, async () => {
+test("a slider draws anew within 200 ms of a step", options, async (own) => {
   const { page, close } = await open();
   await finest(page);
   const slider = page.locator('[id="field-material.mu-slider"]');
@@ -158,6 +165,7 @@ test("a slider draws anew within 200 ms of a step", options, async () => {
     times.push(after - before);
   }
   times.sort((a, b) => a - b);
+  own.diagnostic(`${times.map(Math.round).join(", ")} ms`);
   assert.ok(times[2] < 200 * PATIENCE, `${times} ms`);
   // What is shown is of the last step.
   await finest(page);
