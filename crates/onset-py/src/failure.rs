@@ -80,7 +80,7 @@ fn origin(error: &SettingError) -> (Option<String>, Option<Place>) {
             let key = named.filter(|key| key.contains('.') && !key.contains(' '));
             (key.map(str::to_owned), Some((name.clone(), *line, *column)))
         }
-        Origin::Combination => (None, None),
+        Origin::Question | Origin::Combination => (None, None),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
-use onset::bloch::Stability;
+use onset::bloch::{IsEnded, Stability};
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
 use rayon::prelude::*;
@@ -67,9 +67,6 @@ impl Class {
 
 /// How often the cells of a map are halved so that it looks smooth.
 const HALVINGS: usize = 3;
-
-/// Whether nobody waits for an answer any more; asked before every state.
-pub type IsEnded<'a> = &'a (dyn Fn() -> bool + Sync);
 
 fn unless(is_ended: IsEnded<'_>) -> Result<(), ProblemError> {
     match is_ended() {

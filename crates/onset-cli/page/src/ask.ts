@@ -1,5 +1,7 @@
 // Questions to the program. A question that is asked anew gives up the one before; the program stops computing maps and boundaries then.
 
+import { SHOWN, token } from "./token";
+
 export interface Window {
   axes: [string, string];
   ranges: [[number, number], [number, number]];
@@ -67,11 +69,18 @@ export interface State {
   };
 }
 
+/** Frequencies upward, growth rates downward. */
+export interface Heights {
+  particles: number[];
+  continuum: number[];
+  flutter: number | null;
+}
+
 export interface Dispersion {
   corners: { name: string; wave_vector: number[]; length: number }[];
-  samples: { omega_squared: Complex[]; continuum_omega_squared: number[] }[];
   lengths: number[];
-  critical: { stable: boolean; growth_rate: number; omega_squared: Complex; length: number | null; wave_vector: number[] };
+  heights: Heights[];
+  critical: { height: number; length: number | null };
 }
 
 export interface Directions {
@@ -145,7 +154,7 @@ export async function ask<T>(name: string, question: Partial<Question> & Record<
   running.set(place, controller);
   const answer = await fetch(`api/${name}`, {
     method: "POST",
-    headers: { "Content-Type": "application/json" },
+    headers: { "Content-Type": "application/json", [SHOWN]: token() },
     body: JSON.stringify(question),
     signal: controller.signal,
   });

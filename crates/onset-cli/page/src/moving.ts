@@ -33,7 +33,8 @@ export function moving(canvas: HTMLCanvasElement, mode: Mode, amplitude: number,
   canvas.height = Math.round(tall * ratio);
   canvas.style.height = `${tall}px`;
   const scale = Math.min(canvas.width / (right - left), canvas.height / (top - bottom));
-  const context = canvas.getContext("2d")!;
+  // A few dots are drawn soonest without the graphics card, which a machine may have to imitate.
+  const context = canvas.getContext("2d", { willReadFrequently: true })!;
   const state: Moving & { frame: number } = { amplitude, isPaused, frame: 0, stop: () => cancelAnimationFrame(state.frame) };
   // The colors are looked up once: asking for them lays out the page.
   const [still, alive] = [color("line"), color(mode.stable ? "blue" : "vermilion")];

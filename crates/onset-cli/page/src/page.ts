@@ -7,6 +7,7 @@ import { element, lazily, table, the, told, vector } from "./dom";
 import { build } from "./form";
 import { moving, type Moving } from "./moving";
 import * as pictures from "./pictures";
+import { enter } from "./token";
 
 /** What is shown where nothing is asked. */
 const FIRST: Question = {
@@ -93,7 +94,10 @@ function show(next: Question, address: "push" | "replace" | "keep", extent: Exte
   else {
     const answered = askState();
     if (isOther) void askMap(answered);
-    else drawMap();
+    else {
+      drawMap();
+      void answered.then(askWaves);
+    }
   }
 }
 
@@ -116,7 +120,7 @@ async function anew(): Promise<void> {
   stateForm();
   windowForm();
   const answered = askState();
-  if (!stored) void askMap(answered);
+  void (stored ? answered.then(askWaves) : askMap(answered));
 }
 
 /** What a chain is shown over beside its stretch: the length by which its particles see each other. */
@@ -155,38 +159,51 @@ function changed(name: string, value: string, isDone: boolean): void {
 
 const asked = () => ({ set: question.set, stretch: question.stretch });
 
-/** Asks about the state, for each picture by itself; one that is there stays until the next. */
-function askState(): Promise<unknown> {
-  const later = <T>(name: string, draw: (answer: T) => void) =>
-    ask<T>(name, asked()).then(
-      (answer) => {
-        performance.mark(`answer:${name}`);
-        draw(answer);
-        performance.mark(`drawn:${name}`);
-      },
-      (error: unknown) => {
-        if (!isGivenUp(error) && name !== "state" && error instanceof Refusal) return;
-        failed(error);
-      },
-    );
+/** Asks for a picture of the state, which stays until the next is there. */
+const picture = <T>(name: string, draw: (answer: T) => void): Promise<void> =>
+  ask<T>(name, asked()).then(
+    (answer) => {
+      performance.mark(`answer:${name}`);
+      draw(answer);
+      performance.mark(`drawn:${name}`);
+    },
+    (error: unknown) => {
+      if (!isGivenUp(error) && name !== "state" && error instanceof Refusal) return;
+      failed(error);
+    },
+  );
+
+/** Which state is asked about. */
+let state = 0;
+
+/** Asks about the state, and tells which it is when it is there. What is known of the last one is given up. */
+async function askState(): Promise<number> {
+  const own = ++state;
+  for (const name of ["directions", "dispersion"]) giveUp(name);
   stateForm();
-  const first = [later<State>("state", showState), later<Mode>("mode", showMode)];
-  void later<Directions>("directions", showDirections);
-  void later<Dispersion>("dispersion", showDispersion);
-  return Promise.all(first);
+  await Promise.all([picture<State>("state", showState), picture<Mode>("mode", showMode)]);
+  return own;
+}
+
+/** Asks for the waves of the state, many as they are: after what is seen first. */
+function askWaves(own: number): void {
+  if (own !== state) return;
+  void picture<Directions>("directions", showDirections);
+  void picture<Dispersion>("dispersion", showDispersion);
 }
 
 /** Which map is asked for: an earlier one is given up. */
 let turn = 0;
 
 /** Asks for the map when the state is there, which a map of many states is not to delay: coarse first, and its boundaries at the end. */
-async function askMap(answered: Promise<unknown>): Promise<void> {
+async function askMap(answered: Promise<number>): Promise<void> {
   giveUp("boundary");
   giveUp("map");
   const own = ++turn;
-  await answered;
+  const of = await answered;
   if (own !== turn) return;
   the("plane").setAttribute("aria-busy", "true");
+  let isBegun = false;
   try {
     for (let level = 0; ; level++) {
       const map = await ask<ShownMap>("map", { ...asked(), window: question.window, level });
@@ -195,6 +212,8 @@ async function askMap(answered: Promise<unknown>): Promise<void> {
       the("map-help").textContent = HELP;
       drawMap();
       performance.mark("drawn:map");
+      if (!isBegun) askWaves(of);
+      isBegun = true;
       if (map.is_finest) break;
     }
     the("plane").removeAttribute("aria-busy");
@@ -205,6 +224,8 @@ async function askMap(answered: Promise<unknown>): Promise<void> {
   } catch (error) {
     if (isGivenUp(error)) return;
     the("plane").removeAttribute("aria-busy");
+    // A state can have waves where the window has no map.
+    if (!isBegun) askWaves(of);
     // What is wrong with the state is told beside it; what is wrong with the window alone, here.
     const isDrawn = shown?.is_finest === true && error instanceof Refusal;
     the("map-state").textContent = isDrawn ? "" : error instanceof Refusal ? error.message : String(error);
@@ -342,11 +363,7 @@ function showDispersion(answer: Dispersion): void {
   const picture = pictures.named(pictures.dispersion(answer, Math.max(the("dispersion").clientWidth, 260)), label);
   the("dispersion").replaceChildren(picture);
   lazily(the("dispersion-table"), () => {
-    const rows = answer.samples.map((sample, n): (string | number)[] => [
-      told(answer.lengths[n]),
-      sample.omega_squared.map((own) => told(pictures.height(own))).join(", "),
-      sample.continuum_omega_squared.map((own) => told(pictures.height({ re: own, im: 0 }))).join(", "),
-    ]);
+    const rows = answer.heights.map((own, n): (string | number)[] => [told(answer.lengths[n]), own.particles.map(told).join(", "), own.continuum.map(told).join(", ")]);
     return table("Frequencies along the path; below zero minus the growth rate", ["length", "particles", "continuum"], rows.filter((_, n) => n % 10 === 0));
   });
 }
@@ -502,7 +519,8 @@ async function showStored(): Promise<void> {
 }
 
 /** Shows what the address asks. */
-function follow(): void {
+async function follow(): Promise<void> {
+  await enter();
   const asks = read(location.hash);
   if (asks === "stored") void showStored();
   else {
@@ -540,7 +558,7 @@ async function begin(): Promise<void> {
       failed(error);
     }
   });
-  addEventListener("popstate", follow);
+  addEventListener("popstate", () => void follow());
   let width = innerWidth;
   addEventListener("resize", () => {
     if (width === innerWidth) return;
@@ -553,6 +571,7 @@ async function begin(): Promise<void> {
     if (polar) showDirections(polar);
   });
   try {
+    await enter();
     catalog = await ask<Catalog>("catalog", {});
   } catch (error) {
     failed(error);
@@ -567,7 +586,7 @@ async function begin(): Promise<void> {
     showEntry(entry);
     show(opened(entry.question), "push", "form");
   });
-  follow();
+  await follow();
 }
 
 void begin();

@@ -1,7 +1,7 @@
 // Pictures of answers. The numbers are the program's; here they are only placed.
 
 import * as Plot from "@observablehq/plot";
-import type { Catalog, Complex, Curves, Directions, Dispersion, ShownMap } from "./ask";
+import type { Catalog, Curves, Directions, Dispersion, Heights, ShownMap } from "./ask";
 import { color } from "./dom";
 
 type Drawn = SVGSVGElement | HTMLElement;
@@ -24,7 +24,8 @@ function cells(shown: ShownMap, classes: Catalog["classes"]): string {
   const canvas = document.createElement("canvas");
   canvas.width = columns;
   canvas.height = rows;
-  const context = canvas.getContext("2d")!;
+  // It is read at once: on a graphics card that would wait for all that is drawn there.
+  const context = canvas.getContext("2d", { willReadFrequently: true })!;
   shown.classes.forEach((n, place) => {
     if (n === null) return;
     context.fillStyle = classes[n]!.color;
@@ -79,37 +80,21 @@ function lined(curves: Curves | null): { of: string; points: [number, number][] 
   }));
 }
 
-/** The frequency of a wave; minus the growth rate of one that does not oscillate. */
-export function height(omegaSquared: Complex): number {
-  const size = Math.hypot(omegaSquared.re, omegaSquared.im);
-  const oscillation = Math.sqrt(Math.max(0, (size + omegaSquared.re) / 2));
-  const growth = Math.sqrt(Math.max(0, (size - omegaSquared.re) / 2));
-  return growth > oscillation ? -growth : oscillation;
-}
-
-/** Minus the growth rate of a wave that oscillates as it grows; not a number for others. */
-function flutter(omegaSquared: Complex, noise: number): number {
-  const growth = Math.sqrt(Math.max(0, (Math.hypot(omegaSquared.re, omegaSquared.im) - omegaSquared.re) / 2));
-  return height(omegaSquared) >= 0 && growth > noise ? -growth : NaN;
-}
-
-/** A diagram of dispersion: frequencies upward, growth rates downward, those of waves that oscillate too in a curve of their own. */
+/** A diagram of dispersion: frequencies upward, growth rates downward, the largest of waves that oscillate too in a curve of its own. */
 export function dispersion(answer: Dispersion, width: number): Drawn {
-  const branches = answer.samples[0]?.omega_squared.length ?? 0;
-  const own = answer.samples[0]?.continuum_omega_squared.length ?? 0;
-  const curve = (value: (sample: Dispersion["samples"][0]) => number) =>
-    answer.samples.flatMap((sample, n) => {
-      const at: [number, number] = [answer.lengths[n]!, value(sample)];
+  const [branches, own] = [answer.heights[0]?.particles.length ?? 0, answer.heights[0]?.continuum.length ?? 0];
+  const curve = (value: (heights: Heights) => number) =>
+    answer.heights.flatMap((heights, n) => {
+      const at: [number, number] = [answer.lengths[n]!, value(heights)];
       // A jump of the path breaks the curve.
       return n > 0 && answer.lengths[n - 1] === answer.lengths[n] ? [[NaN, NaN], at] : [at];
     });
-  const particles = Array.from({ length: branches }, (_, n) => curve((sample) => height(sample.omega_squared[n]!)));
-  const continuum = Array.from({ length: own }, (_, n) => curve((sample) => height({ re: sample.continuum_omega_squared[n]!, im: 0 })));
+  const particles = Array.from({ length: branches }, (_, n) => curve((heights) => heights.particles[n]!));
+  const continuum = Array.from({ length: own }, (_, n) => curve((heights) => heights.continuum[n]!));
+  const fluttering = curve((heights) => heights.flutter ?? NaN);
   const critical = answer.critical;
-  const mark = critical.length === null ? [] : [[critical.length, critical.stable ? height(critical.omega_squared) : -critical.growth_rate]];
-  const size = Math.max(...particles.flat().map(([, y]) => Math.abs(y!)).filter(Number.isFinite));
-  const fluttering = Array.from({ length: branches }, (_, n) => curve((sample) => flutter(sample.omega_squared[n]!, 1e-6 * size)));
-  const heights = [...particles, ...fluttering, mark].flat().map(([, y]) => y!).filter(Number.isFinite);
+  const mark = critical.length === null ? [] : [[critical.length, critical.height]];
+  const heights = [...particles, fluttering, mark].flat().map(([, y]) => y!).filter(Number.isFinite);
   const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
   const margin = 0.08 * (high - low || 1);
   const ticks = new Map<number, string>();
@@ -127,7 +112,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
       Plot.ruleY([0], { stroke: color("text") }),
       ...continuum.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("quiet"), strokeDasharray: "6,4", clip: true })),
       ...particles.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("blue"), strokeWidth: 1.8 })),
-      ...fluttering.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("vermilion"), strokeWidth: 1.8 })),
+      Plot.line(fluttering, { x: "0", y: "1", stroke: color("vermilion"), strokeWidth: 1.8 }),
       Plot.dot(mark, { x: "0", y: "1", r: 6, fill: color("vermilion"), stroke: color("ground") }),
     ],
   });

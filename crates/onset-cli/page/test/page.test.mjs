@@ -27,26 +27,38 @@ after(async () => {
 });
 
 /** A page that is open, of which every message counts, and every request that leaves the machine. */
-async function open({ hash = "", size = SIZES.wide, dark = false } = {}) {
-  const context = await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" });
+async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
+  const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
-  const messages = [];
+  const [messages, asked] = [[], []];
   page.on("console", (message) => messages.push(message.text()));
   page.on("pageerror", (error) => messages.push(String(error)));
   page.on("request", (request) => {
     const url = new URL(request.url());
     if (!["data:", "blob:"].includes(url.protocol) && url.origin !== origin()) messages.push(`a request to ${url.origin}`);
   });
-  await page.goto(origin() + "/" + hash);
+  // What the browser has really sent is known at the end.
+  page.on("requestfinished", (request) => {
+    const told = (headers) => headers["referer"] !== undefined && messages.push(`${request.url()} is told where it was asked from`);
+    asked.push(request.allHeaders().then(told, () => {}));
+  });
+  await page.goto(linked(hash, shown));
   const close = async (allowed = []) => {
+    await Promise.race([Promise.all(asked), page.waitForTimeout(2000)]);
     const unexpected = messages.filter((text) => !allowed.some((own) => text.includes(own)));
-    await context.close();
+    await (beside ? page : context).close();
     assert.deepEqual(unexpected, [], "no message in the console, and no request to another server");
   };
   return { page, close };
 }
 
 const origin = () => new URL(server.address).origin;
+const token = (address) => new URLSearchParams(new URL(address).hash.slice(1)).get("token");
+/** The address of a question, with a token or without. */
+const linked = (hash, shown) => {
+  const parts = [shown ? `token=${shown}` : "", hash.replace(/^#/, "")].filter((part) => part !== "");
+  return `${origin()}/${parts.length > 0 ? "#" : ""}${parts.join("&")}`;
+};
 const finest = (page) => page.waitForFunction(() => document.querySelector("#map svg") && document.getElementById("map-state").textContent === "", null, { timeout: 120_000 });
 const sentence = (page) => page.locator("#sentence").textContent();
 const drawn = (page, stretch) => page.waitForFunction((own) => document.getElementById("sentence").dataset.state === own, stretch, { timeout: 60_000 });
@@ -75,19 +87,20 @@ async function click(page, x, y) {
 const six = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(6))));
 const cell = (page, name) => page.locator("#numbers tr", { has: page.locator("th", { hasText: new RegExp(`^${name}$`) }) }).locator("td").textContent();
 
-test("the first picture is there within two seconds", options, async () => {
+test("the first picture is there within two seconds", options, async (own) => {
   const since = Date.now();
   const { page, close } = await open();
   await page.waitForSelector("#map svg");
   await page.waitForSelector("#mode canvas");
   const took = Date.now() - since;
+  own.diagnostic(`${took} ms`);
   assert.ok(took < 2000 * PATIENCE, `${took} ms`);
   await finest(page);
   await page.waitForFunction(() => performance.getEntriesByName("drawn:boundary").length > 0, null, { timeout: 60_000 });
   await close();
 });
 
-test("three states that are clicked are told as by the command, and drawn at once", options, async () => {
+test("three states that are clicked are told as by the command, and drawn at once", options, async (own) => {
   const { page, close } = await open();
   await finest(page);
   for (const [x, y] of [[1.2, 1.0], [1.7, 1.8], [1.05, 1.45]]) {
@@ -110,6 +123,7 @@ test("three states that are clicked are told as by the command, and drawn at onc
       const at = (name) => performance.getEntriesByName(name).at(-1).startTime;
       return at("drawn:mode") - at("answer:mode");
     });
+    own.diagnostic(`from the answer to the moving mode ${took} ms`);
     assert.ok(took < 50 * PATIENCE, `from the answer to the moving mode ${took} ms`);
   }
   await close();
@@ -133,7 +147,7 @@ test("the mode moves, as far as the slider says, and can be paused", options, as
   await close();
 });
 
-test("a slider draws anew within 200 ms of a step", options, async () => {
+test("a slider draws anew within 200 ms of a step", options, async (own) => {
   const { page, close } = await open();
   await finest(page);
   const slider = page.locator('[id="field-material.mu-slider"]');
@@ -151,6 +165,7 @@ test("a slider draws anew within 200 ms of a step", options, async () => {
     times.push(after - before);
   }
   times.sort((a, b) => a - b);
+  own.diagnostic(`${times.map(Math.round).join(", ")} ms`);
   assert.ok(times[2] < 200 * PATIENCE, `${times} ms`);
   // What is shown is of the last step.
   await finest(page);
@@ -180,6 +195,35 @@ test("a link reproduces the state, and the back button the one before", options,
   await page.goForward();
   await page.waitForFunction((text) => document.getElementById("sentence").textContent === text, second);
   await close();
+});
+
+test("the token stays out of links, and without it there is no answer", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  assert.ok(!page.url().includes("token"), page.url());
+  await page.click("#link");
+  const link = await page.locator("#export-text").inputValue();
+  assert.ok(link.startsWith(origin()) && !link.includes(token(server.address)), link);
+  const stretch = "1.3,1.1";
+  const hash = new URL(link).hash.replace(/stretch=[^&]*/, `stretch=${stretch}`);
+  const told = onset(...argumentsOf(questionOf(linked(hash)))).sentence;
+  // In the browser that has the token a link is answered, also one with the token of another run.
+  for (const shown of ["", "0".repeat(32), ""]) {
+    const other = await open({ hash, shown, beside: page });
+    await drawn(other.page, stretch);
+    assert.equal(await sentence(other.page), told);
+    assert.ok(!other.page.url().includes("token"), other.page.url());
+    await other.close(shown === "" ? [] : ["403"]);
+  }
+  await close();
+  // Another user of the machine has none, or guesses.
+  for (const shown of ["", "0".repeat(32)]) {
+    const stranger = await open({ hash, shown });
+    await stranger.page.waitForSelector("#error:not([hidden])");
+    assert.match(await stranger.page.locator("#error").textContent(), /open the address that `onset explore` has printed/);
+    assert.equal(await sentence(stranger.page), "");
+    await stranger.close(["403"]);
+  }
 });
 
 test("a wrong formula shows the caret and keeps the last picture", options, async () => {

@@ -48,7 +48,7 @@ impl Mistake {
         let told = error.to_string();
         let (line, column) = match error.origin {
             Origin::File { line, column, .. } => (Some(line), Some(column)),
-            Origin::CommandLine(_) | Origin::Combination => (None, None),
+            Origin::CommandLine(_) | Origin::Question | Origin::Combination => (None, None),
         };
         Box::new(Self {
             line,

@@ -6,6 +6,7 @@ use crate::explore::{Link, serve};
 use crate::printing;
 use onset_study::explore::{Question, Stored};
 use onset_study::settings::Value;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Serves the page, at a study, a stored map or a question.
@@ -39,6 +40,14 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
 /// What is shown first: a study with its window, or what is set.
 fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
     let is_plain = problem.assignments.is_empty() && problem.energy.is_none();
+    if let Some(link) = problem.file.as_deref().and_then(address) {
+        return match is_plain {
+            true => link.map_err(Failure::input),
+            false => Err(Failure::input(
+                "an address has its settings\n  hint: leave out --set and --energy, and change them in the page",
+            )),
+        };
+    }
     match (&problem.file, is_plain) {
         (None, true) => Ok(Link::Nothing),
         (Some(file), true) => {
@@ -52,6 +61,11 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
             Ok(Link::Question(Box::new(question)))
         }
     }
+}
+
+/// What is asked by an address of a page in the place of a file; none of what is a file.
+fn address(file: &Path) -> Option<Result<Link, String>> {
+    file.to_str().and_then(Link::of_address)
 }
 
 /// Serves the page at a state.

@@ -1,7 +1,7 @@
 //! The address of a question: behind its `#`, so that it stays in the browser.
 
+use super::token::Token;
 use onset_study::explore::Question;
-use std::fmt;
 
 /// What the page shows first.
 pub enum Link {
@@ -13,28 +13,95 @@ pub enum Link {
     Nothing,
 }
 
-impl fmt::Display for Link {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Link {
+    /// What stands behind the address of the server, with a token that the page takes out of it.
+    pub fn with(&self, token: &Token) -> String {
+        let mut parts = vec![format!("token={token}")];
+        parts.extend(self.parts());
+        format!("#{}", parts.join("&"))
+    }
+
+    fn parts(&self) -> Vec<String> {
         match self {
-            Self::Nothing => Ok(()),
-            Self::Stored => formatter.write_str("#map=stored"),
-            Self::Question(question) => {
-                let mut parts: Vec<String> = question
-                    .set
-                    .iter()
-                    .map(|own| format!("set={}", escaped(own)))
-                    .collect();
-                if !question.stretch.is_empty() {
-                    parts.push(format!("stretch={}", escaped(&question.stretch)));
-                }
-                let window = &question.window;
-                for (name, [low, high]) in window.axes.iter().zip(window.ranges) {
-                    parts.push(format!("axis={}", escaped(&format!("{name},{low},{high}"))));
-                }
-                write!(formatter, "#{}", parts.join("&"))
+            Self::Nothing => Vec::new(),
+            Self::Stored => vec!["map=stored".to_owned()],
+            Self::Question(question) => of_question(question),
+        }
+    }
+
+    /// What an address of a page asks, of whichever run; none of what is no address.
+    ///
+    /// # Errors
+    /// What is wrong with it, with a hint.
+    pub fn of_address(text: &str) -> Option<Result<Self, String>> {
+        if !text.starts_with("http://") {
+            return None;
+        }
+        let asked = text.split_once('#').map_or("", |(_, asked)| asked);
+        Some(read(asked))
+    }
+}
+
+fn of_question(question: &Question) -> Vec<String> {
+    let set = question.set.iter();
+    let mut parts: Vec<String> = set.map(|own| format!("set={}", escaped(own))).collect();
+    if !question.stretch.is_empty() {
+        parts.push(format!("stretch={}", escaped(&question.stretch)));
+    }
+    let window = &question.window;
+    for (name, [low, high]) in window.axes.iter().zip(window.ranges) {
+        parts.push(format!("axis={}", escaped(&format!("{name},{low},{high}"))));
+    }
+    parts
+}
+
+fn read(asked: &str) -> Result<Link, String> {
+    let mut question = Question::default();
+    let mut axes = 0;
+    for part in asked.split('&').filter(|part| !part.is_empty()) {
+        let (name, value) = part.split_once('=').unwrap_or((part, ""));
+        let value = unescaped(value)
+            .ok_or_else(|| format!("`{part}` of the address cannot be read: it is not UTF-8"))?;
+        match name {
+            // That of another run.
+            "token" => {}
+            "set" => question.set.push(value),
+            "stretch" => question.stretch = value,
+            "axis" if axes < 2 => {
+                (question.window.axes[axes], question.window.ranges[axes]) = axis(&value)?;
+                axes += 1;
+            }
+            "map" => {
+                return Err(
+                    "the address is that of a stored map, which is not in it\n  hint: onset explore MAP.zarr"
+                        .to_owned(),
+                );
+            }
+            _ => {
+                return Err(format!(
+                    "`{part}` of the address means nothing\n  hint: expected what the page gives with Copy link, http://...#set=...&stretch=..."
+                ));
             }
         }
     }
+    Ok(match question == Question::default() {
+        true => Link::Nothing,
+        false => Link::Question(Box::new(question)),
+    })
+}
+
+/// A name and a range.
+fn axis(text: &str) -> Result<(String, [f64; 2]), String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
+    match parts[..] {
+        [name, low, high] => number(low)
+            .zip(number(high))
+            .filter(|(low, high)| low < high)
+            .map(|(low, high)| (name.to_owned(), [low, high])),
+        _ => None,
+    }
+    .ok_or_else(|| format!("`axis={text}` of the address is no axis\n  hint: expected its name and its ends, stretch-1,0.5,2"))
 }
 
 /// A text as a part of an address: all but letters, digits and a few signs in hexadecimal.
@@ -48,20 +115,76 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
+/// The text that a part of an address stands for; none where it is not UTF-8.
+fn unescaped(part: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(part.len());
+    let mut rest = part.as_bytes();
+    while let Some((first, others)) = rest.split_first() {
+        let coded = others.get(..2).filter(|_| *first == b'%');
+        let digits = coded.and_then(|digits| std::str::from_utf8(digits).ok());
+        match digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &others[2..];
+            }
+            None => {
+                bytes.push(*first);
+                rest = others;
+            }
+        }
+    }
+    String::from_utf8(bytes).ok()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Link, Question};
+    use super::{Link, Question, of_question};
+
+    fn question() -> Question {
+        Question {
+            set: vec!["material.energy=mu*(I1 - 3) + 100%".to_owned()],
+            stretch: "1.1,0.9".to_owned(),
+            ..Question::default()
+        }
+    }
 
     #[test]
     fn a_link_has_the_whole_question() {
-        let question = Question {
-            set: vec!["material.energy=mu*(I1 - 3)".to_owned()],
-            stretch: "1.1,0.9".to_owned(),
-            ..Question::default()
-        };
         assert_eq!(
-            Link::Question(Box::new(question)).to_string(),
-            "#set=material.energy%3Dmu%2A%28I1%20-%203%29&stretch=1.1,0.9&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
+            of_question(&question()).join("&"),
+            "set=material.energy%3Dmu%2A%28I1%20-%203%29%20%2B%20100%25&stretch=1.1,0.9&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
         );
+    }
+
+    #[test]
+    fn a_link_of_another_run_asks_the_same() {
+        let mut asked = question();
+        asked.window.axes[1] = "discretization.support".to_owned();
+        asked.window.ranges[1] = [1.2, 4.0];
+        for start in ["http://127.0.0.1:6673/#", "http://localhost:1/#token=00ff&"] {
+            let address = format!("{start}{}", of_question(&asked).join("&"));
+            match Link::of_address(&address) {
+                Some(Ok(Link::Question(found))) => assert_eq!(*found, asked),
+                _ => panic!("{address}"),
+            }
+        }
+        assert!(Link::of_address("study.toml").is_none());
+        assert!(matches!(
+            Link::of_address("http://127.0.0.1:6673/"),
+            Some(Ok(Link::Nothing))
+        ));
+        for wrong in [
+            "map=stored",
+            "axis=stretch-1,2,1",
+            "axis=stretch-1",
+            "set=%ff",
+            "sets=1",
+        ] {
+            let address = format!("http://127.0.0.1:6673/#{wrong}");
+            assert!(
+                matches!(Link::of_address(&address), Some(Err(_))),
+                "{wrong}"
+            );
+        }
     }
 }

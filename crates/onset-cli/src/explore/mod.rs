@@ -1,13 +1,16 @@
 //! `onset explore`: a page to play with, on this machine alone.
 //!
 //! The page is a front end like the command: what it shows are the documents of `--json`, and what it asks is what is written after `--set`
-//! and `--stretch`. It is served on the loopback address, with everything it needs, and asks no other server for anything.
+//! and `--stretch`. It is served on the loopback address, with everything it needs, and asks no other server for anything. The files of the
+//! page are those of the program, and for everybody; answers are for who shows the token that was made at the start. It stands behind the `#` of
+//! the printed address, which a browser sends nowhere; the page keeps it, and takes it out of the address.
 
 mod browser;
 mod http;
 mod link;
 mod page;
 mod server;
+mod token;
 
 pub use link::Link;
 
@@ -17,6 +20,7 @@ use onset_study::settings::Trust;
 use server::Server;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::process::ExitCode;
+use token::Token;
 
 /// The port of the page unless another one is asked for: links stay true from one day to the next.
 pub const PORT: u16 = 6673;
@@ -34,11 +38,15 @@ pub fn serve(
 ) -> Result<ExitCode, Failure> {
     let listener = listener(port)?;
     let address = listener.local_addr().map_err(Failure::machine)?;
-    let server = Server::new(Explorer::new(trust, stored), address);
-    let place = format!("http://{address}/{link}");
-    crate::printing::print_text(&place)?;
+    let random = || Token::random().map_err(Failure::machine);
+    let (token, ticket) = (random()?, random()?);
+    let place = |token: &Token| format!("http://{address}/{}", link.with(token));
+    crate::printing::print_text(&place(&token))?;
     crate::printing::tell("the page is served on this machine until it is interrupted (Ctrl-C)");
-    if is_shown && !browser::open(&place) {
+    let opened = place(&ticket);
+    let server = Server::new(Explorer::new(trust, stored), address, token, ticket);
+    // Whoever sees the address of a browser sees a token that the browser has used by then.
+    if is_shown && !browser::open(&opened) {
         crate::printing::tell("no browser could be started: open the address above");
     }
     server.run(&listener)

@@ -2,12 +2,14 @@
 
 use super::http::{Connection, Instead, Reply, Request};
 use super::page;
+use super::token::Token;
 use crate::commands::Failure;
 use onset_study::explore::{Explorer, Question, Refusal};
+use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -15,10 +17,20 @@ use std::time::Duration;
 const MOST: usize = 64;
 /// What is waited after a connection that could not be had.
 const PAUSE: Duration = Duration::from_millis(20);
+/// The header in which the page shows its token. Pages of other servers cannot send it without being asked for leave, which is not given.
+const SHOWN: &str = "onset-token";
+/// What is said to whoever has none.
+const UNKNOWN: &str = "this page is for the user who has started it: the token of the running program is missing, or another one\n  hint: open the address \
+     that `onset explore` has printed; in the same browser links without a token are answered then";
 
 /// The page and what answers its questions.
 pub struct Server {
     explorer: Explorer,
+    /// What the page shows with every question.
+    token: Token,
+    /// What the address has that a browser is started with, for its first use: the arguments of a program can be seen by all users of a
+    /// machine.
+    ticket: Mutex<Option<Token>>,
     /// The names under which a browser of this machine knows the server, with its port.
     hosts: [String; 2],
     /// Connections that are open.
@@ -26,11 +38,13 @@ pub struct Server {
 }
 
 impl Server {
-    /// A server at an address of this machine.
-    pub fn new(explorer: Explorer, address: SocketAddr) -> Self {
+    /// A server at an address of this machine, which answers whoever shows the token, and gives it to who is the first to show the ticket.
+    pub fn new(explorer: Explorer, address: SocketAddr, token: Token, ticket: Token) -> Self {
         let port = address.port();
         Self {
             explorer,
+            token,
+            ticket: Mutex::new(Some(ticket)),
             hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
             open: AtomicUsize::new(0),
         }
@@ -93,7 +107,9 @@ impl Server {
         match request.method.as_str() {
             "GET" | "HEAD" => Some(file(&request.path)),
             "POST" => match request.path.strip_prefix("/api/") {
-                Some(name) => self.answer(name, request, connection),
+                Some("enter") => Some(self.entered(request)),
+                Some(name) if self.is_shown(request) => self.answer(name, request, connection),
+                Some(_) => Some(error("403 Forbidden", UNKNOWN)),
                 None => Some(missing()),
             },
             _ => Some(Reply::refused(
@@ -123,6 +139,26 @@ impl Server {
             }
             _ => None,
         }
+    }
+
+    /// Whether a request shows the token.
+    fn is_shown(&self, request: &Request) -> bool {
+        request
+            .header(SHOWN)
+            .is_some_and(|shown| self.token.is(shown))
+    }
+
+    /// The token, for whoever shows it already, or shows the ticket for the first time.
+    fn entered(&self, request: &Request) -> Reply {
+        let mut ticket = self.ticket.lock().unwrap_or_else(PoisonError::into_inner);
+        let shown = request.header(SHOWN).unwrap_or_default();
+        let is_ticket = ticket.as_ref().is_some_and(|own| own.is(shown));
+        if is_ticket {
+            *ticket = None;
+        } else if !self.token.is(shown) {
+            return error("403 Forbidden", UNKNOWN);
+        }
+        json("200 OK", told("token", self.token.to_string()))
     }
 
     fn answer(&self, name: &str, request: &Request, connection: &Connection) -> Option<Reply> {
@@ -176,9 +212,12 @@ fn json(status: &'static str, document: String) -> Reply {
 /// A message as a document: what a file says must not command a terminal, nor a page.
 fn error(status: &'static str, message: &str) -> Reply {
     let message = onset_umat::readable(message).to_string();
-    let document =
-        onset_study::json::document(&std::collections::BTreeMap::from([("error", message)]));
-    json(status, document.unwrap_or_default())
+    json(status, told("error", message))
+}
+
+/// A document with one text.
+fn told(name: &str, text: String) -> String {
+    onset_study::json::document(&BTreeMap::from([(name, text)])).unwrap_or_default()
 }
 
 fn missing() -> Reply {

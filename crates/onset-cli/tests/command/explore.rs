@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A page that is served.
@@ -15,6 +15,8 @@ struct Page {
     host: String,
     /// The whole address that was printed.
     address: String,
+    /// The token in it.
+    token: String,
 }
 
 impl Drop for Page {
@@ -28,7 +30,11 @@ impl Drop for Page {
 impl Page {
     fn serve(arguments: &[&str]) -> Self {
         let all = [&["explore", "--no-browser", "--port", "0"], arguments].concat();
-        let mut server = command(&all)
+        Self::started(command(&all))
+    }
+
+    fn started(mut server: Command) -> Self {
+        let mut server = server
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -45,10 +51,12 @@ impl Page {
         let host = host
             .unwrap_or_else(|| panic!("no address: {address}"))
             .to_owned();
+        let token = token(&address);
         Self {
             server,
             host,
             address,
+            token,
         }
     }
 
@@ -81,6 +89,7 @@ impl Page {
         let own = [
             format!("Host: {}", self.host),
             "Content-Type: application/json".to_owned(),
+            format!("Onset-Token: {}", self.token),
         ];
         let is_given = |own: &&String| {
             let name = own.split(':').next().unwrap_or_default();
@@ -95,11 +104,46 @@ impl Page {
         ))
     }
 
+    /// Begins to ask, without waiting for the answer.
+    fn begin(&self, name: &str, question: &Value) -> TcpStream {
+        let body = question.to_string();
+        let mut stream = TcpStream::connect(&self.host).expect("a connection");
+        let request = format!(
+            "POST /api/{name} HTTP/1.1\r\nHost: {}\r\nOnset-Token: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+            self.host,
+            self.token,
+            body.len()
+        );
+        stream.write_all(request.as_bytes()).expect("sent");
+        stream
+    }
+
+    /// Seconds of processors that the server has taken.
+    #[cfg(target_os = "linux")]
+    fn work(&self) -> f64 {
+        let place = format!("/proc/{}/stat", self.server.id());
+        let told = std::fs::read_to_string(place).expect("a process");
+        // Behind the name, which may hold spaces; in hundredths of a second.
+        let (_, numbers) = told.rsplit_once(')').expect("a name");
+        let ticks = numbers.split_whitespace().skip(11).take(2);
+        ticks
+            .map(|own| own.parse::<f64>().expect("a number"))
+            .sum::<f64>()
+            / 100.0
+    }
+
     fn ask(&self, name: &str, question: &Value) -> String {
         let (status, body) = self.post(name, question, &[]);
         assert_eq!(status, 200, "{name}: {body}");
         body
     }
+}
+
+/// The token of an address.
+fn token(address: &str) -> String {
+    let behind = address.split_once("#token=").map(|(_, behind)| behind);
+    let behind = behind.unwrap_or_else(|| panic!("no token: {address}"));
+    behind.split('&').next().unwrap_or_default().to_owned()
 }
 
 /// A new folder.
@@ -188,8 +232,8 @@ fn what_is_wrong_is_told_as_by_the_command() {
     for (body, expected) in [("{", 400), ("{\"sett\": []}", 400), ("7", 400)] {
         let length = body.len();
         let (status, _) = page.send(&format!(
-            "POST /api/state HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n{body}",
-            page.host
+            "POST /api/state HTTP/1.1\r\nHost: {}\r\nOnset-Token: {}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n{body}",
+            page.host, page.token
         ));
         assert_eq!(status, expected, "{body}");
     }
@@ -259,6 +303,87 @@ fn other_hosts_and_origins_are_refused() {
     ] {
         assert_eq!(page.post("state", &question, &[kind]).0, 415);
     }
+}
+
+#[test]
+fn other_users_of_the_machine_are_refused() {
+    let page = Page::serve(&[]);
+    let question = json!({ "set": [], "stretch": "1,1" });
+    let changed = |n: usize| {
+        let other = if &page.token[n..=n] == "0" { "1" } else { "0" };
+        format!("{}{other}{}", &page.token[..n], &page.token[n + 1..])
+    };
+    for wrong in [
+        String::new(),
+        changed(0),
+        changed(31),
+        page.token[..31].to_owned(),
+        format!("{}0", page.token),
+        Page::serve(&[]).token.clone(),
+    ] {
+        let shown = format!("Onset-Token: {wrong}");
+        for name in ["catalog", "state", "stored", "enter"] {
+            let (status, body) = page.post(name, &question, &[&shown]);
+            assert_eq!(status, 403, "{name} {wrong}: {body}");
+            let refused: Value = serde_json::from_str(&body).expect("JSON");
+            let told = refused["error"].as_str().expect("a text");
+            assert!(
+                told.contains("hint: open the address that `onset explore` has printed"),
+                "{told}"
+            );
+            assert!(!body.contains(&page.token));
+        }
+    }
+    // The printed address opens the page in any number of browsers.
+    for _ in 0..2 {
+        let (status, body) = page.post("enter", &json!({}), &[]);
+        assert_eq!(status, 200);
+        assert_eq!(
+            serde_json::from_str::<Value>(&body).expect("JSON")["token"],
+            page.token.as_str()
+        );
+    }
+    // Files are those of the program, and tell nothing.
+    assert!(!page.get("/", &[]).1.contains(&page.token));
+}
+
+/// The arguments of a program can be seen by other users: the token that a browser is started with is good for once.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_address_that_a_browser_is_started_with_opens_the_page_once() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder("browser");
+    let (browser, seen) = (folder.join("xdg-open"), folder.join("seen"));
+    let script = format!(
+        "#!/bin/sh\necho \"$1\" > {0}.new\nmv {0}.new {0}\n",
+        seen.display()
+    );
+    std::fs::write(&browser, script).expect("a script");
+    std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o700)).expect("allowed");
+    let mut server = command(&["explore", "--port", "0"]);
+    let path = std::env::var("PATH").unwrap_or_default();
+    server.env("PATH", format!("{}:{path}", folder.display()));
+    let page = Page::started(server);
+    let since = Instant::now();
+    while !seen.exists() && since.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let address = std::fs::read_to_string(&seen).expect("an address");
+    assert!(address.starts_with(&format!("http://{}/#token=", page.host)));
+    let ticket = token(address.trim());
+    assert_ne!(ticket, page.token);
+    let shown = format!("Onset-Token: {ticket}");
+    let question = json!({ "set": [], "stretch": "1,1" });
+    assert_eq!(
+        page.post("state", &question, &[&shown]).0,
+        403,
+        "it is no token"
+    );
+    let (status, body) = page.post("enter", &json!({}), &[&shown]);
+    assert_eq!(status, 200, "{body}");
+    assert!(body.contains(&page.token));
+    assert_eq!(page.post("enter", &json!({}), &[&shown]).0, 403);
+    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]
@@ -391,25 +516,19 @@ fn a_strangers_study_starts_no_library_and_reads_no_file() {
     std::fs::remove_dir_all(folder).expect("removed");
 }
 
+/// Hours of work.
+const LONG: [&str; 3] = [
+    "discretization.method=material-points",
+    "discretization.lattice=simple-cubic",
+    "discretization.unknowns=particles",
+];
+
 #[test]
-fn a_question_that_is_given_up_is_not_computed_to_the_end() {
+fn a_map_that_is_given_up_is_not_computed_to_the_end() {
     let page = Page::serve(&[]);
-    // Hours of work.
-    let set = [
-        "discretization.method=material-points",
-        "discretization.lattice=simple-cubic",
-        "discretization.unknowns=particles",
-    ];
     let window = json!({ "axes": ["stretch-1", "stretch-2"], "ranges": [[0.5, 2.0], [0.5, 2.0]] });
-    let question = json!({ "set": set, "stretch": "1,1,1", "window": window, "level": 3 });
-    let body = question.to_string();
-    let mut stream = TcpStream::connect(&page.host).expect("a connection");
-    let request = format!(
-        "POST /api/map HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
-        page.host,
-        body.len()
-    );
-    stream.write_all(request.as_bytes()).expect("sent");
+    let question = json!({ "set": LONG, "stretch": "1,1,1", "window": window, "level": 3 });
+    let stream = page.begin("map", &question);
     std::thread::sleep(Duration::from_millis(300));
     drop(stream);
     // Another question is answered at once, with all cores.
@@ -425,13 +544,75 @@ fn a_question_that_is_given_up_is_not_computed_to_the_end() {
     );
 }
 
+/// A minute of work for one state.
+#[cfg(target_os = "linux")]
+const SLOW: [&str; 4] = [
+    "discretization.method=updated-sph",
+    "discretization.lattice=simple-cubic",
+    "discretization.cells=3",
+    "discretization.perturbation=0.05",
+];
+
+/// A slider asks about many states, of which nobody waits for any but the last.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_state_its_mode_and_its_dispersion_are_given_up_with_the_connection() {
+    let page = Page::serve(&[]);
+    let question = json!({ "set": SLOW, "stretch": "1.1,1,1" });
+    for name in ["state", "mode", "dispersion"] {
+        let before = page.work();
+        let stream = page.begin(name, &question);
+        let since = Instant::now();
+        while page.work() - before < 4.0 {
+            assert!(
+                since.elapsed() < Duration::from_secs(120),
+                "{name} has not come far"
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        drop(stream);
+        // It takes a minute to the end.
+        let since = Instant::now();
+        let mut done = page.work();
+        loop {
+            std::thread::sleep(Duration::from_millis(500));
+            let now = page.work();
+            if now - done < 0.02 {
+                break;
+            }
+            done = now;
+            assert!(since.elapsed() < Duration::from_secs(20), "{name} goes on");
+        }
+        assert!(done - before < 10.0, "{name} took {} s", done - before);
+    }
+}
+
 #[test]
 fn a_link_has_the_question_of_the_command() {
     let page = Page::serve(&["--set", "discretization.method=tlsph"]);
     assert!(page.address.ends_with(
-        "/#set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
+        "&set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
     ), "{}", page.address);
-    assert!(Page::serve(&[]).address.ends_with('/'));
+    let plain = Page::serve(&[]);
+    assert!(plain.address.ends_with(&format!("/#token={}", plain.token)));
+    // A link of another run, whose token and port are others, asks the same.
+    let again = Page::serve(&[&page.address]);
+    assert_ne!(again.token, page.token);
+    let asked = |page: &Page| {
+        page.address
+            .split_once("&set")
+            .map(|(_, asked)| asked.to_owned())
+    };
+    assert_eq!(asked(&again), asked(&page));
+    let refused = onset(&["explore", "http://127.0.0.1:6673/#axis=stretch-1"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused
+            .stderr
+            .contains("hint: expected its name and its ends"),
+        "{}",
+        refused.stderr
+    );
     let refused = onset(&["explore", "no-such-study.toml"]);
     assert_eq!(refused.code, Some(2));
     let refused = onset(&["state", "--open", "--deformation-gradient", "1,0,0,1"]);
@@ -459,7 +640,7 @@ fn a_stored_map_is_shown() {
         Some(0)
     );
     let page = Page::serve(&[store]);
-    assert!(page.address.ends_with("/#map=stored"));
+    assert!(page.address.ends_with("&map=stored"));
     let shown: Value = serde_json::from_str(&page.ask("stored", &json!({}))).expect("JSON");
     assert_eq!(shown["title"], "Two <b>stretches</b>");
     assert_eq!(

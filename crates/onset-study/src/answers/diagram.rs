@@ -12,8 +12,9 @@ use crate::settings::Effective;
 use nalgebra::Vector3;
 use onset::algebra::Complex;
 use onset::analysis::Analysis;
-use onset::bloch::growth_rate;
+use onset::bloch::{IsEnded, growth_rate};
 use onset::kinematics::DeformationGradient;
+use onset::verdict::Assessment;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -41,10 +42,23 @@ pub struct Diagram {
     pub samples: Vec<DispersionAnswer>,
     /// Length along the path of each sample; two samples of one length are a jump.
     pub lengths: Vec<f64>,
+    /// What is drawn of each sample.
+    pub heights: Vec<Heights>,
     /// The critical wave.
     pub critical: CriticalWave,
     /// The density of states.
     pub density_of_states: DensityOfStates,
+}
+
+/// The waves of a wave vector as a diagram draws them: frequencies upward, growth rates downward. 1/time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Heights {
+    /// The frequency of each wave of the particles, `Re omega`; minus the growth rate of one that does not oscillate.
+    pub particles: Vec<f64>,
+    /// The same of the continuum.
+    pub continuum: Vec<f64>,
+    /// Minus the largest growth rate of the waves that oscillate as they grow; `null` where none does beyond rounding.
+    pub flutter: Option<f64>,
 }
 
 /// A corner of a path through the zone.
@@ -67,6 +81,8 @@ pub struct CriticalWave {
     pub omega_squared: ComplexNumber,
     /// Its growth rate; zero when stable.
     pub growth_rate: f64,
+    /// Where it is drawn: minus its growth rate, or its frequency where none grows. 1/time.
+    pub height: f64,
     /// Its reference wave vector; zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
     /// The same in the deformed lattice, `F^-T k`.
@@ -100,7 +116,22 @@ impl Diagram {
         strain: &Strain,
         path: Option<&str>,
     ) -> Result<Self, ProblemError> {
-        diagram(problem, &strain.0, path)
+        let assessment = problem.analysis.assess(&strain.0)?;
+        Self::of(problem, strain, &assessment, path, &|| false)
+    }
+
+    /// The same of a state that has been assessed, unless nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`ProblemError::OutOfTime`] then, and as [`Diagram::new`].
+    pub fn of(
+        problem: &Problem,
+        strain: &Strain,
+        assessment: &Assessment<3>,
+        path: Option<&str>,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Self, ProblemError> {
+        diagram(problem, &strain.0, assessment, path, is_ended)
     }
 
     /// The critical wave, and what the diagram is of, with what a reader must know.
@@ -124,7 +155,7 @@ impl Diagram {
             .map(|corner| corner.name.as_str())
             .collect();
         line("path", corners.join(" "));
-        let size = self.largest().powi(2);
+        let size = largest(&self.samples).powi(2);
         let imaginary = match told_of(wave.omega_squared.im, size).as_str() {
             "0" => String::new(),
             im => format!(
@@ -164,23 +195,13 @@ impl Diagram {
         text
     }
 
-    /// The largest frequency of the samples.
-    fn largest(&self) -> f64 {
-        let values = self.samples.iter().flat_map(|sample| &sample.omega_squared);
-        values
-            .map(|value| value.re.hypot(value.im))
-            .fold(0.0, f64::max)
-            .sqrt()
-    }
-
     /// The lowest point of all that is drawn: minus the largest growth rate, or the lowest frequency.
     pub fn lowest(&self) -> f64 {
-        let noise = ROUNDING * self.largest();
-        let values = self.samples.iter().flat_map(|sample| &sample.omega_squared);
-        let drawn = values.flat_map(|value| [frequency(*value), flutter(*value, noise)]);
-        drawn
-            .filter(|height| height.is_finite())
-            .fold(f64::INFINITY, f64::min)
+        let drawn = self.heights.iter().flat_map(|heights| {
+            let particles = heights.particles.iter().copied();
+            particles.chain(heights.flutter)
+        });
+        drawn.fold(f64::INFINITY, f64::min)
     }
 
     /// The samples as a table: length along the path, wave vector, `omega^2` of particles and continuum.
@@ -231,38 +252,26 @@ impl Diagram {
     }
 
     /// A curve along the path, broken where the path jumps.
-    fn curve(&self, value: impl Fn(&DispersionAnswer) -> f64) -> Vec<(f64, f64)> {
+    fn curve(&self, value: impl Fn(&Heights) -> f64) -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, f64)> = Vec::new();
-        for (x, sample) in self.lengths.iter().zip(&self.samples) {
+        for (x, heights) in self.lengths.iter().zip(&self.heights) {
             if points.last().is_some_and(|last| last.0 == *x) {
                 points.push((f64::NAN, f64::NAN));
             }
-            points.push((*x, value(sample)));
+            points.push((*x, value(heights)));
         }
         points
     }
 
     /// The diagram as a figure: frequencies upward, growth rates downward, and the density of states beside it.
     pub fn figure(&self, title: &str) -> Figure {
-        let noise = ROUNDING * self.largest();
         let (mut of_continuum, mut of_particles) = (Vec::new(), Vec::new());
         for n in 0..self.branches() {
             // Cells with several particles have more branches than the continuum.
-            of_continuum.push(self.curve(|sample| {
-                let own = sample.continuum_omega_squared.get(n);
-                own.map_or(f64::NAN, |own| {
-                    frequency(ComplexNumber { re: *own, im: 0.0 })
-                })
-            }));
-            of_particles.push(self.curve(|sample| frequency(sample.omega_squared[n])));
+            of_continuum.push(self.curve(|own| own.continuum.get(n).copied().unwrap_or(f64::NAN)));
+            of_particles.push(self.curve(|own| own.particles[n]));
         }
-        let flutters = self.curve(|sample| {
-            let rates = sample
-                .omega_squared
-                .iter()
-                .map(|value| flutter(*value, noise));
-            rates.fold(f64::NAN, f64::min)
-        });
+        let flutters = self.curve(|own| own.flutter.unwrap_or(f64::NAN));
         // The continuum's branches leave the picture: the particles' range decides.
         let heights = of_particles
             .iter()
@@ -339,17 +348,14 @@ impl Diagram {
         let at = wave.length?;
         let units = self.settings.units();
         let k = units.of(vector(&wave.wave_vector), "1/m");
-        let (height, name) = if wave.stable {
-            let height = frequency(wave.omega_squared);
-            (height, format!("softest wave, k* = {k}"))
-        } else {
-            let rate = units.of(told(wave.growth_rate), "1/s");
-            (
-                -wave.growth_rate,
-                format!("fastest growing wave, k* = {k}: growth rate {rate}"),
-            )
+        let name = match wave.stable {
+            true => format!("softest wave, k* = {k}"),
+            false => {
+                let rate = units.of(told(wave.growth_rate), "1/s");
+                format!("fastest growing wave, k* = {k}: growth rate {rate}")
+            }
         };
-        let marker = Points::new(vec![(at, height)]).color(palette::VERMILION);
+        let marker = Points::new(vec![(at, wave.height)]).color(palette::VERMILION);
         Some(marker.size(9.0).named(name))
     }
 
@@ -383,21 +389,51 @@ fn frequency(omega_squared: ComplexNumber) -> f64 {
     }
 }
 
-/// Minus the growth rate of a wave that oscillates too; not a number for others.
-fn flutter(omega_squared: ComplexNumber, noise: f64) -> f64 {
+/// The growth rate of a wave that oscillates too; zero for others.
+fn flutter(omega_squared: ComplexNumber) -> f64 {
     let value = Complex::new(omega_squared.re, omega_squared.im);
     let growth = growth_rate(value);
-    if growth > noise && growth <= value.sqrt().re.abs() {
-        -growth
-    } else {
-        f64::NAN
+    match growth <= value.sqrt().re.abs() {
+        true => growth,
+        false => 0.0,
     }
+}
+
+/// The largest frequency of samples, growth rates counted as frequencies.
+fn largest(samples: &[DispersionAnswer]) -> f64 {
+    let values = samples.iter().flat_map(|sample| &sample.omega_squared);
+    values
+        .map(|value| value.re.hypot(value.im))
+        .fold(0.0, f64::max)
+        .sqrt()
+}
+
+/// What is drawn of samples.
+fn heights(samples: &[DispersionAnswer]) -> Vec<Heights> {
+    let noise = ROUNDING * largest(samples);
+    let of_sample = |sample: &DispersionAnswer| {
+        let waves = &sample.omega_squared;
+        let fastest = waves.iter().map(|own| flutter(*own)).fold(0.0, f64::max);
+        let of_continuum = |own: &f64| frequency(ComplexNumber { re: *own, im: 0.0 });
+        Heights {
+            particles: waves.iter().map(|own| frequency(*own)).collect(),
+            continuum: sample
+                .continuum_omega_squared
+                .iter()
+                .map(of_continuum)
+                .collect(),
+            flutter: (fastest > noise).then_some(-fastest),
+        }
+    };
+    samples.iter().map(of_sample).collect()
 }
 
 fn diagram(
     problem: &Problem,
     f: &DeformationGradient,
+    assessment: &Assessment<3>,
     typed: Option<&str>,
+    is_ended: IsEnded<'_>,
 ) -> Result<Diagram, ProblemError> {
     let analysis = &*problem.analysis;
     let dimension = analysis.dimension();
@@ -408,14 +444,16 @@ fn diagram(
         Some(text) => symmetry.typed(text)?,
         None => symmetry.path(),
     };
-    let assessment = analysis.assess(f)?;
-    let mode = critical_mode(&assessment);
+    let mode = critical_mode(assessment);
     let critical = finite_wave_vector(mode);
     if critical.norm() > 0.0 {
         path.through(&critical, waves.reach(critical.as_slice()));
     }
-    let at = |k: &Vector3<f64>| answer(&*waves, &waves.folded(k.as_slice()));
-    let (corners, samples, lengths) = sampled(dimension, &path, at);
+    let at = |k: &Vector3<f64>| match is_ended() {
+        true => Err(ProblemError::OutOfTime),
+        false => Ok(answer(&*waves, &waves.folded(k.as_slice()))),
+    };
+    let (corners, samples, lengths) = sampled(dimension, &path, at)?;
     let growth = assessment.spectrum.growth_rate();
     let place = corners.iter().rev().find(|corner| corner.name == CRITICAL);
     // A translation that strains the body grows at k = 0, which every path has.
@@ -429,6 +467,10 @@ fn diagram(
             stable: assessment.spectrum.is_stable(),
             omega_squared: mode.omega_squared.into(),
             growth_rate: growth,
+            height: match assessment.spectrum.is_stable() {
+                true => frequency(mode.omega_squared.into()),
+                false => -growth,
+            },
             wave_vector: list(dimension, &critical),
             spatial_wave_vector: list(dimension, &analysis.spatial(f, &critical)),
             point: symmetry
@@ -437,8 +479,9 @@ fn diagram(
                 .map(str::to_owned),
             length: place.or(at_zero).map(|corner| corner.length),
         },
-        density_of_states: density_of_states(analysis, omega_squared),
+        density_of_states: density_of_states(analysis, omega_squared, is_ended)?,
         corners,
+        heights: heights(&samples),
         samples,
         lengths,
     })
@@ -448,8 +491,8 @@ fn diagram(
 fn sampled(
     dimension: usize,
     path: &ZonePath,
-    waves: impl Fn(&Vector3<f64>) -> DispersionAnswer,
-) -> (Vec<Corner>, Vec<DispersionAnswer>, Vec<f64>) {
+    waves: impl Fn(&Vector3<f64>) -> Result<DispersionAnswer, ProblemError>,
+) -> Result<(Vec<Corner>, Vec<DispersionAnswer>, Vec<f64>), ProblemError> {
     let (mut corners, mut samples, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     let mut length = 0.0;
     for chain in &path.0 {
@@ -467,19 +510,20 @@ fn sampled(
             let count = if n + 1 < chain.len() { SAMPLES } else { 1 };
             for sample in 0..count {
                 let t = sample as f64 / count as f64;
-                samples.push(waves(&(k + step * t)));
+                samples.push(waves(&(k + step * t))?);
                 lengths.push(length + t * step.norm());
             }
             length += step.norm();
         }
     }
-    (corners, samples, lengths)
+    Ok((corners, samples, lengths))
 }
 
 fn density_of_states(
     analysis: &dyn Analysis,
     omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex> + Sync,
-) -> DensityOfStates {
+    is_ended: IsEnded<'_>,
+) -> Result<DensityOfStates, ProblemError> {
     let reciprocal = analysis.reciprocal();
     let n = GRID[reciprocal.len() - 1];
     // Of k and -k, which have the same waves, one.
@@ -493,13 +537,19 @@ fn density_of_states(
                 k += b * (((rest % n) as f64 + 0.5) / n as f64);
                 rest /= n;
             }
-            let values = omega_squared(&k);
+            let values = match is_ended() {
+                true => Vec::new(),
+                false => omega_squared(&k),
+            };
             values
                 .into_iter()
                 .map(|value| frequency(value.into()))
                 .collect::<Vec<_>>()
         })
         .collect();
+    if is_ended() {
+        return Err(ProblemError::OutOfTime);
+    }
     let (low, high) = heights
         .iter()
         .fold((0.0_f64, f64::MIN_POSITIVE), |(low, high), y| {
@@ -511,12 +561,12 @@ fn density_of_states(
         counts[(((height - low) / width) as usize).min(BINS - 1)] += 1;
     }
     let unit = heights.len() as f64 * width;
-    DensityOfStates {
+    Ok(DensityOfStates {
         edges: (0..=BINS).map(|n| low + width * n as f64).collect(),
         density: counts
             .into_iter()
             .map(|count| count as f64 / unit)
             .collect(),
         waves: heights.len(),
-    }
+    })
 }

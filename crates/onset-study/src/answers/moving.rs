@@ -6,6 +6,7 @@ use super::state::ComplexNumber;
 use nalgebra::{DMatrix, DVector, SVector};
 use onset::algebra::Complex;
 use onset::bloch::Mode;
+use onset::verdict::Assessment;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -53,10 +54,22 @@ impl MovingMode {
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
+        let assessment = problem.analysis.assess(&strain.0)?;
+        Self::of(problem, strain, &assessment)
+    }
+
+    /// The same of a state that has been assessed.
+    ///
+    /// # Errors
+    /// As [`MovingMode::new`].
+    pub fn of(
+        problem: &Problem,
+        strain: &Strain,
+        assessment: &Assessment<3>,
+    ) -> Result<Self, ProblemError> {
         let (analysis, f) = (&*problem.analysis, &strain.0);
         let (dimension, sites) = (analysis.dimension(), analysis.sites());
-        let assessment = analysis.assess(f)?;
-        let mode = critical_mode(&assessment);
+        let mode = critical_mode(assessment);
         let cells = cells(dimension, sites);
         let k = match mode.is_long_wave {
             true => mode.wave_vector * (TAU / (cells as f64 * analysis.spacing())),

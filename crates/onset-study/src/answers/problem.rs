@@ -101,7 +101,6 @@ pub enum ProblemError {
     #[error("{source}{}", hint(source))]
     Method {
         /// What is wrong.
-        #[from]
         source: MethodError,
     },
     /// A loading that cannot be followed from one imposed stretch to another.
@@ -125,6 +124,15 @@ pub enum ProblemError {
         #[from]
         source: PathError,
     },
+}
+
+impl From<MethodError> for ProblemError {
+    fn from(source: MethodError) -> Self {
+        match source {
+            MethodError::GivenUp => Self::OutOfTime,
+            source => Self::Method { source },
+        }
+    }
 }
 
 /// A hint as it follows a message.

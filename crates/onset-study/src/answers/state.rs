@@ -12,6 +12,7 @@ use crate::settings::{Effective, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::analysis::minimum_in_space;
+use onset::bloch::IsEnded;
 use onset::certificate::certify_3d;
 use onset::continuum::Ellipticity;
 use onset::kinematics::DeformationGradient;
@@ -197,7 +198,21 @@ impl StateAnswer {
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
-        answer(problem, &strain.0, None)
+        let assessment = problem.analysis.assess(&strain.0)?;
+        Self::of(problem, strain, &assessment, &|| false)
+    }
+
+    /// Answers for one state that has been assessed, unless nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`ProblemError::OutOfTime`] then, and as [`StateAnswer::new`].
+    pub fn of(
+        problem: &Problem,
+        strain: &Strain,
+        assessment: &Assessment<3>,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Self, ProblemError> {
+        answer(problem, &strain.0, assessment, None, is_ended)
     }
 
     /// Answers for one state, with proofs; `tolerance` says from where a measure that is left undecided is not near zero.
@@ -209,24 +224,26 @@ impl StateAnswer {
         strain: &Strain,
         tolerance: f64,
     ) -> Result<Self, ProblemError> {
-        answer(problem, &strain.0, Some(tolerance))
+        let assessment = problem.analysis.assess(&strain.0)?;
+        answer(problem, &strain.0, &assessment, Some(tolerance), &|| false)
     }
 }
 
 fn answer(
     problem: &Problem,
     f: &DeformationGradient,
+    assessment: &Assessment<3>,
     tolerance: Option<f64>,
+    is_ended: IsEnded<'_>,
 ) -> Result<StateAnswer, ProblemError> {
     let analysis = &*problem.analysis;
-    let assessment = analysis.assess(f)?;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut mechanism) = (searched.0, assessment.mechanism());
     let mut certificate = None;
     let in_3d = SpaceAnswer::new(&assessment.material.response);
     let mut sentence = sentence::of(
         problem,
-        &assessment,
+        assessment,
         in_3d.ellipticity,
         f,
         problem.settings.units(),
@@ -234,7 +251,7 @@ fn answer(
     if let Some(tolerance) = tolerance {
         let proved = analysis.certify(f, tolerance)?;
         let proved_3d = certify_3d(&*problem.material, f, tolerance).map_err(MethodError::from)?;
-        let corrected = proved.corrected(&SurveyedState::from(&assessment));
+        let corrected = proved.corrected(&SurveyedState::from(assessment));
         verdict = corrected.0;
         if corrected != searched {
             // Of what the search has not seen no wave is known.
@@ -259,9 +276,9 @@ fn answer(
         settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *f.components(),
-        material: material_answer(problem, &assessment, &in_3d),
+        material: material_answer(problem, assessment, &in_3d),
         material_3d: in_3d,
-        discretization: discretization_answer(problem, &assessment, f)?,
+        discretization: discretization_answer(problem, assessment, f, is_ended)?,
     })
 }
 
@@ -302,10 +319,11 @@ fn discretization_answer(
     problem: &Problem,
     assessment: &Assessment<3>,
     f: &DeformationGradient,
+    is_ended: IsEnded<'_>,
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
-    let steps = analysis.damped_time_steps(f)?;
+    let steps = analysis.damped_time_steps_unless(f, is_ended)?;
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);

@@ -4,10 +4,10 @@ use super::map::{LEVELS, Maps};
 use super::{Question, Refusal, Waiting, map};
 use crate::answers::assigned;
 use crate::boundary::{Boundaries, Tracing};
-use crate::domain::IsEnded;
 use crate::plot::figure_of;
 use crate::settings::{Settings, Trust};
 use crate::shell::quoted;
+use onset::bloch::IsEnded;
 use std::time::Instant;
 
 /// Words that Python keeps for itself, among the names of parameters.

@@ -45,11 +45,11 @@ pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> 
         set: set.clone(),
         ..Question::default()
     };
-    super::question::permitted(&set, trust)?;
     let mut settings = Settings::default();
     for assignment in &own.set {
         settings.assign(assignment)?;
     }
+    super::question::permit(&mut settings.material, trust)?;
     let effective = settings.effective();
     // Moduli as they were set, not what follows from them.
     let (moduli, follows) = settings.moduli();

@@ -1,8 +1,9 @@
 //! The map of a window, coarse first, then finer where its verdicts change.
 
 use super::{Question, Refusal};
-use crate::domain::{Class, Domain, IsEnded};
+use crate::domain::{Class, Domain};
 use crate::settings::{Study, Trust};
+use onset::bloch::IsEnded;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 

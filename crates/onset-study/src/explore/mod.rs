@@ -18,6 +18,7 @@
 mod catalog;
 mod export;
 mod form;
+mod known;
 mod map;
 mod question;
 mod stored;
@@ -29,11 +30,12 @@ pub use zoo::{Entry, entries};
 
 use crate::answers::{Diagram, Directions, MovingMode, ProblemError, StateAnswer};
 use crate::boundary::{self, Boundaries, BoundaryError, Tracing, Watch};
-use crate::domain::IsEnded;
 use crate::json;
 use crate::map::MapError;
 use crate::settings::{SettingError, Trust};
+use known::{Known, States};
 use map::Maps;
+use onset::bloch::IsEnded;
 use serde::Serialize;
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -108,7 +110,8 @@ pub struct Explorer {
     trust: Trust,
     /// The map that was opened.
     stored: Option<Stored>,
-    /// The maps that were asked for last.
+    /// The states and the maps that were asked for last.
+    states: States,
     maps: Maps,
 }
 
@@ -118,6 +121,7 @@ impl Explorer {
         Self {
             trust,
             stored,
+            states: States::default(),
             maps: Maps::default(),
         }
     }
@@ -142,21 +146,36 @@ impl Explorer {
                 None => Err(Refusal::Input("no stored map was opened".to_owned())),
             },
             "state" => {
-                let (problem, strain) = question.problem(&self.trust)?;
-                document(&StateAnswer::new(&problem, &strain)?)
+                let known = self.states.of(question, &self.trust, is_ended)?;
+                let Known {
+                    problem,
+                    strain,
+                    assessment,
+                } = &*known;
+                document(&StateAnswer::of(problem, strain, assessment, is_ended)?)
             }
             "dispersion" => {
-                let (problem, strain) = question.problem(&self.trust)?;
+                let known = self.states.of(question, &self.trust, is_ended)?;
+                let Known {
+                    problem,
+                    strain,
+                    assessment,
+                } = &*known;
                 let path = Some(question.path.as_str()).filter(|path| !path.is_empty());
-                document(&Diagram::new(&problem, &strain, path)?)
+                let diagram = Diagram::of(problem, strain, assessment, path, is_ended)?;
+                document(&diagram)
             }
             "directions" => {
-                let (problem, strain) = question.problem(&self.trust)?;
-                document(&Directions::new(&problem, &strain)?)
+                let problem = question.problem(&self.trust)?;
+                document(&Directions::new(&problem, &question.strain(&problem)?)?)
             }
             "mode" => {
-                let (problem, strain) = question.problem(&self.trust)?;
-                document(&MovingMode::new(&problem, &strain)?)
+                let known = self.states.of(question, &self.trust, is_ended)?;
+                document(&MovingMode::of(
+                    &known.problem,
+                    &known.strain,
+                    &known.assessment,
+                )?)
             }
             "map" => document(&self.maps.shown(question, &self.trust, is_ended)?),
             "boundary" => {

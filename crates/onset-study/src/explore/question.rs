@@ -2,10 +2,8 @@
 
 use super::{Refusal, map};
 use crate::answers::{Problem, Strain, assigned, numbers};
-use crate::settings::{Axis, Quantity, Settings, Study, Trust, Value};
-use crate::shell::quoted_file;
+use crate::settings::{Axis, MaterialSettings, Quantity, Settings, Study, Trust};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// What is asked: what is written after the command, and a window of states.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -61,12 +59,13 @@ impl Question {
 
     /// Material and discretization, of which a library is loaded only if the user allows it.
     pub(super) fn settings(&self, trust: &Trust) -> Result<Settings, Refusal> {
-        permitted(&self.set, trust)?;
-        Ok(Settings::of_file("", "", &self.set, &[])?)
+        let mut settings = Settings::of_file("", "", &self.set, &[])?;
+        permit(&mut settings.material, trust)?;
+        Ok(settings)
     }
 
-    /// Material, discretization and state.
-    pub(super) fn problem(&self, trust: &Trust) -> Result<(Problem, Strain), Refusal> {
+    /// Material and discretization, ready to be asked.
+    pub(super) fn problem(&self, trust: &Trust) -> Result<Problem, Refusal> {
         let problem = Problem::new(self.settings(trust)?)?;
         let unknowns = problem.dimension() * problem.analysis.sites();
         if unknowns > UNKNOWNS {
@@ -74,13 +73,17 @@ impl Question {
                 "the cell has {unknowns} displacements; a page answers for at most {UNKNOWNS}\n  hint: choose fewer discretization.cells here, or ask the command"
             )));
         }
-        let strain = Strain::of_stretches("--stretch", &self.stretch, problem.dimension())?;
-        Ok((problem, strain))
+        Ok(problem)
+    }
+
+    /// The state.
+    pub(super) fn strain(&self, problem: &Problem) -> Result<Strain, Refusal> {
+        let dimension = problem.dimension();
+        Ok(Strain::of_stretches("--stretch", &self.stretch, dimension)?)
     }
 
     /// The study of the window, in so many states along each axis.
     pub(super) fn study(&self, trust: &Trust, states: usize) -> Result<Study, Refusal> {
-        permitted(&self.set, trust)?;
         let mut text = String::from("title = \"\"\n");
         let state = self.held()?;
         if !state.is_empty() {
@@ -102,7 +105,9 @@ impl Question {
             self.window.axes.iter().any(|axis| axis == name)
         };
         let set: Vec<&String> = self.set.iter().filter(|own| !is_varied(own)).collect();
-        Ok(Study::parse_with("the window", &text, &set)?)
+        let mut study = Study::parse_with("the window", &text, &set)?;
+        permit(&mut study.settings.material, trust)?;
+        Ok(study)
     }
 
     /// The stretches that no axis varies, where they are not one.
@@ -128,27 +133,10 @@ fn explored(name: &str) -> Result<Quantity, Refusal> {
 }
 
 /// Refuses a library that the user has not allowed, before anything of it is looked at: a link is the word of whoever made it.
-pub(super) fn permitted(set: &[String], trust: &Trust) -> Result<(), Refusal> {
-    let mut settings = Settings::default();
-    for assignment in set {
-        settings.assign(assignment)?;
-    }
-    let material = &settings.material;
-    let library = match material.given("library") {
-        Some(Value::Word(library)) => library.as_str(),
-        _ if material.is_library() => "",
-        _ => return Ok(()),
-    };
-    let library = Path::new(library);
-    // Without anything allowed no file is asked for.
-    if !trust.is_empty() && trust.covers(library) {
-        return Ok(());
-    }
-    Err(Refusal::Input(format!(
-        "`material.library` is a program, {library:?}, and a page may have none run unless you allow it; nothing was loaded\n  hint: if \
-         you trust it: onset explore --allow-library {}",
-        quoted_file(library)
-    )))
+pub(super) fn permit(material: &mut MaterialSettings, trust: &Trust) -> Result<(), Refusal> {
+    material.of_question();
+    material.allow(trust);
+    Ok(material.permitted()?)
 }
 
 /// A study as a question.

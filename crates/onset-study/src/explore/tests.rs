@@ -86,7 +86,7 @@ fn a_map_has_the_verdicts_of_its_states_and_becomes_finer() {
 #[test]
 fn what_nobody_waits_for_is_given_up() {
     let question = question(&["discretization.method=updated-sph"], "1,1");
-    for name in ["map", "boundary"] {
+    for name in ["state", "mode", "dispersion", "map", "boundary"] {
         let answer = explorer().answer(name, &question, &|| true);
         assert!(matches!(answer, Err(Refusal::GivenUp)), "{name}");
     }

@@ -17,17 +17,24 @@ pub enum Origin {
         /// Column, counted from 1.
         column: usize,
     },
+    /// In a question that a page has asked, which can be that of a link.
+    Question,
     /// Nowhere in particular: a default or a combination.
     Combination,
 }
 
 impl Origin {
+    /// Whether somebody else than the user can have made the setting.
+    pub(super) fn can_be_a_strangers(&self) -> bool {
+        matches!(self, Self::File { .. } | Self::Question)
+    }
+
     /// The place as part of a sentence.
     pub(super) fn place(&self) -> String {
         match self {
             Self::CommandLine(argument) => argument.clone(),
             Self::File { line, column, .. } => format!("line {line}, column {column}"),
-            Self::Combination => "another place".to_owned(),
+            Self::Question | Self::Combination => "another place".to_owned(),
         }
     }
 }
@@ -37,7 +44,7 @@ impl std::fmt::Display for Origin {
         match self {
             Self::CommandLine(argument) => write!(formatter, "{argument}: "),
             Self::File { name, line, column } => write!(formatter, "{name}:{line}:{column}: "),
-            Self::Combination => Ok(()),
+            Self::Question | Self::Combination => Ok(()),
         }
     }
 }

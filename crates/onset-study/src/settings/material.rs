@@ -270,10 +270,17 @@ impl MaterialSettings {
         self.entries().into_iter().filter_map(number).collect()
     }
 
-    /// Lets a library that a file names be loaded, if the user allows it.
+    /// Takes the library for the word of whoever has made a question, not for the user's.
+    pub(crate) fn of_question(&mut self) {
+        if let Some((_, origin)) = self.set.get_mut(LIBRARY) {
+            *origin = Origin::Question;
+        }
+    }
+
+    /// Lets a library that a file or a question names be loaded, if the user allows it.
     pub fn allow(&mut self, trust: &Trust) {
-        if let Some((Value::Word(library), origin @ Origin::File { .. })) =
-            self.set.get_mut(LIBRARY)
+        if let Some((Value::Word(library), origin)) = self.set.get_mut(LIBRARY)
+            && origin.can_be_a_strangers()
             && let Some(place) = trust.admitted(Path::new(library))
         {
             self.allowed = Some(place);
@@ -281,24 +288,29 @@ impl MaterialSettings {
         }
     }
 
-    /// Refuses a library that a file names and the user has not allowed.
+    /// Refuses a library that a file or a question names and the user has not allowed.
     ///
     /// # Errors
     /// [`SettingError`] with how to allow it.
     pub fn permitted(&self) -> Result<(), SettingError> {
-        match self.set.get(LIBRARY) {
-            Some((Value::Word(library), origin @ Origin::File { .. })) if self.is_library() => {
-                let message = format!(
-                    "`material.library` is a program, {library:?}, and a file may have none run unless you allow it; nothing was \
-                     loaded"
-                );
-                let library = quoted_file(Path::new(library));
-                Err(SettingError::new(origin.clone(), message).hint(format!(
-                    "if you trust it: --allow-library {library}, or for good the variable {TRUST_VARIABLE} with libraries or folders"
-                )))
-            }
-            _ => Ok(()),
+        let Some((Value::Word(library), origin)) = self.set.get(LIBRARY) else {
+            return Ok(());
+        };
+        if !self.is_library() || !origin.can_be_a_strangers() {
+            return Ok(());
         }
+        let (bearer, command) = match origin {
+            Origin::Question => ("page", "onset explore "),
+            _ => ("file", ""),
+        };
+        let message = format!(
+            "`material.library` is a program, {library:?}, and a {bearer} may have none run unless you allow it; nothing was \
+             loaded"
+        );
+        let library = quoted_file(Path::new(library));
+        Err(SettingError::new(origin.clone(), message).hint(format!(
+            "if you trust it: {command}--allow-library {library}, or for good the variable {TRUST_VARIABLE} with libraries or folders"
+        )))
     }
 
     /// Where the library is that the user allows a file to load, without links.

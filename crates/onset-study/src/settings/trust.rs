@@ -36,11 +36,6 @@ impl Trust {
         Self::of(always.into_iter().chain(named.iter().cloned()))
     }
 
-    /// Whether no library may be loaded at all, wherever it is.
-    pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
-    }
-
     /// Whether a library may be loaded. Links count as what they lead to.
     pub fn covers(&self, library: &Path) -> bool {
         self.admitted(library).is_some()
@@ -48,6 +43,10 @@ impl Trust {
 
     /// The place without links of a library that may be loaded: to be loaded from there, wherever links lead by then.
     pub(crate) fn admitted(&self, library: &Path) -> Option<PathBuf> {
+        // Without anything allowed no file is asked for.
+        if self.places.is_empty() {
+            return None;
+        }
         let library = resolved(library);
         let is_covered = self.places.iter().any(|place| library.starts_with(place));
         is_covered.then_some(library)

@@ -3,7 +3,7 @@
 use super::in_space::InSpace;
 use super::{Analysis, PatchParticle, PlaneWaves};
 use crate::algebra::{Complex, eigenvalues};
-use crate::bloch::{SpectrumSummary, Stability, ZoneSearch};
+use crate::bloch::{IsEnded, SpectrumSummary, Stability, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -145,8 +145,12 @@ impl<const D: usize> Analysis for Body<D> {
         }))
     }
 
-    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
-        Ok(self.survey()?.assess(f)?.in_3d())
+    fn assess_unless(
+        &self,
+        f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Assessment<3>, MethodError> {
+        Ok(self.survey()?.assess_unless(f, is_ended)?.in_3d())
     }
 
     fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
@@ -279,11 +283,12 @@ impl<const D: usize> Analysis for Body<D> {
         self.survey().is_ok_and(|survey| survey.is_damped())
     }
 
-    fn damped_time_steps(
+    fn damped_time_steps_unless(
         &self,
         f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError> {
-        self.survey()?.damped_time_steps(f)
+        self.survey()?.damped_time_steps_unless(f, is_ended)
     }
 
     fn critical_time_step(

@@ -9,7 +9,7 @@ mod body;
 mod in_space;
 
 use crate::algebra::Complex;
-use crate::bloch::{SpectrumSummary, Stability};
+use crate::bloch::{IsEnded, SpectrumSummary, Stability};
 use crate::certificate::Certificate;
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -60,7 +60,19 @@ pub trait Analysis: Send + Sync {
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated there.
-    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError>;
+    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
+        self.assess_unless(f, &|| false)
+    }
+
+    /// The same, given up as soon as nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`MethodError::GivenUp`] then, and as [`Analysis::assess`].
+    fn assess_unless(
+        &self,
+        f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Assessment<3>, MethodError>;
 
     /// The verdict on a state and how perturbations develop, several times faster.
     ///
@@ -151,13 +163,15 @@ pub trait Analysis: Send + Sync {
     /// Whether forces depend on velocities.
     fn is_damped(&self) -> bool;
 
-    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise. Time.
+    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise. Time. They are given up as
+    /// soon as nobody waits for them any more.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
-    fn damped_time_steps(
+    /// [`MethodError::GivenUp`] then, others when material or method cannot be evaluated there.
+    fn damped_time_steps_unless(
         &self,
         f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError>;
 
     /// The largest stable time step of an integrator at a state, damping included. Time.

@@ -33,6 +33,10 @@ use nalgebra::SVector;
 /// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
 pub(crate) const ZERO_ENERGY: f64 = 1e-10;
 
+/// Whether nobody waits for an answer any more, asked again and again while it is sought; once it is so it stays so. What a search returns
+/// then is not an answer.
+pub type IsEnded<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Whether `-k` stands for a wave vector and its opposite, which have the same waves: the one with a positive leading component.
 fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
     let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());

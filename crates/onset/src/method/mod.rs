@@ -339,6 +339,9 @@ pub enum MethodError {
     /// The dynamical matrix over- or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
+    /// Nobody has waited for the answer any more.
+    #[error("given up: nobody waits for the answer any more")]
+    GivenUp,
     /// Elements that cannot be set up.
     #[error(transparent)]
     Mesh(#[from] MeshError),

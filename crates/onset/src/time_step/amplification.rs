@@ -2,7 +2,7 @@
 
 use super::Integrator;
 use crate::algebra::Complex;
-use crate::bloch::{WaveSystem, ZoneSearch};
+use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Eigenvalues may leave the unit circle by this much: rounding.
@@ -198,6 +198,16 @@ pub fn critical_time_step<const D: usize>(
     integrator: Integrator,
     search: &ZoneSearch<D>,
 ) -> f64 {
+    critical_time_step_unless(system, integrator, search, &|| false)
+}
+
+/// The same, given up as soon as nobody waits for it any more.
+pub fn critical_time_step_unless<const D: usize>(
+    system: &WaveSystem<D>,
+    integrator: Integrator,
+    search: &ZoneSearch<D>,
+    is_ended: IsEnded<'_>,
+) -> f64 {
     if system.damping().is_none() {
         return search.summary_of(system).critical_time_step();
     }
@@ -211,6 +221,9 @@ pub fn critical_time_step<const D: usize>(
     let points = GRID.pow(D as u32);
     let mut best = (f64::INFINITY, SVector::zeros());
     for index in 1..points / 2 + points.div_ceil(GRID) {
+        if is_ended() {
+            return best.0;
+        }
         let mut rest = index;
         let fractional = SVector::from_fn(|_, _| {
             let coordinate = (rest % GRID) as f64 / GRID as f64;
@@ -223,7 +236,7 @@ pub fn critical_time_step<const D: usize>(
         }
     }
     let mut size = 0.5 / GRID as f64;
-    while size > 1e-4 {
+    while size > 1e-4 && !is_ended() {
         let before = best.0;
         for axis in 0..D {
             for sign in [-1.0, 1.0] {

@@ -7,7 +7,9 @@
 mod amplification;
 mod stepping;
 
-pub use amplification::{Amplification, critical_time_step, critical_time_step_at};
+pub use amplification::{
+    Amplification, critical_time_step, critical_time_step_at, critical_time_step_unless,
+};
 pub use stepping::Stepping;
 
 /// Explicit integrators.

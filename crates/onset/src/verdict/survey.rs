@@ -3,7 +3,7 @@
 use super::{Assessment, MaterialAssessment, Phase, Probe, Verdict, decided, finite};
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{
-    GradientMoments, Local, Mode, MomentExtremes, SpectrumSummary, Stability, WaveSystem,
+    GradientMoments, IsEnded, Local, Mode, MomentExtremes, SpectrumSummary, Stability, WaveSystem,
     ZERO_ENERGY, ZoneSearch,
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
@@ -11,7 +11,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, PlaneTangent};
 use crate::method::MethodError;
 use crate::scheme::{DirectWaves, Discretization, StrainRows};
-use crate::time_step::{Integrator, critical_time_step};
+use crate::time_step::{Integrator, critical_time_step, critical_time_step_unless};
 use nalgebra::{DMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -19,6 +19,14 @@ use std::sync::{Arc, OnceLock};
 const ZERO: f64 = 1e-9;
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
 const SOFT: f64 = 0.05;
+
+/// Nothing, where somebody waits.
+fn unless(is_ended: IsEnded<'_>) -> Result<(), MethodError> {
+    match is_ended() {
+        true => Err(MethodError::GivenUp),
+        false => Ok(()),
+    }
+}
 
 /// What a map shows of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,13 +174,26 @@ impl<const D: usize> StateWaves<D> {
     /// # Errors
     /// [`MethodError::NotFinite`] when they over- or underflow.
     pub fn bounded_spectrum(&self) -> Result<SpectrumSummary<D>, MethodError> {
-        finite(match self {
-            Self::Direct(waves) => waves.search.bounded_summary(&waves.matrix),
+        self.bounded_spectrum_unless(&|| false)
+    }
+
+    /// The same, given up as soon as nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`MethodError::GivenUp`] then, and as [`StateWaves::bounded_spectrum`].
+    pub fn bounded_spectrum_unless(
+        &self,
+        is_ended: IsEnded<'_>,
+    ) -> Result<SpectrumSummary<D>, MethodError> {
+        let found = match self {
+            Self::Direct(waves) => waves.search.bounded_summary_unless(&waves.matrix, is_ended),
             Self::System(waves) => {
                 waves.0.check_mass()?;
-                waves.1.bounded_summary_of(&waves.0)
+                waves.1.bounded_summary_of_unless(&waves.0, is_ended)
             }
-        })
+        };
+        unless(is_ended)?;
+        finite(found)
     }
 
     /// The search over the zone that holds their wave vectors.
@@ -348,10 +369,27 @@ impl<'a, const D: usize> Survey<'a, D> {
         &self,
         f: &DeformationGradient,
     ) -> Result<Vec<(Integrator, f64)>, MethodError> {
+        self.damped_time_steps_unless(f, &|| false)
+    }
+
+    /// The same, given up as soon as nobody waits for them any more.
+    ///
+    /// # Errors
+    /// [`MethodError::GivenUp`] then, and as [`Survey::damped_time_steps`].
+    pub fn damped_time_steps_unless(
+        &self,
+        f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Vec<(Integrator, f64)>, MethodError> {
         if !self.is_damped() {
             return Ok(Vec::new());
         }
-        let step = |integrator| Ok((integrator, self.critical_time_step(f, integrator)?));
+        let system = self.discretization.waves(self.material, f)?;
+        let search = self.search();
+        let step = |integrator| {
+            let step = critical_time_step_unless(&system, integrator, search, is_ended);
+            unless(is_ended).map(|()| (integrator, step))
+        };
         Integrator::ALL.into_iter().map(step).collect()
     }
 
@@ -360,8 +398,22 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn assess(&self, f: &DeformationGradient) -> Result<Assessment<D>, MethodError> {
+        self.assess_unless(f, &|| false)
+    }
+
+    /// The same, given up as soon as nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`MethodError::GivenUp`] then, and as [`Survey::assess`].
+    pub fn assess_unless(
+        &self,
+        f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Assessment<D>, MethodError> {
         let material = MaterialAssessment::<D>::new(self.material, f)?;
-        let spectrum = self.waves(f)?.bounded_spectrum()?;
+        let waves = self.waves(f)?;
+        unless(is_ended)?;
+        let spectrum = waves.bounded_spectrum_unless(is_ended)?;
         let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         let verdict = decided(
             material.ellipticity(),

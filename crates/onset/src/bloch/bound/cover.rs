@@ -4,6 +4,7 @@ use super::cell::Cell;
 use super::local::{Local, Sign};
 use super::pencil::Pencil;
 use crate::algebra::settled_along;
+use crate::bloch::IsEnded;
 use nalgebra::SVector;
 use std::collections::VecDeque;
 
@@ -39,6 +40,8 @@ pub(in crate::bloch) struct Question<'a, const D: usize> {
     /// A bottom downhill from a wave vector with a value.
     #[allow(clippy::type_complexity)]
     pub(in crate::bloch) descended: &'a dyn Fn((f64, SVector<f64, D>)) -> (f64, SVector<f64, D>),
+    /// Whether nobody waits for it any more.
+    pub(in crate::bloch) is_ended: IsEnded<'a>,
 }
 
 /// Covers the zone with boxes in each of which no value is lower than the smallest met by more than a gap: those of which this is
@@ -61,6 +64,9 @@ pub(super) fn cover<const D: usize>(
     let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
     let (mut left, mut looked) = (Vec::new(), 0);
     while let Some(cell) = open.pop_front() {
+        if (question.is_ended)() {
+            return Some(found);
+        }
         let local = pencil.on(&cell);
         looked += 1;
         let mut sign = local.sign(found.lowest - question.gap);

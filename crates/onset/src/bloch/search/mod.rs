@@ -12,7 +12,7 @@ use super::pocket::Pockets;
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
-use super::{DynamicalMatrix, growth_rate, is_shown_reversed};
+use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
 use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
@@ -170,15 +170,29 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The extremes of the spectrum, as a search finds them.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        self.found(matrix, false)
+        self.found(matrix, None)
     }
 
     /// The same with a lower bound of the scaled measure, where the matrix is Hermitian and periodic.
     pub fn bounded_summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        self.found(matrix, true)
+        self.bounded_summary_unless(matrix, &|| false)
     }
 
-    fn found(&self, matrix: &DynamicalMatrix<D>, is_bounded: bool) -> SpectrumSummary<D> {
+    /// The same, given up as soon as nobody waits for it any more.
+    pub fn bounded_summary_unless(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        is_ended: IsEnded<'_>,
+    ) -> SpectrumSummary<D> {
+        self.found(matrix, Some(is_ended))
+    }
+
+    /// The extremes; with a bound while somebody waits for it, where that is told.
+    fn found(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        is_bounded: Option<IsEnded<'_>>,
+    ) -> SpectrumSummary<D> {
         let unit = matrix.moderate_unit();
         if unit != 1.0 {
             let found = self.in_units(unit).found(&matrix.over(unit), is_bounded);
@@ -196,9 +210,9 @@ impl<const D: usize> ZoneSearch<D> {
             .bottom(self, matrix, Objective::Scaled, long_wave.scaled)
             .filter(|bottom| bottom.0 < long_wave.scaled)
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
-        let (softest, bound) = match is_bounded && self.is_periodic {
-            true => self.bounded(matrix, softest),
-            false => (softest, f64::NEG_INFINITY),
+        let (softest, bound) = match is_bounded.filter(|_| self.is_periodic) {
+            Some(is_ended) => self.bounded(matrix, softest, is_ended),
+            None => (softest, f64::NEG_INFINITY),
         };
         // A translation that strains the body can have a negative omega^2 itself.
         let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
@@ -233,7 +247,12 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The softest mode of the whole zone, of which one is known, and a lower bound of the scaled measure.
-    fn bounded(&self, matrix: &DynamicalMatrix<D>, known: Mode<D>) -> (Mode<D>, f64) {
+    fn bounded(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        known: Mode<D>,
+        is_ended: IsEnded<'_>,
+    ) -> (Mode<D>, f64) {
         let question = Question {
             known: known.scaled,
             gap: bound::GAP * known.scaled.abs().max(1.0) + self.tolerance(matrix),
@@ -248,6 +267,7 @@ impl<const D: usize> ZoneSearch<D> {
                     (value, k)
                 }
             },
+            is_ended,
         };
         let measure = Measure::Scaled(self.speed_squared);
         let Some(covered) = bound::cover_matrix(matrix, measure, self.reference(), &question)

@@ -12,7 +12,7 @@ use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::Pockets;
 use crate::bloch::search::RELAXED_RAY;
 use crate::bloch::short_range::ShortRange;
-use crate::bloch::{Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
+use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
@@ -66,30 +66,44 @@ enum Objective {
 impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        self.found_of(system, false)
+        self.found_of(system, false, &|| false)
     }
 
     /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
     pub fn bounded_summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        self.found_of(system, true)
+        self.bounded_summary_of_unless(system, &|| false)
     }
 
-    fn found_of(&self, system: &WaveSystem<D>, is_bounded: bool) -> SpectrumSummary<D> {
+    /// The same, given up as soon as nobody waits for it any more.
+    pub fn bounded_summary_of_unless(
+        &self,
+        system: &WaveSystem<D>,
+        is_ended: IsEnded<'_>,
+    ) -> SpectrumSummary<D> {
+        self.found_of(system, true, is_ended)
+    }
+
+    fn found_of(
+        &self,
+        system: &WaveSystem<D>,
+        is_bounded: bool,
+        is_ended: IsEnded<'_>,
+    ) -> SpectrumSummary<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
-            let found = self.in_units(unit).found_of(&system, is_bounded);
+            let found = self.in_units(unit).found_of(&system, is_bounded, is_ended);
             return found.in_units(unit);
         }
         if let Some(reduced) = system.reduced() {
-            return self.with_null_space(system, self.found_of(reduced, is_bounded));
+            return self.with_null_space(system, self.found_of(reduced, is_bounded, is_ended));
         }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
-            let found = search.found_of(&system, is_bounded);
+            let found = search.found_of(&system, is_bounded, is_ended);
             return range.carried_back(&found, |k| self.folded(k));
         }
         match system.single() {
-            Some(matrix) if is_bounded => self.bounded_summary(&matrix),
+            Some(matrix) if is_bounded => self.bounded_summary_unless(&matrix, is_ended),
             Some(matrix) => self.summary(&matrix),
-            None => Sweep::new(self, system, is_bounded).summary(),
+            None => Sweep::new(self, system, is_bounded, is_ended).summary(),
         }
     }
 
@@ -108,7 +122,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         match system.single() {
             Some(matrix) => self.stability(&matrix),
-            None => Sweep::new(self, system, false).stability(),
+            None => Sweep::new(self, system, false, &|| false).stability(),
         }
     }
 
@@ -171,6 +185,8 @@ struct Sweep<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     /// Whether bounds are wanted, which take several times as long as a search.
     is_bounded: bool,
+    /// Whether nobody waits any more: then nothing is looked at that is not known.
+    is_ended: IsEnded<'a>,
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid, once they are needed; `-k` has the same, conjugated.
@@ -301,12 +317,18 @@ impl Fall {
 }
 
 impl<'a, const D: usize> Sweep<'a, D> {
-    fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>, is_bounded: bool) -> Self {
+    fn new(
+        search: &'a ZoneSearch<D>,
+        system: &'a WaveSystem<D>,
+        is_bounded: bool,
+        is_ended: IsEnded<'a>,
+    ) -> Self {
         let waves = search.grid_of(resolution(system));
         Self {
             search,
             system,
             is_bounded,
+            is_ended,
             effort: Effort::of(system),
             spectra: OnceLock::new(),
             waves,
@@ -496,7 +518,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2`.
     fn pockets(&self) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            expansion: &|k| (!self.is_long(k)).then(|| self.system.expansion_at(k)),
+            expansion: &|k| {
+                let is_seen = !self.is_long(k) && !(self.is_ended)();
+                is_seen.then(|| self.system.expansion_at(k))
+            },
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
             most: self.effort.pockets,
@@ -508,8 +533,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn spectra(&self) -> &[Vec<Complex>] {
         self.spectra.get_or_init(|| {
             let half = half(&self.waves).iter();
-            half.map(|k| self.system.omega_squared(k)).collect()
+            half.map(|k| self.omega_squared(k)).collect()
         })
+    }
+
+    /// All `omega^2` of a wave vector, none where nobody waits for them.
+    fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
+        match (self.is_ended)() {
+            true => Vec::new(),
+            false => self.system.omega_squared(k),
+        }
     }
 
     /// The smallest value of an objective, where one is below a floor: with a bound where there is one, otherwise searched.
@@ -587,6 +620,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             budget,
             value: &|k| self.value(objective, k),
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
+            is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
         let is_loose = covered.bound < covered.lowest - question.gap;
@@ -651,7 +685,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     fn value(&self, objective: Objective, k: &SVector<f64, D>) -> f64 {
-        self.branches(objective, k, &self.system.omega_squared(k))[0]
+        self.branches(objective, k, &self.omega_squared(k))[0]
     }
 
     /// `omega^2 / (c^2 |k|_h^2)`. Rounding of `omega^2`, which does not become smaller with the wave vector, counts as zero: modes
@@ -836,7 +870,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|part| {
                 let corner = grid_coordinates::<D>(part, 2).map(|side| 0.5 * side as f64 - 0.25);
                 let k = region.center + sides * SVector::from(corner);
-                let spectrum = self.system.omega_squared(&k);
+                let spectrum = self.omega_squared(&k);
                 let branches = self.branches(objective, &k, &spectrum);
                 (k, branches)
             })
@@ -872,6 +906,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         start: Candidate<D>,
         floor: f64,
     ) -> Candidate<D> {
+        if (self.is_ended)() {
+            return start;
+        }
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
         let (to_beat, floor) = match objective {
@@ -894,7 +931,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         branch: usize,
         k: &SVector<f64, D>,
     ) -> Option<Taylor<f64, D>> {
-        if self.is_long(k) {
+        if self.is_long(k) || (self.is_ended)() {
             return None;
         }
         let expansion = self.system.expansion_at(k);

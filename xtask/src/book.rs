@@ -1,0 +1,292 @@
+//! The book: built with mdBook, its formulas rendered, its links checked, and nothing of it asked of another server.
+
+use crate::npm::packages;
+use crate::python::succeed;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Where its sources are, and where it is built.
+const FOLDER: &str = "book";
+const BUILT: &str = "target/book";
+/// The version of mdBook, and where it is installed unless there is one.
+const VERSION: &str = "0.5.4";
+const TOOLS: &str = "target/tools";
+/// The letters of the formulas that no font of a machine has.
+const FONT: &str = "node_modules/temml/dist/Temml.woff2";
+/// Pages beside the book whose links lead into the repository.
+const BESIDE: [&str; 6] = [
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "bench/README.md",
+    "python/README.md",
+    "validation/README.md",
+];
+
+/// Builds the book into `target/book`, and checks it.
+///
+/// # Errors
+/// What failed, in words.
+pub fn run() -> Result<(), String> {
+    build(&tools()?)?;
+    println!("{BUILT}/index.html");
+    Ok(())
+}
+
+/// Sees to what the book is built with: the packages for its formulas, and mdBook, which is the one that the variable `ONSET_MDBOOK` names, the
+/// one on the path, or one that is installed into `target/tools`, without the parts that serve and watch.
+///
+/// # Errors
+/// What cannot be had, in words.
+pub fn tools() -> Result<PathBuf, String> {
+    packages(Path::new(FOLDER))?;
+    if let Some(named) = std::env::var_os("ONSET_MDBOOK") {
+        return Ok(PathBuf::from(named));
+    }
+    let own = Path::new(TOOLS).join(format!("bin/mdbook{}", std::env::consts::EXE_SUFFIX));
+    let own = std::path::absolute(own).map_err(|error| error.to_string())?;
+    for program in [PathBuf::from("mdbook"), own.clone()] {
+        if version(&program).is_some_and(|found| found.ends_with(VERSION)) {
+            return Ok(program);
+        }
+    }
+    eprintln!("== book: cargo install mdbook");
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    succeed(
+        Command::new(cargo)
+            .args(["install", "mdbook", "--locked", "--no-default-features"])
+            .args(["--version", VERSION, "--root", TOOLS])
+            // It builds one book: what matters is how soon it is there.
+            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
+    )?;
+    Ok(own)
+}
+
+/// What a program tells of its version.
+fn version(program: &Path) -> Option<String> {
+    let output = Command::new(program)
+        .arg("--version")
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+/// Builds the book and checks its links.
+///
+/// # Errors
+/// What failed, and all links that lead nowhere.
+pub fn build(mdbook: &Path) -> Result<(), String> {
+    eprintln!("== the book: mdbook build");
+    // What an earlier build has left must not stand for what this one makes.
+    let _ = std::fs::remove_dir_all(BUILT);
+    succeed(Command::new(mdbook).args(["build", FOLDER]))?;
+    let font = Path::new(BUILT).join(FONT);
+    std::fs::copy(Path::new(FOLDER).join(FONT), &font)
+        .map_err(|error| format!("{}: {error}", font.display()))?;
+    let mut wrong = wrong_in_book(Path::new(BUILT))?;
+    for page in BESIDE {
+        wrong.extend(wrong_in_page(Path::new(page))?);
+    }
+    match wrong.is_empty() {
+        true => Ok(()),
+        false => Err(format!("links that lead nowhere:\n{}", wrong.join("\n"))),
+    }
+}
+
+/// A page as a browser reads it: what it can be entered at, where its links lead, and what it loads.
+#[derive(Default)]
+struct Page {
+    places: BTreeSet<String>,
+    links: Vec<String>,
+    loaded: Vec<String>,
+}
+
+impl Page {
+    fn read(html: &str) -> Self {
+        let mut page = Self::default();
+        for tag in tags(html) {
+            let name = tag.split_whitespace().next().unwrap_or_default();
+            page.places.extend(attribute(tag, "id"));
+            match name {
+                "a" => page.links.extend(attribute(tag, "href")),
+                "link" => page.loaded.extend(attribute(tag, "href")),
+                _ => page.loaded.extend(attribute(tag, "src")),
+            }
+        }
+        page
+    }
+}
+
+/// The tags of a page, without their brackets; what stands in scripts is none.
+fn tags(html: &str) -> impl Iterator<Item = &str> {
+    let mut rest = html;
+    std::iter::from_fn(move || {
+        let start = rest.find('<')? + 1;
+        let end = start + rest[start..].find('>')?;
+        let tag = &rest[start..end];
+        rest = &rest[end..];
+        if tag.starts_with("script") {
+            rest = rest.find("</script>").map_or("", |end| &rest[end..]);
+        }
+        Some(tag)
+    })
+}
+
+/// An attribute of a tag.
+fn attribute(tag: &str, name: &str) -> Option<String> {
+    let (_, value) = tag.split_once(&format!(" {name}=\""))?;
+    let value = value.split('"').next()?;
+    Some(value.replace("&amp;", "&"))
+}
+
+/// Whether an address is that of another server, or of no file at all.
+fn is_elsewhere(address: &str) -> bool {
+    ["http:", "https:", "//", "mailto:", "data:"]
+        .iter()
+        .any(|start| address.starts_with(start))
+}
+
+/// The links of a built book that lead nowhere, and what it would load from another server.
+fn wrong_in_book(folder: &Path) -> Result<Vec<String>, String> {
+    let mut pages = BTreeMap::new();
+    for file in files(folder)? {
+        if file.extension().is_some_and(|end| end == "html") {
+            let html = text(&file)?;
+            pages.insert(file, Page::read(&html));
+        }
+    }
+    let mut wrong = Vec::new();
+    for (file, page) in &pages {
+        let own = file.strip_prefix(folder).unwrap_or(file).display();
+        for address in &page.loaded {
+            if address.starts_with("http") || address.starts_with("//") {
+                wrong.push(format!("{own}: {address} is loaded from another server"));
+            }
+        }
+        // The page of what is not there has the address of whatever is not there.
+        let is_lost = file.ends_with("404.html");
+        let all = page.links.iter().chain(&page.loaded);
+        for address in all.filter(|address| !is_elsewhere(address) && !is_lost) {
+            if let Some(why) = leads_nowhere(file, address, &pages) {
+                wrong.push(format!("{own}: {address} {why}"));
+            }
+        }
+    }
+    Ok(wrong)
+}
+
+/// Why a link of a page leads nowhere, if it does.
+fn leads_nowhere(
+    file: &Path,
+    address: &str,
+    pages: &BTreeMap<PathBuf, Page>,
+) -> Option<&'static str> {
+    let (path, place) = address.split_once('#').unwrap_or((address, ""));
+    let target = match path {
+        "" => file.to_owned(),
+        path => beside(file, path),
+    };
+    match (pages.get(&target), place) {
+        (Some(_), "") => None,
+        (Some(page), place) if page.places.contains(place) => None,
+        (Some(_), _) => Some("is not on that page"),
+        (None, _) if target.is_file() => None,
+        (None, _) => Some("is not there"),
+    }
+}
+
+/// The links of a Markdown page that lead to no file of the repository.
+fn wrong_in_page(page: &Path) -> Result<Vec<String>, String> {
+    let text = text(page)?;
+    let links = text.split("](").skip(1);
+    let addresses = links.filter_map(|rest| rest.split([')', ' ', '\n']).next());
+    let wrong = addresses.filter(|address| {
+        let path = address.split('#').next().unwrap_or_default();
+        !is_elsewhere(address) && !path.is_empty() && !beside(page, path).exists()
+    });
+    Ok(wrong
+        .map(|address| format!("{}: {address} is not there", page.display()))
+        .collect())
+}
+
+/// A path that is named in a file.
+fn beside(file: &Path, path: &str) -> PathBuf {
+    let mut place = file.parent().map(Path::to_owned).unwrap_or_default();
+    for part in Path::new(path).components() {
+        match part {
+            Component::ParentDir => {
+                place.pop();
+            }
+            Component::Normal(name) => place.push(name),
+            _ => {}
+        }
+    }
+    place
+}
+
+/// All files of a folder and those in it.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let told = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        match path.is_dir() {
+            true => found.extend(files(&path)?),
+            false => found.push(path),
+        }
+    }
+    Ok(found)
+}
+
+fn text(file: &Path) -> Result<String, String> {
+    std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Page, wrong_in_book, wrong_in_page};
+
+    #[test]
+    fn links_that_lead_nowhere_and_other_servers_are_told() {
+        let folder = std::env::temp_dir().join(format!("onset-book-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("part")).expect("a folder");
+        let page = |name: &str, html: &str| {
+            std::fs::write(folder.join(name), html).expect("a page");
+        };
+        page(
+            "index.html",
+            "<h1 id=\"top\">T</h1><a class=\"x\" href=\"part/one.html#there\">1</a><a href=\"#top\">2</a>\
+             <a href=\"part/one.html#gone\">3</a><a href=\"two.html\">4</a><a href=\"https://example.org\">5</a>\
+             <script>\"<a href='none'>\"</script><script src=\"https://example.org/a.js\"></script>",
+        );
+        page(
+            "part/one.html",
+            "<h2 id=\"there\">O</h2><a href=\"../index.html#top\">1</a><img src=\"../none.svg\">",
+        );
+        let wrong = wrong_in_book(&folder).expect("read");
+        assert_eq!(
+            wrong,
+            [
+                "index.html: https://example.org/a.js is loaded from another server",
+                "index.html: part/one.html#gone is not on that page",
+                "index.html: two.html is not there",
+                "part/one.html: ../none.svg is not there",
+            ]
+        );
+        let beside = folder.join("page.md");
+        std::fs::write(
+            &beside,
+            "[a](part/one.html) [b](none.md#x) [c](https://example.org)",
+        )
+        .expect("a page");
+        let wrong = wrong_in_page(&beside).expect("read");
+        assert_eq!(wrong.len(), 1);
+        assert!(wrong[0].ends_with("none.md#x is not there"), "{wrong:?}");
+        std::fs::remove_dir_all(folder).expect("removed");
+        assert!(Page::read("<p").links.is_empty());
+    }
+}
