@@ -80,7 +80,7 @@ export interface Dispersion {
   corners: { name: string; wave_vector: number[]; length: number }[];
   lengths: number[];
   heights: Heights[];
-  critical: { height: number; length: number | null };
+  critical: { stable: boolean; height: number; length: number | null };
 }
 
 export interface Directions {

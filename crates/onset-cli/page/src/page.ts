@@ -195,13 +195,11 @@ function askWaves(own: number): void {
 /** Which map is asked for: an earlier one is given up. */
 let turn = 0;
 
-/** Asks for the map when the state is there, which a map of many states is not to delay: coarse first, and its boundaries at the end. */
+/** Asks for the map: coarse, beside the state; finer when that is there, which many states are not to delay; and its boundaries at the end. */
 async function askMap(answered: Promise<number>): Promise<void> {
   giveUp("boundary");
   giveUp("map");
   const own = ++turn;
-  const of = await answered;
-  if (own !== turn) return;
   the("plane").setAttribute("aria-busy", "true");
   let isBegun = false;
   try {
@@ -212,8 +210,11 @@ async function askMap(answered: Promise<number>): Promise<void> {
       the("map-help").textContent = HELP;
       drawMap();
       performance.mark("drawn:map");
-      if (!isBegun) askWaves(of);
-      isBegun = true;
+      if (level === 0) {
+        isBegun = true;
+        askWaves(await answered);
+        if (own !== turn) return;
+      }
       if (map.is_finest) break;
     }
     the("plane").removeAttribute("aria-busy");
@@ -225,7 +226,7 @@ async function askMap(answered: Promise<number>): Promise<void> {
     if (isGivenUp(error)) return;
     the("plane").removeAttribute("aria-busy");
     // A state can have waves where the window has no map.
-    if (!isBegun) askWaves(of);
+    if (!isBegun) void answered.then(askWaves);
     // What is wrong with the state is told beside it; what is wrong with the window alone, here.
     const isDrawn = shown?.is_finest === true && error instanceof Refusal;
     the("map-state").textContent = isDrawn ? "" : error instanceof Refusal ? error.message : String(error);

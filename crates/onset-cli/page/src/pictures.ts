@@ -97,6 +97,8 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
   const heights = [...particles, fluttering, mark].flat().map(([, y]) => y!).filter(Number.isFinite);
   const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
   const margin = 0.08 * (high - low || 1);
+  // Below zero by rounding alone is what a stable state has there.
+  const isGrowing = low < 0 && !critical.stable;
   const ticks = new Map<number, string>();
   for (const { name, length } of answer.corners) ticks.set(length, ticks.has(length) ? `${ticks.get(length)}|${name}` : name);
   return Plot.plot({
@@ -106,7 +108,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
     marginTop: 24,
     style: { background: "transparent", fontSize: "13px" },
     x: { domain: [0, answer.lengths.at(-1) ?? 1], ticks: [...ticks.keys()], tickFormat: (x: number) => ticks.get(x) ?? "", label: null },
-    y: { domain: [low < 0 ? low - margin : 0, high + margin], label: low < 0 ? "frequency; below 0: −(growth rate)" : "frequency" },
+    y: { domain: [isGrowing ? low - margin : 0, high + margin], label: isGrowing ? "frequency; below 0: −(growth rate)" : "frequency" },
     marks: [
       Plot.ruleX(ticks.keys(), { stroke: color("line"), strokeDasharray: "2,3" }),
       Plot.ruleY([0], { stroke: color("text") }),

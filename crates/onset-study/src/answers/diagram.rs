@@ -453,7 +453,11 @@ fn diagram(
         true => Err(ProblemError::OutOfTime),
         false => Ok(answer(&*waves, &waves.folded(k.as_slice()))),
     };
-    let (corners, samples, lengths) = sampled(dimension, &path, at)?;
+    let Sampled {
+        corners,
+        samples,
+        lengths,
+    } = sampled(dimension, &path, at)?;
     let growth = assessment.spectrum.growth_rate();
     let place = corners.iter().rev().find(|corner| corner.name == CRITICAL);
     // A translation that strains the body grows at k = 0, which every path has.
@@ -487,12 +491,19 @@ fn diagram(
     })
 }
 
+/// A path with its samples and their places.
+struct Sampled {
+    corners: Vec<Corner>,
+    samples: Vec<DispersionAnswer>,
+    lengths: Vec<f64>,
+}
+
 /// The corners of a path, samples on its legs, and their places.
 fn sampled(
     dimension: usize,
     path: &ZonePath,
     waves: impl Fn(&Vector3<f64>) -> Result<DispersionAnswer, ProblemError>,
-) -> Result<(Vec<Corner>, Vec<DispersionAnswer>, Vec<f64>), ProblemError> {
+) -> Result<Sampled, ProblemError> {
     let (mut corners, mut samples, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     let mut length = 0.0;
     for chain in &path.0 {
@@ -516,7 +527,11 @@ fn sampled(
             length += step.norm();
         }
     }
-    Ok((corners, samples, lengths))
+    Ok(Sampled {
+        corners,
+        samples,
+        lengths,
+    })
 }
 
 fn density_of_states(
