@@ -8,6 +8,9 @@ const ITERATIONS: usize = 60;
 /// Displacements by which forces are differentiated, in spacings.
 pub(super) const DIFFERENCE: f64 = 1e-5;
 
+/// What a linear map makes of a vector.
+type Image = Result<Vec<f64>, Box<Fault>>;
+
 /// The largest factor by which a linear map lengthens vectors of so many numbers, from above: sixty iterations of the power method find it up to the
 /// share `0.871 ln n / 59` on average over random starts, which is added.
 ///
@@ -16,7 +19,7 @@ pub(super) const DIFFERENCE: f64 = 1e-5;
 /// Source: Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094, for symmetric matrices.
 pub(super) fn largest_factor(
     unknowns: usize,
-    map: &mut dyn FnMut(&[f64], f64) -> Result<Vec<f64>, Box<Fault>>,
+    map: &mut dyn FnMut(&[f64], f64) -> Image,
 ) -> Result<f64, Box<Fault>> {
     let mut random = 1;
     let mut along: Vec<f64> = (0..unknowns)
