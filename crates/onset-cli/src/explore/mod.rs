@@ -45,7 +45,7 @@ pub fn serve(
     crate::printing::tell("the page is served on this machine until it is interrupted (Ctrl-C)");
     let opened = place(&ticket);
     let server = Server::new(Explorer::new(trust, stored), address, token, ticket);
-    // Whoever sees the address of a browser sees a token that the browser has used by then.
+    // Whoever sees the arguments of a browser sees a token that is good once, and mostly used by then.
     if is_shown && !browser::open(&opened) {
         crate::printing::tell("no browser could be started: open the address above");
     }

@@ -74,8 +74,6 @@ pub const BODY_KEYS: &[Key] = &[
 
 /// How far beyond its corners a grip holds, in spacings: places of particles carry rounding.
 const RIM: f64 = 1e-9;
-/// Cells of a lattice in the box of a body, at most.
-const CELLS: f64 = 1e8;
 
 /// The keys of a grip, of which a study can have several.
 pub const GRIP_KEYS: &[Key] = &[
@@ -298,6 +296,15 @@ impl BodySettings {
             return Ok(BodyParticles::Cut(shape));
         }
         let offset = numbers(&self.values, "body.second", dimension, &self.origin)?;
+        if offset.iter().all(|own| *own == 0.0) {
+            let origin = self.values.get("body.second").map(|(_, origin)| origin);
+            let origin = origin.unwrap_or(&self.origin).clone();
+            return Err(SettingError::new(
+                origin,
+                "`body.second` is zero: the second shape would be the first",
+            )
+            .hint("expected the vector from the first to the second"));
+        }
         Ok(BodyParticles::Cut(Shape::Twice {
             shape: Box::new(shape),
             offset: offset.iter().map(|own| own * spacing).collect(),
@@ -340,19 +347,6 @@ impl BodySettings {
                 };
                 let given = numbers(&self.values, "body.size", sides, &self.origin)?;
                 let last = given[given.len() - 1];
-                // Cells are gone through before particles are counted: of a thin and long body there can be more.
-                let cells = (0..dimension).map(|i| given.get(i).copied().unwrap_or(last) + 3.0);
-                if cells.product::<f64>() > CELLS {
-                    let origin = self.values.get("body.size").map(|(_, origin)| origin);
-                    let origin = origin.unwrap_or(&self.origin).clone();
-                    return Err(SettingError::new(
-                        origin,
-                        "the box of the body has too many cells",
-                    )
-                    .hint(format!(
-                        "expected at most {CELLS:e}: choose a smaller body.size"
-                    )));
-                }
                 let sides = (0..dimension).map(|i| spacing * given.get(i).copied().unwrap_or(last));
                 let notch = match self.values.get("body.notch") {
                     None => None,
@@ -405,12 +399,24 @@ impl BodySettings {
                     .hint("expected a time that is not negative")),
                 },
             };
+            let (ramp, until) = (
+                time("grips.ramp", 0.0)?,
+                time("grips.until", f64::INFINITY)?,
+            );
+            if let (Some((_, origin)), true) =
+                (values.get("grips.ramp"), ramp > 0.0 && until == 0.0)
+            {
+                let message = "`grips.ramp` has no effect with `grips.until = 0`, which lets go before the velocity rises";
+                return Err(
+                    SettingError::new(origin.clone(), message).hint("leave one of them out")
+                );
+            }
             Ok(Grip {
                 low: scaled(list("grips.from")?, -RIM),
                 high: scaled(list("grips.to")?, RIM),
                 velocity: list("grips.velocity")?,
-                ramp: time("grips.ramp", 0.0)?,
-                until: time("grips.until", f64::INFINITY)?,
+                ramp,
+                until,
             })
         };
         self.grips.iter().map(grip).collect()
@@ -553,6 +559,10 @@ mod tests {
         assert!(refused("[body]\nshape = 'bar'\nsise = [40, 2]").contains("size"));
         let grip = "[body]\nshape = 'disk'\nradius = 9\n[[grips]]\nfrom = [0, 0]\nto = [1, 1]\n";
         assert!(refused(grip).contains("grips.velocity"));
+        let told = refused(&format!("{grip}velocity = [1, 0]\nramp = 2\nuntil = 0"));
+        assert!(told.contains("`grips.ramp` has no effect"), "{told}");
+        let told = refused("[body]\nshape = 'bar'\nsize = [40, 6]\nsecond = [0, 0]");
+        assert!(told.contains("`body.second` is zero"), "{told}");
         for key in ["ramp", "until"] {
             let told = refused(&format!("{grip}velocity = [1, 0]\n{key} = -1"));
             assert!(told.contains(key) && told.contains("negative"), "{told}");

@@ -566,6 +566,28 @@ fn bodies_that_cannot_be_are_told() {
             ..
         }
     ));
+    // Places that no cell has a number for, and particles of a file there, end in words too.
+    for far in [-1e10, 1e10, 1e300] {
+        let twice = BodyParticles::Cut(Shape::Twice {
+            shape: Box::new(Shape::Block {
+                size: vec![8.0, 8.0],
+                hole: None,
+                notch: None,
+            }),
+            offset: vec![far, 0.0],
+        });
+        assert!(matches!(refused(&twice, &[]), BodyError::Number { .. }));
+        let there = PlacedParticle {
+            position: [far, 2.0, 0.0],
+            volume: 1.0,
+        };
+        let given = BodyParticles::Given(vec![particle, there]);
+        assert!(matches!(refused(&given, &[]), BodyError::Lonely { .. }));
+    }
+    assert!(matches!(
+        refused(&block(&[1e6, 1e-3]), &[]),
+        BodyError::Empty | BodyError::Number { .. }
+    ));
     let updated = MethodChoices::Kernel(Box::default());
     let updated = analysis(&updated, law()).expect("a method");
     let none = with(&*updated, &block(&[8.0, 8.0]), &[], |_| ());
@@ -642,4 +664,25 @@ fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
         (seen - told).abs() < 2.0,
         "{seen} degrees, predicted {told}"
     );
+}
+
+#[test]
+fn pieces_far_apart_are_counted_by_themselves_and_overlaps_once() {
+    let method = method(
+        LatticeKind::Square,
+        &choices(2.4, 0.0, PenaltyForm::Published),
+    );
+    let count = |offset: f64| {
+        let twice = BodyParticles::Cut(Shape::Twice {
+            shape: Box::new(Shape::Block {
+                size: vec![6.0, 5.0],
+                hole: None,
+                notch: None,
+            }),
+            offset: vec![offset, 0.0],
+        });
+        with(&*method, &twice, &[], |body| body.positions().len())
+    };
+    assert_eq!([2.0, 6.0, 1e5].map(count), [Ok(40), Ok(60), Ok(60)]);
+    assert!(matches!(count(1e8), Err(BodyError::Number { .. })));
 }

@@ -215,7 +215,7 @@ impl<const D: usize> Sums<'_, D> {
     }
 }
 
-/// Particles of different volumes out of order, all of them moved, strained and in motion: no neighborhood is that of the reference state.
+/// Disordered particles of different volumes, all of them moved, strained and in motion: no neighborhood is that of the reference state.
 fn disordered<const D: usize>(
     choices: &UpdatedSphChoices,
     count: usize,

@@ -1,5 +1,4 @@
 //! Deformation gradients, stresses and accelerations of all particles.
-
 //!
 //! All is done for groups of so many particles as vectors hold. Sums are fused with products, on all machines, and each particle has its own: the same bits
 //! come out of vectors of any width, and of any number of cores.

@@ -11,6 +11,8 @@ use std::collections::HashMap;
 
 /// Particles nearer to each other than this share of the support are at one place.
 const SAME_PLACE: f64 = 1e-9;
+/// Cells are numbered up to here.
+const FAR: f64 = 1e15;
 /// No particle.
 const NONE: u32 = u32::MAX;
 
@@ -127,7 +129,8 @@ impl<const D: usize> Links<D> {
     /// Particles anywhere, each pair of a kind of its own.
     fn irregular(&mut self, placed: &Placed<D>, law: &dyn PairLaw<D>) -> Result<(), BodyError> {
         let radius = law.radius();
-        let cell = |x: &[f64; D]| x.map(|x| (x / radius).floor() as i64);
+        // Beyond it places are not told apart by their cells.
+        let cell = |x: &[f64; D]| x.map(|x| (x / radius).floor().clamp(-FAR, FAR) as i64);
         let mut cells: HashMap<[i64; D], Vec<u32>> = HashMap::new();
         for (number, x) in placed.positions.iter().enumerate() {
             cells.entry(cell(x)).or_default().push(number as u32);

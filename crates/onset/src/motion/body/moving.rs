@@ -1,7 +1,7 @@
 //! A body that moves.
 
 use super::engine::{Engine, Field, Lost, zeros};
-use super::grip::held;
+use super::grip::{held, work_of};
 use super::links::Links;
 use super::quantities::in_space;
 use super::shape::placed;
@@ -60,7 +60,7 @@ pub trait BodyMotion {
     /// `F_I` of every particle, of the last evaluation of the forces.
     fn deformations(&self) -> Vec<[[f64; 3]; 3]>;
 
-    /// A step below the largest stable one at the present displacements, `2 / omega` with a bound of the largest frequency: sixty iterations of the power
+    /// A step below the largest stable one at the present displacements, `2 / omega` (with viscosity the root of `omega^2 dt^2 + 2 c dt = 4`) with a bound of the largest frequency: sixty iterations of the power
     /// method find `omega^2` up to the share `0.871 ln n / 59` on average over random starts, which is added. Grips are free. Time.
     ///
     /// Source of the bound: Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094, for symmetric matrices; the penalty makes
@@ -157,7 +157,7 @@ impl<const D: usize> MovingBody<'_, D> {
         }
     }
 
-    /// What grips want of their particles half a step after a time.
+    /// What a grip wants of its particles at a time.
     fn grip_velocity(&self, grip: u32, time: f64) -> [f64; D] {
         self.grips[grip as usize].velocity_at(time)
     }
@@ -180,12 +180,11 @@ impl<const D: usize> MovingBody<'_, D> {
             }
             let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
+            let before = Self::of(&self.v, particle);
+            let free = std::array::from_fn(|i| 2.0 * v[i][particle] - before[i]);
+            work += 0.5 * work_of(self.mass(particle), &before, &free, &next);
             for i in 0..D {
-                let before = self.v[i][particle];
-                let kicked = 2.0 * v[i][particle] - before;
-                let mean = 0.5 * (before + next[i]);
-                work += 0.5 * self.mass(particle) * (next[i] - kicked) * mean;
-                v[i][particle] = mean;
+                v[i][particle] = 0.5 * (before[i] + next[i]);
             }
         }
         (v, work)
@@ -325,11 +324,9 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             }
             let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
-            let mass = self.mass(particle);
+            let free = Self::of(&self.v, particle);
+            self.work += work_of(self.mass(particle), before, &free, &next);
             for i in 0..D {
-                // The impulse of the grip, times the mean velocity.
-                let impulse = mass * (next[i] - self.v[i][particle]);
-                self.work += impulse * 0.5 * (before[i] + next[i]);
                 self.v[i][particle] = next[i];
             }
         }

@@ -8,6 +8,10 @@ use nalgebra::SVector;
 const PARTICLES: usize = 20_000_000;
 /// Particles this share of a spacing outside of a shape are on its rim, and belong to it.
 const RIM: f64 = 1e-9;
+/// Cells are numbered up to here.
+const FAR: f64 = 1e9;
+/// Cells in the box around a body, at most: of a thin and long one, or one of pieces far apart, there can be many more than particles.
+const CELLS: f64 = 1e8;
 
 /// A cut from an edge of a block, at the middle of its first side, from below along the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,34 +129,33 @@ impl Shape {
                 }
                 Ok([low, high])
             }
-            Self::Twice { shape, offset } => {
-                let [mut low, mut high] = shape.corners::<D>()?;
-                for i in 0..D {
-                    let own = offset.get(i).copied().unwrap_or(f64::NAN);
-                    if !own.is_finite() {
-                        return Err(BodyError::Number {
-                            what: format!("component {} of the offset of the body", i + 1),
-                            value: own,
-                            expected: "a finite number",
-                        });
-                    }
-                    low[i] += own.min(0.0);
-                    high[i] += own.max(0.0);
-                }
-                Ok([low, high])
-            }
+            Self::Twice { shape, .. } => shape.corners(),
         }
     }
 
-    /// Whether a place is inside of the shape.
-    fn is_around<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
-        if let Self::Twice { shape, offset } = self {
-            let again: [f64; D] = std::array::from_fn(|i| x[i] - offset[i]);
-            return shape.is_around(x, rim) || shape.is_around(&again, rim);
+    /// What it is made of, a shape of one piece at each of some places.
+    fn pieces<const D: usize>(&self) -> Result<Vec<(&Self, [f64; D])>, BodyError> {
+        let Self::Twice { shape, offset } = self else {
+            return Ok(vec![(self, [0.0; D])]);
+        };
+        let mut moved = [0.0; D];
+        for (i, moved) in moved.iter_mut().enumerate() {
+            *moved = offset.get(i).copied().unwrap_or(f64::NAN);
+            if !moved.is_finite() {
+                return Err(BodyError::Number {
+                    what: format!("component {} of the offset of the body", i + 1),
+                    value: *moved,
+                    expected: "a finite number",
+                });
+            }
         }
-        self.corners::<D>()
-            .is_ok_and(|[low, high]| (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&x[i])))
-            && self.holds(x, rim)
+        let mut pieces = shape.pieces::<D>()?;
+        let again: Vec<_> = pieces
+            .iter()
+            .map(|(piece, at)| (*piece, std::array::from_fn(|i| at[i] + moved[i])))
+            .collect();
+        pieces.extend(again);
+        Ok(pieces)
     }
 
     /// Whether a place inside of the box is inside of the shape.
@@ -173,7 +176,7 @@ impl Shape {
                 let distance = across(x[0], x.get(1).copied().unwrap_or(0.0));
                 (inner - rim..=radius + rim).contains(&distance)
             }
-            Self::Twice { .. } => self.is_around(x, rim),
+            Self::Twice { shape, .. } => shape.holds(x, rim),
         }
     }
 }
@@ -194,46 +197,25 @@ pub(super) fn placed<const D: usize>(
 }
 
 fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>, BodyError> {
-    let [low, high] = shape.corners::<D>()?;
-    let half = 0.5 * crystal.spacing();
-    let rim = RIM * crystal.spacing();
-    let volume: f64 = (0..D).map(|i| high[i] - low[i]).product();
-    let cell: f64 = crystal.volumes().iter().sum();
-    let expected = volume / cell * crystal.volumes().len() as f64;
-    if expected > PARTICLES as f64 {
-        return Err(BodyError::TooMany {
-            particles: expected as usize,
-            limit: PARTICLES,
-        });
+    let mut found = Vec::new();
+    for (piece, at) in shape.pieces()? {
+        found.extend(cut_piece(crystal, piece, &at)?);
+        if found.len() > PARTICLES {
+            return Err(BodyError::TooMany {
+                particles: found.len(),
+                limit: PARTICLES,
+            });
+        }
     }
-    // The cells of the lattice that reach into the box: lattice coordinates are linear, so their extremes are at its corners.
-    let inverse = crystal.lattice().vectors().try_inverse();
-    let inverse = inverse.ok_or(crate::method::MethodError::NotFinite)?;
+    // Neighbors are looked up in a table of the box around all pieces.
     let (mut first, mut last) = ([i32::MAX; D], [i32::MIN; D]);
-    for corner in 0..1 << D {
-        let x = SVector::<f64, D>::from_fn(|i, _| {
-            if corner >> i & 1 == 0 {
-                low[i] - half
-            } else {
-                high[i] - half
-            }
-        });
-        let fractional = inverse * x;
+    for (particle, _) in &found {
         for i in 0..D {
-            first[i] = first[i].min(fractional[i].floor() as i32 - 1);
-            last[i] = last[i].max(fractional[i].ceil() as i32 + 1);
+            first[i] = first[i].min(particle.cell[i]);
+            last[i] = last[i].max(particle.cell[i]);
         }
     }
-    let mut found: Vec<(Particle<D>, [f64; D])> = Vec::new();
-    for cell in cells_between(&first, &last) {
-        for site in 0..crystal.sites().len() {
-            let particle = Particle { site, cell };
-            let x: [f64; D] = crystal.position(&particle).add_scalar(half).into();
-            if shape.is_around(&x, rim) {
-                found.push((particle, x));
-            }
-        }
-    }
+    check_cells(&first.map(f64::from), &last.map(f64::from))?;
     // Rows along the first vector, of one site each.
     found.sort_by_key(|(particle, _)| {
         let mut key = [0; 4];
@@ -244,6 +226,8 @@ fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>,
         key[3] = particle.cell[0];
         key
     });
+    // Where pieces overlap a particle is in both.
+    found.dedup_by_key(|(particle, _)| *particle);
     Ok(Placed {
         volumes: found
             .iter()
@@ -279,4 +263,88 @@ fn given_ones<const D: usize>(given: &[PlacedParticle]) -> Result<Placed<D>, Bod
         volumes: given.iter().map(|particle| particle.volume).collect(),
         places: None,
     })
+}
+/// The particles of a lattice in a piece of a shape that is moved to a place.
+fn cut_piece<const D: usize>(
+    crystal: &Crystal<D>,
+    piece: &Shape,
+    at: &[f64; D],
+) -> Result<Vec<(Particle<D>, [f64; D])>, BodyError> {
+    let [low, high] = piece.corners::<D>()?;
+    let half = 0.5 * crystal.spacing();
+    let rim = RIM * crystal.spacing();
+    let volume: f64 = (0..D).map(|i| high[i] - low[i]).product();
+    let cell: f64 = crystal.volumes().iter().sum();
+    let expected = volume / cell * crystal.volumes().len() as f64;
+    if expected > PARTICLES as f64 {
+        return Err(BodyError::TooMany {
+            particles: expected as usize,
+            limit: PARTICLES,
+        });
+    }
+    let [first, last] = cells_of_box(crystal, &[low, high], at)?;
+    let mut found = Vec::new();
+    for cell in cells_between(&first, &last) {
+        for site in 0..crystal.sites().len() {
+            let particle = Particle { site, cell };
+            let x: [f64; D] = crystal.position(&particle).add_scalar(half).into();
+            let own: [f64; D] = std::array::from_fn(|i| x[i] - at[i]);
+            let is_in_box = (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&own[i]));
+            if is_in_box && piece.holds(&own, rim) {
+                found.push((particle, x));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Whether there are not too many cells between two.
+fn check_cells<const D: usize>(first: &[f64; D], last: &[f64; D]) -> Result<(), BodyError> {
+    let cells: f64 = (0..D)
+        .map(|i| (last[i] - first[i] + 1.0).max(0.0))
+        .product();
+    match cells > CELLS {
+        true => Err(BodyError::Number {
+            what: "the number of cells of the lattice in the box around the body".to_owned(),
+            value: cells,
+            expected: "at most 1e8: a smaller body, or pieces nearer to each other",
+        }),
+        false => Ok(()),
+    }
+}
+
+/// The first and the last cell of a lattice that reach into a box at a place: lattice coordinates are linear, so their extremes are at its corners.
+fn cells_of_box<const D: usize>(
+    crystal: &Crystal<D>,
+    [low, high]: &[[f64; D]; 2],
+    at: &[f64; D],
+) -> Result<[[i32; D]; 2], BodyError> {
+    let half = 0.5 * crystal.spacing();
+    let inverse = crystal.lattice().vectors().try_inverse();
+    let inverse = inverse.ok_or(crate::method::MethodError::NotFinite)?;
+    let (mut first, mut last) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for corner in 0..1 << D {
+        let x = SVector::<f64, D>::from_fn(|i, _| {
+            let side = if corner >> i & 1 == 0 { low } else { high };
+            side[i] + at[i] - half
+        });
+        let fractional = inverse * x;
+        for i in 0..D {
+            first[i] = first[i].min(fractional[i].floor() - 1.0);
+            last[i] = last[i].max(fractional[i].ceil() + 1.0);
+        }
+    }
+    let farthest = first
+        .iter()
+        .chain(&last)
+        .fold(0.0, |far: f64, n| far.max(n.abs()));
+    if farthest > FAR {
+        return Err(BodyError::Number {
+            what: "the distance of the body from the origin, in cells of the lattice,".to_owned(),
+            value: farthest,
+            expected: "at most 1e9",
+        });
+    }
+    check_cells(&first, &last)?;
+    Ok([first, last].map(|own| own.map(|n| n as i32)))
 }

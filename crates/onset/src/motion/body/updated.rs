@@ -2,7 +2,8 @@
 //!
 //! Each particle carries its deformation gradient: `dF_I/dt = L_I F_I` with the velocity gradient that the method sees at the present neighbors,
 //! `L_I = sum_J m_J / rho_J (w_J - w_I) (x) grad W_IJ K_I^-1` (`K = 1` where gradients are not corrected), and its stress is that of the law there. It is a function
-//! of `F_I` alone, so a hyperelastic law needs no objective rate: where particles turn rigidly, `L` is a spin and `F` turns with them. Where a
+//! of `F_I` alone, so a hyperelastic law needs no objective rate. With corrected gradients `L` is a spin where particles turn rigidly, and `F` turns with them; without,
+//! `L` is that spin times `K`, which is not one at surfaces: turning strains there. Where a
 //! particle has lost its neighbors there is no `L`, and `F` stays.
 //!
 //! From `F` at one time to the next the gradient is that in the middle of the step: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`. A spin gives a rotation to the last digit,
