@@ -60,6 +60,16 @@ const linked = (hash, shown) => {
   return `${origin()}/${parts.length > 0 ? "#" : ""}${parts.join("&")}`;
 };
 const finest = (page) => page.waitForFunction(() => document.querySelector("#map svg") && document.getElementById("map-state").textContent === "", null, { timeout: 120_000 });
+/** A picture when it has been drawn and none has followed for a second: the waves of a state come after its map. */
+const last = async (page, name) => {
+  await page.waitForFunction((own) => performance.getEntriesByName(`drawn:${own}`).length > 0, name, { timeout: 120_000 });
+  for (let before = null; ; ) {
+    const now = await page.locator(`#${name}`).innerHTML();
+    if (now === before) return now;
+    before = now;
+    await page.waitForTimeout(1000);
+  }
+};
 const sentence = (page) => page.locator("#sentence").textContent();
 const drawn = (page, stretch) => page.waitForFunction((own) => document.getElementById("sentence").dataset.state === own, stretch, { timeout: 60_000 });
 
@@ -229,13 +239,14 @@ test("the token stays out of links, and without it there is no answer", options,
 test("a wrong formula shows the caret and keeps the last picture", options, async () => {
   const { page, close } = await open();
   await finest(page);
+  await page.evaluate(() => performance.clearMarks());
   await page.selectOption('[id="field-material.model"]', "formula");
   const area = page.locator('[id="field-material.energy"]');
   await area.waitFor();
   await page.locator('[id="field-material.mu"]').waitFor();
   await finest(page);
+  const picture = await last(page, "dispersion");
   const before = await sentence(page);
-  const picture = await page.locator("#dispersion").innerHTML();
   await area.fill("mu/2*(I1 - 3 -* 2)");
   await page.waitForSelector("#error:not([hidden])");
   const told = await page.locator("#error").textContent();
