@@ -89,23 +89,23 @@ fn a_bar_is_pulled_and_everything_is_kept() {
     assert!(tree(&place.out()) == files);
 }
 
-#[test]
-fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
-    let whole = Body::new(&pulled());
-    let start = Instant::now();
-    assert_eq!(Answer::of(whole.kept(LINE)).code, Some(0));
-    let duration = start.elapsed();
-    let files = tree(&whole.out());
+/// Kills a run after each of so many parts of its duration but the last, and takes it up: its files are those of a run that was not killed.
+fn assert_kills_change_nothing(
+    study: &str,
+    duration: Duration,
+    files: &[(String, Vec<u8>)],
+    parts: u32,
+) {
     let mut resumed = 0;
-    for case in 1..8 {
-        let place = Body::new(&pulled());
+    for case in 1..parts {
+        let place = Body::new(study);
         let mut child = place
             .kept(LINE)
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
             .expect("the command starts");
-        std::thread::sleep(duration.mul_f64(f64::from(case) / 8.0));
+        std::thread::sleep(duration.mul_f64(f64::from(case) / f64::from(parts)));
         child.kill().expect("a process");
         child.wait().expect("an end");
         let is_kept = place.out().join("checkpoint.onset").exists();
@@ -116,6 +116,16 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
         assert!(tree(&place.out()) == files, "case {case}: other bytes");
     }
     assert!(resumed > 0, "no kill has left a checkpoint");
+}
+
+#[test]
+fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
+    let whole = Body::new(&pulled());
+    let start = Instant::now();
+    assert_eq!(Answer::of(whole.kept(LINE)).code, Some(0));
+    let duration = start.elapsed();
+    let files = tree(&whole.out());
+    assert_kills_change_nothing(&pulled(), duration, &files, 8);
 }
 
 /// Two blocks that fly into each other, of a method that finds neighbors again.
@@ -165,26 +175,7 @@ fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_sam
     for axis in 6..8 {
         assert!((last[axis] - first[axis]).abs() < 1e-11 * 36.0 * 0.1);
     }
-    let mut resumed = 0;
-    for case in 1..6 {
-        let place = Body::new(&colliding());
-        let mut child = place
-            .kept(LINE)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the command starts");
-        std::thread::sleep(duration.mul_f64(f64::from(case) / 6.0));
-        child.kill().expect("a process");
-        child.wait().expect("an end");
-        let is_kept = place.out().join("checkpoint.onset").exists();
-        resumed += usize::from(is_kept);
-        let more = if is_kept { "--resume" } else { "" };
-        let answer = Answer::of(place.kept(&format!("{LINE} {more}")));
-        assert_eq!(answer.code, Some(0), "case {case}: {}", answer.stderr);
-        assert!(tree(&place.out()) == files, "case {case}: other bytes");
-    }
-    assert!(resumed > 0, "no kill has left a checkpoint");
+    assert_kills_change_nothing(&colliding(), duration, &files, 6);
 }
 
 #[test]

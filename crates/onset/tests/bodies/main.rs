@@ -70,6 +70,19 @@ fn block(size: &[f64]) -> BodyParticles {
     })
 }
 
+/// A block that is there again, so far away along the first axis.
+fn twice(size: &[f64], offset: f64) -> BodyParticles {
+    let BodyParticles::Cut(shape) = block(size) else {
+        unreachable!("blocks are cut")
+    };
+    let mut moved = vec![0.0; size.len()];
+    moved[0] = offset;
+    BodyParticles::Cut(Shape::Twice {
+        shape: Box::new(shape),
+        offset: moved,
+    })
+}
+
 fn at_rest(displacements: Vec<f64>) -> PatchState {
     PatchState {
         velocities: vec![0.0; displacements.len()],
@@ -291,6 +304,26 @@ fn without_grips_momentum_and_angular_momentum_stay() {
     .expect("a body");
 }
 
+/// How far the energy of a run goes from what it was at the start, as a share of that.
+fn energy_error(history: &[BodyQuantities]) -> f64 {
+    let energy = |own: &BodyQuantities| own.kinetic + own.strain;
+    let first = energy(&history[0]);
+    let errors = history
+        .iter()
+        .map(|own| (energy(own) - first).abs() / first);
+    errors.fold(0.0, f64::max)
+}
+
+/// Errors with a step and with half of it.
+fn assert_second_order(coarse: f64, fine: f64) {
+    let order = (coarse / fine).log2();
+    assert!(coarse < 0.02, "{coarse}");
+    assert!(
+        (1.7..2.3).contains(&order),
+        "order {order}: {coarse} {fine}"
+    );
+}
+
 #[test]
 fn the_energy_error_of_the_leapfrog_falls_with_the_square_of_the_step() {
     let method = method(
@@ -308,22 +341,11 @@ fn the_energy_error_of_the_leapfrog_falls_with_the_square_of_the_step() {
             let step = share * critical;
             body.start(&start, step).expect("forces");
             let history = moving(body, step, (40.0 / share) as usize);
-            let energy = |own: &BodyQuantities| own.kinetic + own.strain;
-            let first = energy(&history[0]);
-            let errors = history
-                .iter()
-                .map(|own| (energy(own) - first).abs() / first);
-            errors.fold(0.0, f64::max)
+            energy_error(&history)
         })
         .expect("a body")
     };
-    let (coarse, fine) = (swing(0.2), swing(0.1));
-    let order = (coarse / fine).log2();
-    assert!(coarse < 0.02, "{coarse}");
-    assert!(
-        (1.7..2.3).contains(&order),
-        "order {order}: {coarse} {fine}"
-    );
+    assert_second_order(swing(0.2), swing(0.1));
 }
 
 #[test]
@@ -568,15 +590,10 @@ fn bodies_that_cannot_be_are_told() {
     ));
     // Places that no cell has a number for, and particles of a file there, end in words too.
     for far in [-1e10, 1e10, 1e300] {
-        let twice = BodyParticles::Cut(Shape::Twice {
-            shape: Box::new(Shape::Block {
-                size: vec![8.0, 8.0],
-                hole: None,
-                notch: None,
-            }),
-            offset: vec![far, 0.0],
-        });
-        assert!(matches!(refused(&twice, &[]), BodyError::Number { .. }));
+        assert!(matches!(
+            refused(&twice(&[8.0, 8.0], far), &[]),
+            BodyError::Number { .. }
+        ));
         let there = PlacedParticle {
             position: [far, 2.0, 0.0],
             volume: 1.0,
@@ -673,15 +690,9 @@ fn pieces_far_apart_are_counted_by_themselves_and_overlaps_once() {
         &choices(2.4, 0.0, PenaltyForm::Published),
     );
     let count = |offset: f64| {
-        let twice = BodyParticles::Cut(Shape::Twice {
-            shape: Box::new(Shape::Block {
-                size: vec![6.0, 5.0],
-                hole: None,
-                notch: None,
-            }),
-            offset: vec![offset, 0.0],
-        });
-        with(&*method, &twice, &[], |body| body.positions().len())
+        with(&*method, &twice(&[6.0, 5.0], offset), &[], |body| {
+            body.positions().len()
+        })
     };
     assert_eq!([2.0, 6.0, 1e5].map(count), [Ok(40), Ok(60), Ok(60)]);
     assert!(matches!(count(1e8), Err(BodyError::Number { .. })));

@@ -1,17 +1,14 @@
 //! Bodies whose neighbors are found again: against sums over all pairs, the forces of the method, free motion, and its waves.
 
 use super::random::Random;
-use super::{at_rest, block, law, moving, with};
+use super::{assert_second_order, at_rest, block, energy_error, law, moving, twice, with};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::analysis::{Analysis, analysis};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::Law;
 use onset::method::KernelMethodChoices;
-use onset::motion::{
-    BodyMotion, BodyParticles, BodyQuantities, Grip, Ground, PatchState, PlacedParticle, Shape,
-    Start,
-};
+use onset::motion::{BodyMotion, BodyParticles, Grip, Ground, PatchState, PlacedParticle, Start};
 use onset::scheme::sph::{DensityEvolution, MomentumForm, UpdatedSph, UpdatedSphChoices};
 use onset::scheme::stabilization::{
     ArtificialStress, ArtificialViscosity, SmoothedMotion, ViscositySwitch,
@@ -613,16 +610,6 @@ fn meeting() -> [Grip; 2] {
     })
 }
 
-fn two_blocks() -> BodyParticles {
-    let BodyParticles::Cut(one) = block(&[6.0, 5.0]) else {
-        unreachable!("blocks are cut");
-    };
-    BodyParticles::Cut(Shape::Twice {
-        shape: Box::new(one),
-        offset: vec![9.0, 0.0],
-    })
-}
-
 #[test]
 fn bodies_that_meet_act_on_each_other_and_keep_their_momentum() {
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
@@ -632,7 +619,7 @@ fn bodies_that_meet_act_on_each_other_and_keep_their_momentum() {
             ..choices(2.2)
         };
         let method = method(LatticeKind::Square, &choices);
-        with(&*method, &two_blocks(), &meeting(), |body| {
+        with(&*method, &twice(&[6.0, 5.0], 9.0), &meeting(), |body| {
             let start = start([1.0; 3], 0.0);
             body.start(&start, 0.0).expect("forces");
             let step = 0.4 * body.critical_time_step().expect("a step");
@@ -668,27 +655,16 @@ fn the_mean_form_with_continuity_has_an_energy() {
     };
     let method = method(LatticeKind::Square, &choices);
     let swing = |share: f64| {
-        with(&*method, &two_blocks(), &meeting(), |body| {
+        with(&*method, &twice(&[6.0, 5.0], 9.0), &meeting(), |body| {
             let step = share;
             body.start(&start([0.97, 0.98, 1.0], 0.0), step)
                 .expect("forces");
             let history = moving(body, step, (24.0 / step) as usize);
-            let energy = |own: &BodyQuantities| own.kinetic + own.strain;
-            let first = energy(&history[0]);
-            let errors = history
-                .iter()
-                .map(|own| (energy(own) - first).abs() / first);
-            errors.fold(0.0, f64::max)
+            energy_error(&history)
         })
         .expect("a body")
     };
-    let (coarse, fine) = (swing(0.1), swing(0.05));
-    let order = (coarse / fine).log2();
-    assert!(coarse < 0.02, "{coarse}");
-    assert!(
-        (1.7..2.3).contains(&order),
-        "order {order}: {coarse} {fine}"
-    );
+    assert_second_order(swing(0.1), swing(0.05));
 }
 
 #[test]
@@ -734,7 +710,7 @@ fn a_run_taken_up_goes_on_to_the_same_bits_whenever_neighbors_were_found() {
     let method = method(LatticeKind::Square, &choices);
     let start = start([1.0; 3], 1e-2);
     let ends = |stop: usize| {
-        with(&*method, &two_blocks(), &meeting(), |body| {
+        with(&*method, &twice(&[6.0, 5.0], 9.0), &meeting(), |body| {
             let step = 0.1;
             body.start(&start, step).expect("forces");
             for n in 0..150 {
