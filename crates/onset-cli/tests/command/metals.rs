@@ -80,8 +80,46 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     let card = document(&format!("card --range 0.8,1.25 {sheet}"));
     assert!(card["symmetric_box"]["high"].as_f64() > Some(1.0));
     let notes = card["material"]["notes"].to_string();
-    assert!(notes.contains("--mode simple-shear asks for it"), "{notes}");
+    assert!(notes.contains("simple shear is left out"), "{notes}");
     assert!(begin.elapsed() < Duration::from_secs(90));
+}
+
+/// What a metal stores elastically is no energy of its stress, also where it yields so late that it is one for small strains.
+#[test]
+fn nothing_is_said_of_finite_jumps_of_a_metal() {
+    let sheet = "criteria --mode uniaxial --range 0.9,1.2 --set material.model=hill-1948 --set material.mu=1";
+    for yields in ["", " --set material.yield-stress=10"] {
+        let answer = document(&format!("{sheet}{yields}"));
+        assert_eq!(answer["material"]["isotropic"], false, "{yields}");
+        for loading in answer["loadings"].as_array().expect("loadings") {
+            let criteria = loading["criteria"].as_array().expect("criteria");
+            let jumps = criteria
+                .iter()
+                .find(|one| one["criterion"] == "rank-one-convexity");
+            assert_eq!(jumps.expect("it")["defined"], false, "{yields}");
+        }
+    }
+}
+
+#[test]
+fn criteria_of_a_sheet_that_is_turned_are_refused_before_minutes_are_spent() {
+    for line in [
+        "criteria --set material.model=hill-1948 --set material.angle=20",
+        "card --set material.model=hill-1948 --set material.angle=-0.5",
+        "criteria --mode simple-shear --set material.model=hill-1948",
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}");
+        assert!(
+            answer.stderr.contains("hint: `onset path --mode uniaxial`"),
+            "{}",
+            answer.stderr
+        );
+    }
+    let across = onset_line(
+        "criteria --mode hydrostatic --range 0.99,1.01 --set material.model=hill-1948 --set material.angle=90",
+    );
+    assert_eq!(across.code, Some(0), "{}", across.stderr);
 }
 
 /// The tangent of a routine is that of its last increment.

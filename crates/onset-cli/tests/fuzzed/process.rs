@@ -170,8 +170,9 @@ impl Drop for Place {
 }
 
 /// Words of which a refusal has one: what was expected, or what to do.
-const HELP: [&str; 11] = [
+const HELP: [&str; 12] = [
     "hint: ",
+    "; set ",
     "expected",
     "must be",
     "admitted",

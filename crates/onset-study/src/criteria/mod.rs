@@ -40,6 +40,17 @@ pub enum CriteriaError {
         "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
     )]
     ChangesVolume,
+    /// A metal whose own axes the loadings are not along.
+    #[error(
+        "{law} {how}: each of some ten thousand states would be integrated along a path of its own, for minutes; expected loadings along the \
+         axes of the metal, material.angle = 0 or 90, without simple shear\n  hint: `onset path --mode uniaxial` follows a single loading at any angle"
+    )]
+    Turned {
+        /// Its name.
+        law: &'static str,
+        /// What turns.
+        how: String,
+    },
     /// A loading of it.
     #[error("{title}: {source}{}{}", hint(source), told(notes))]
     Loading {
@@ -230,11 +241,34 @@ pub struct ChangeAnswer {
 /// Why simple shear is not among the loadings of a metal unless it is asked for.
 const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
                               takes long; --mode simple-shear asks for it";
+/// Why it never is of a metal that has axes of its own.
+const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes turn against those of the metal, so that each state is integrated along a path of its \
+                             own, which takes minutes";
+
+/// Refuses loadings that turn a metal's principal axes against its own.
+fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), CriteriaError> {
+    let refused = |how: String| CriteriaError::Turned {
+        law: settings.model.name(),
+        how,
+    };
+    let values = settings.values();
+    let angle = values.iter().find(|(name, _)| *name == "angle");
+    match angle {
+        Some((_, angle)) if angle.rem_euclid(90.0) != 0.0 => Err(refused(format!(
+            "with its axes at {} deg",
+            number::told(*angle)
+        ))),
+        _ if modes.contains(&Mode::SimpleShear) => Err(refused("in simple shear".to_owned())),
+        _ => Ok(()),
+    }
+}
 
 /// A law with what is to be asked.
 pub struct Question {
     law: LawAnswer,
     material: Box<dyn Hyperelastic>,
+    /// Whether its stress follows from the energy that it gives; what a metal stores elastically is none once it flows.
+    has_energy: bool,
     range: Range,
     loadings: Vec<Loading>,
 }
@@ -254,13 +288,23 @@ impl Question {
         let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
         let units = settings.entries().into_iter();
         let turns = material.is_path_dependent() && !settings.is_library();
+        // A metal may be isotropic where it does not flow yet.
+        let has_axes = turns && !settings.model.is_isotropic();
+        if has_axes {
+            along_axes(settings, modes)?;
+        }
         let asked = |loading: &Loading| match modes.is_empty() {
             true => !(turns && loading.mode == Mode::SimpleShear),
             false => modes.contains(&loading.mode),
         };
         let mut notes = notes_on_law(&*material);
         if turns && modes.is_empty() {
-            notes.push(SHEAR_LEFT_OUT.to_owned());
+            let why = if has_axes {
+                SHEAR_OF_AXES
+            } else {
+                SHEAR_LEFT_OUT
+            };
+            notes.push(why.to_owned());
         }
         Ok(Self {
             law: LawAnswer {
@@ -270,11 +314,12 @@ impl Question {
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
                 units: units.filter_map(|(name, _)| has_unit(name)).collect(),
-                isotropic: is_isotropic(&*material),
+                isotropic: !has_axes && is_isotropic(&*material),
                 incompressible: false,
                 moduli: moduli(&*material),
                 notes,
             },
+            has_energy: !turns && has_energy(&*material),
             material,
             range,
             loadings: Loading::ALL.into_iter().filter(asked).collect(),
@@ -403,11 +448,10 @@ impl Question {
             source,
             notes: self.law.notes.clone(),
         })?;
-        let has_energy = has_energy(&*self.material);
         let reach = self.range.high();
         let tracks = |tension: bool| -> Vec<Option<Track>> {
             let of = |criterion: &Criterion| match criterion {
-                Criterion::RankOneConvexity if !has_energy => None,
+                Criterion::RankOneConvexity if !self.has_energy => None,
                 Criterion::RankOneConvexity => follow(&path, Criterion::StrongEllipticity, tension)
                     .map(|elliptic| follow_jumps(&path, &elliptic, reach, tension)),
                 other => follow(&path, *other, tension),

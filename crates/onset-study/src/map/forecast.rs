@@ -119,12 +119,18 @@ struct Work {
 impl Work {
     /// Of a map of which every state is computed.
     fn of_all(study: &Study, tiling: &Tiling) -> Self {
-        let of_tile = |tile| prepared_in(study, &tiling.at(tile)).product::<usize>() as u64;
+        // The sum over all tiles of what `prepared_in` has for each is the product of the sums along the axes.
+        let axes = study.axes.iter().rev();
+        let along = axes.zip(tiling.shape.iter().zip(tiling.grid()));
+        let preparations = along.map(|(axis, (states, tiles))| match axis.quantity {
+            Quantity::Setting(_) => *states as u64,
+            _ => tiles as u64,
+        });
         Self {
             shape: tiling.shape.clone(),
             states: Vec::new(),
             evaluations: tiling.states() as u64,
-            preparations: (0..tiling.tiles()).map(of_tile).sum(),
+            preparations: preparations.product(),
             refining: 0.0,
         }
     }

@@ -7,7 +7,7 @@ pub(super) use umat::{LIBRARY, sum};
 
 use super::error::SettingError;
 use super::{Key, MaterialSettings};
-use onset::material::{Hyperelastic, Law, MaterialError, Parameter, library};
+use onset::material::{Hyperelastic, Law, MaterialError, Parameter, Symmetry, library};
 use onset::plasticity;
 use serde::{Serialize, Serializer};
 
@@ -88,6 +88,11 @@ impl Model {
     /// Whether it is one of the elastic-plastic laws, whose tangent is that of continued flow.
     pub fn is_elastic_plastic(self) -> bool {
         matches!(self, Self::Law(law) if plasticity::library().contains(law))
+    }
+
+    /// Whether it is a law of the library without axes of its own, whatever its parameters.
+    pub fn is_isotropic(self) -> bool {
+        matches!(self, Self::Law(law) if law.symmetry == Symmetry::Isotropic)
     }
 
     /// Its parameters; none of a model that names them itself.

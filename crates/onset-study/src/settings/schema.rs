@@ -6,7 +6,7 @@ use super::study::STATES;
 use super::{
     BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, Kind, Model, Need, Quantity, study_keys,
 };
-use onset::material::{Admitted, Parameter, Symmetry};
+use onset::material::{Admitted, Parameter};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema (draft 2020-12) of a study. What concerns several parts at once (a key that is also an axis, a
@@ -115,7 +115,7 @@ fn keys_of(model: Model) -> Value {
         .iter()
         .map(|parameter| (parameter.name.to_owned(), number(parameter)))
         .collect();
-    let is_isotropic = matches!(model, Model::Law(law) if law.symmetry == Symmetry::Isotropic);
+    let is_isotropic = model.is_isotropic();
     let moduli = MODULI
         .into_iter()
         .filter(|_| is_isotropic)

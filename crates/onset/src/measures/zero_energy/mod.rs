@@ -33,8 +33,12 @@ const FRACTION: f64 = 1.0 / 24.0;
 const CONTINUED: f64 = 0.02;
 /// What is seen of a wave, over its size, where its wave vector is known to the square root of rounding.
 const KNOWN: f64 = 1e-4;
-/// What is spent on the division: terms of sums.
-const BUDGET: f64 = 1.5e9;
+/// What is spent on the division, terms of sums: some seconds.
+const BUDGET: f64 = 2e8;
+/// What roots may be sought for in what is left then, in units of the budget.
+const LAST: f64 = 0.1;
+/// What Newton's method and its root cost, in units of one matrix.
+const SOUGHT: f64 = 10.0;
 /// Wave vectors of no symmetry, in units of the reciprocal vectors.
 const GENERIC: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],
@@ -210,6 +214,8 @@ impl<'a, const D: usize> Search<'a, D> {
         }
         let mut parts: VecDeque<Part<D>> = self.first().into();
         let mut is_complete = true;
+        // When the budget is spent, roots are sought in every so manieth part, all over the zone.
+        let (mut every, mut turn) = (None, 0_usize);
         while let Some(part) = parts.pop_front() {
             if self.is_known(&part) {
                 continue;
@@ -228,7 +234,12 @@ impl<'a, const D: usize> Search<'a, D> {
             if is_followed && is_small {
                 continue;
             }
-            if !is_followed && (part.half.amax() <= NEWTON || is_last) {
+            let is_in_turn = !is_last || {
+                let every = *every.get_or_insert_with(|| self.sought_of(parts.len()));
+                turn += 1;
+                turn % every == 0
+            };
+            if !is_followed && is_in_turn && (part.half.amax() <= NEWTON || is_last) {
                 let continues = self.sought(&center, 3.0 * radius);
                 if continues && is_small {
                     continue;
@@ -241,6 +252,12 @@ impl<'a, const D: usize> Search<'a, D> {
             parts.extend(self.halves(&part, &edges));
         }
         is_complete
+    }
+
+    /// Of how many of the last parts one is searched, so that it takes no longer than it may.
+    fn sought_of(&self, parts: usize) -> usize {
+        let affordable = LAST * BUDGET / (SOUGHT * self.rows.cost());
+        (parts as f64 / affordable.max(1.0)).ceil().max(1.0) as usize
     }
 
     /// Parts of the half of the zone with a first coordinate from 0 to 1/2.
@@ -293,7 +310,7 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Looks for a root near a wave vector; whether it is one of a line or surface.
     fn sought(&mut self, start: &SVector<f64, D>, reach: f64) -> bool {
-        self.spent += 10.0 * self.rows.cost();
+        self.spent += SOUGHT * self.rows.cost();
         let polished = self.rows.polished(start, reach);
         let Some(root) = polished.and_then(|k| self.rows.root(&self.rounded(k))) else {
             return false;
