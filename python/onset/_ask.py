@@ -371,8 +371,8 @@ def modes(method: MethodLike = None, material: MaterialLike = None, *, weak: flo
     Waves slower than the share `weak` of the material's slowest wave are listed. `cells` and `amplitude` (in particle spacings) are those of the patch that is
     drawn and exported by ``save``.
     """
-    assignments = material_of(material).assignments + method_of(method).assignments
-    return Modes(_onset.modes(list(assignments), None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
+    settings = [*material_of(material)._assigned(), *method_of(method).assignments]
+    return Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
 
 
 @asks
@@ -396,29 +396,31 @@ def tune(
     if not isinstance(key, str):
         raise TypeError(f"key is {type(key).__name__}; expected the name of a key")
     full = key if "." in key else _key("discretization", key)
-    assignments = material_of(material).assignments + method_of(method).assignments
+    settings = [*material_of(material)._assigned(), *method_of(method).assignments]
     limits = (share(weak, "weak"), share(wrong, "wrong"), share(later, "later"))
-    return Tuning(_onset.tune(full, list(assignments), None, [], pair(range, "range"), pair(stretches, "stretches"), limits))
+    return Tuning(_onset.tune(full, settings, None, [], pair(range, "range"), pair(stretches, "stretches"), limits))
 
 
 Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
 
 
-def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[str, str]:
-    """A comparison as a file."""
+def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[tuple[str, str], list[_onset.Function]]:
+    """A comparison as a file, and the law beside it that no file can hold."""
     if isinstance(methods, (str, os.PathLike)):
         if material is not None or options:
             raise InputError("a file says all of a comparison\n  hint: use `set` to change it")
-        return source(methods)
+        return source(methods), []
     named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
-    text = f"[material]\n{material_of(material)._section_text()}"
+    law = material_of(material)
+    beside = [setting for setting in law._assigned() if isinstance(setting, _onset.Function)]
+    text = "" if beside else f"[material]\n{law._section_text()}"
     if options:
         keys = {_key("compare", name): value for name, value in options.items()}
         text += "\n[compare]\n" + "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in keys.items())
     for name, method in named:
         own = method_of(method)
         text += f"\n[[methods]]\nname = {quoted(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
-    return "comparison", text
+    return ("comparison", text), beside
 
 
 @asks
@@ -436,7 +438,8 @@ def compare(
     after ``--set``.
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
-    return Comparison(_onset.compare(_comparison(methods, material, options), names(set, "set"), libraries))
+    file, law = _comparison(methods, material, options)
+    return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries))
 
 
 @asks
@@ -458,20 +461,21 @@ def recommend(
     Of `methods`, or of those that the program knows for so many dimensions. Limits as in `tune`; `long_waves` is by which share the stiffness that long
     waves feel may be wrong, `wavelength` at which frequencies are compared: 4, 8 or 16 particle spacings.
     """
-    assignments = names(set, "set")
+    settings: list[str | _onset.Function] = [*names(set, "set")]
     if stretches is not None:
-        assignments.append("compare.stretches={!r},{!r}".format(*pair(stretches, "stretches")))
+        settings.append("compare.stretches={!r},{!r}".format(*pair(stretches, "stretches")))
     length = number(wavelength, "wavelength")
     if length not in (4.0, 8.0, 16.0):
         raise InputError(f"wavelength is {length!r}; expected 4, 8 or 16")
     limits = (share(weak, "weak"), share(wrong, "wrong"), share(long_waves, "long_waves"), length)
     file = None
     if methods is not None:
-        file = _comparison(methods, material, {})
+        file, law = _comparison(methods, material, {})
+        settings += law
     else:
-        assignments = [*material_of(material).assignments, *assignments]
+        settings = [*material_of(material)._assigned(), *settings]
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
-    return Recommendation(_onset.recommend(file, whole(dimension, "dimension", 1, 3), assignments, libraries, limits))
+    return Recommendation(_onset.recommend(file, whole(dimension, "dimension", 1, 3), settings, libraries, limits))
 
 
 @asks

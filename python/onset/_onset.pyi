@@ -1,5 +1,6 @@
 """The compiled part: settings as assignments, answers as documents, arrays as buffers of doubles."""
 
+from collections.abc import Callable, Mapping, Sequence
 import os
 from typing import final
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Answer",
+    "Function",
     "Law",
     "Problem",
     "Study",
@@ -27,6 +29,7 @@ __all__ = [
 _Path = str | os.PathLike[str]
 _Source = tuple[str, str]
 _Buffer = NDArray[float64]
+_Settings = Sequence[str | Function]
 
 @final
 class Answer:
@@ -40,8 +43,12 @@ class Answer:
     def save(self, folder: _Path) -> list[str]: ...
 
 @final
+class Function:
+    def __new__(cls, respond: Callable[[bytes, Mapping[str, float]], bytes], parameters: list[tuple[str, float]]) -> Function: ...
+
+@final
 class Problem:
-    def __new__(cls, assignments: list[str], file: _Source | None, libraries: list[str]) -> Problem: ...
+    def __new__(cls, given: _Settings, file: _Source | None, libraries: list[str]) -> Problem: ...
     @property
     def dimension(self) -> int: ...
     @property
@@ -85,7 +92,7 @@ class Problem:
 
 @final
 class Law:
-    def __new__(cls, assignments: list[str], file: _Source | None, libraries: list[str], notes: list[str]) -> Law: ...
+    def __new__(cls, settings: _Settings, file: _Source | None, libraries: list[str], notes: list[str]) -> Law: ...
     def criteria(self, range: tuple[float, float], modes: list[str], incompressible: bool) -> Answer: ...
     def card(self, range: tuple[float, float], modes: list[str], incompressible: bool) -> Answer: ...
     def audit(self, strain: float, stretches: list[str], components: list[str], convention: str | None) -> Answer: ...
@@ -103,17 +110,17 @@ class Study:
     def map(self, out: _Path, tiles: tuple[int, int] | None, resume: bool, overwrite: bool) -> Answer: ...
 
 def read_law(program: str, name: str, text: str, assignments: list[str]) -> tuple[list[str], list[str]]: ...
-def compare(file: _Source, assignments: list[str], libraries: list[str]) -> Answer: ...
+def compare(file: _Source, given: _Settings, libraries: list[str]) -> Answer: ...
 def recommend(
     file: _Source | None,
     dimension: int,
-    assignments: list[str],
+    given: _Settings,
     libraries: list[str],
     limits: tuple[float, float, float, float],
 ) -> Answer: ...
 def tune(
     key: str,
-    assignments: list[str],
+    given: _Settings,
     file: _Source | None,
     libraries: list[str],
     range: tuple[float, float],
@@ -121,7 +128,7 @@ def tune(
     limits: tuple[float, float, float],
 ) -> Answer: ...
 def modes(
-    assignments: list[str], file: _Source | None, libraries: list[str], weak: float, cells: int, amplitude: float
+    given: _Settings, file: _Source | None, libraries: list[str], weak: float, cells: int, amplitude: float
 ) -> Answer: ...
 def localize(assignments: list[str]) -> Answer: ...
 def keys() -> list[tuple[str, str, str]]: ...

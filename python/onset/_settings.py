@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, alone, deformations, listed, names, numbers, place, received
+from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received
 from ._errors import InputError, SettingError, asks
+from ._functions import Handed, delivered, differentiated, has_jax
 from ._trace import formula
 
 #: What a key can be set to. A text may have a unit: ``"1 mm"``.
@@ -165,7 +166,11 @@ class Material(_Settings):
     mu=0.4)`` an energy per reference volume of your own, ``Material("umat", library="./my_umat.so", ...)`` a user material of Abaqus.
     An energy can be a Python function too, of ``F``, ``C`` or ``E`` of shape (3, 3), of ``J`` and the other variables of a formula, and of
     parameters: ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)``. It is called once, with symbols, and what it
-    computes with them is the formula.
+    computes with them is the formula. What cannot be computed with symbols is differentiated by ``jax`` where that is installed (written with
+    ``jax.numpy``), or comes with `stress` and `tangent`, functions that return the first Piola-Kirchhoff stress ``P_iJ`` of shape (3, 3) and ``A_iJkL =
+    dP_iJ/dF_kL`` of shape (3, 3, 3, 3): ``onset.audit(material)`` checks that they belong together. Such a law takes ``F``, ``C``, ``E``, ``J``,
+    ``I1``, ``I2``, ``I3``, ``I1bar`` and ``I2bar``, and parameters; an `ArithmeticError` or `ValueError` that it raises, and what is not finite,
+    mean that it is not defined at the state.
     Two of `young`, `poisson`, `bulk` and `shear` stand for the parameters of laws with two moduli. Stresses are in any unit, or have
     one, and then all values have: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
 
@@ -175,7 +180,15 @@ class Material(_Settings):
     _section = "material"
 
     @asks
-    def __init__(self, model: str | Energy | None = None, *, energy: str | Energy | None = None, **parameters: Value) -> None:
+    def __init__(
+        self,
+        model: str | Energy | None = None,
+        *,
+        energy: str | Energy | None = None,
+        stress: Energy | None = None,
+        tangent: Energy | None = None,
+        **parameters: Value,
+    ) -> None:
         settings: dict[str, object] = {}
         if model is not None and not isinstance(model, str) and not callable(model):
             raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, or a function")
@@ -186,11 +199,77 @@ class Material(_Settings):
         elif model is not None:
             energy = model
         given: dict[str, object] = dict(parameters)
-        if energy is not None and callable(energy):
-            energy, given = formula(energy, given)
-        if energy is not None:
-            settings |= {"model": "formula", "energy": energy}
-        self._put(settings | given)
+        if stress is not None or tangent is not None:
+            self._hand(delivered(energy, stress, tangent, given))
+        elif energy is not None and callable(energy):
+            self._differentiate(energy, given)
+        else:
+            if energy is not None:
+                settings |= {"model": "formula", "energy": energy}
+            self._put(settings | given)
+
+    #: The functions that are the law, where it is neither of the library nor a formula.
+    _handed: Handed | None = None
+
+    def _hand(self, law: Handed) -> None:
+        """Takes functions for the law."""
+        object.__setattr__(self, "_handed", law)
+        self._put(law.parameters)
+
+    def _differentiate(self, energy: Energy, given: dict[str, object]) -> None:
+        """Takes an energy for the law: as a formula where it can be computed with symbols, by automatic differentiation where it cannot."""
+        try:
+            text, values = formula(energy, given)
+        except Exception as untold:
+            if not has_jax():
+                if isinstance(untold, InputError):
+                    untold.add_note("with jax installed it may be written with jax.numpy; or give `stress` and `tangent` too")
+                raise
+            try:
+                self._hand(differentiated(energy, given))
+            except Exception as error:
+                untold.add_note(f"nor can jax differentiate it: {str(error).splitlines()[0]}")
+                raise untold from error
+        else:
+            self._put({"model": "formula", "energy": text} | values)
+
+    def _put(self, settings: Mapping[str, object]) -> None:
+        law = self._handed
+        if law is not None:
+            bare = {name.rstrip("_"): number(value, name) for name, value in settings.items()}
+            stray = sorted(set(bare) - set(law.parameters))
+            if stray:
+                raise InputError(f"no function of the material takes {stray[0]}\n  hint: its parameters are {', '.join(law.parameters) or 'none'}")
+            settings = bare
+        super()._put(settings)
+
+    def _assigned(self) -> list[str | _onset.Function]:
+        """What the compiled part takes for the law."""
+        if self._handed is None:
+            return list(self.assignments)
+        names = self._handed.parameters
+        values = {key.partition(".")[2]: float(value) for key, _, value in (pair.partition("=") for pair in self.assignments)}
+        return [_onset.Function(self._handed.respond, [(name, values[name]) for name in names])]
+
+    def __eq__(self, other: object) -> bool:
+        return super().__eq__(other) and isinstance(other, Material) and other._handed == self._handed
+
+    def __hash__(self) -> int:
+        return hash((super().__hash__(), self._handed))
+
+    def __repr__(self) -> str:
+        if self._handed is None:
+            return super().__repr__()
+        named = "".join(f", {name}={value!r}" for name, value in ((key.partition(".")[2], value) for key, value in self._set.items()))
+        return f"Material({self._handed.name}{named})"
+
+    def _section_text(self) -> str:
+        if self._handed is not None:
+            raise InputError(
+                "a study is a file, and no file holds a Python function\n"
+                "  hint: onset.verdicts(material, method, F) takes it; or write it so that it is a formula"
+            )
+        return super()._section_text()
 
     @classmethod
     @asks
@@ -210,7 +289,7 @@ class Material(_Settings):
     notes: tuple[str, ...] = ()
 
     def _law(self) -> _onset.Law:
-        return _onset.Law(list(self.assignments), None, [], list(self.notes))
+        return _onset.Law(self._assigned(), None, [], list(self.notes))
 
     def _responses(self, F: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
         states, shape = deformations(F, None, 3)
@@ -301,8 +380,10 @@ def _made(assignments: tuple[str, ...]) -> _onset.Problem:
 
 
 def problem_of(material: MaterialLike, method: MethodLike) -> _onset.Problem:
-    """Material and method, ready to be asked. Kept for the next question, unless a library could be another one by then."""
-    assignments = material_of(material).assignments + method_of(method).assignments
+    """Material and method, ready to be asked. Kept for the next question, unless a library or a function could be another one by then."""
+    law, assignments = material_of(material), material_of(material).assignments + method_of(method).assignments
+    if law._handed is not None:
+        return _onset.Problem([*law._assigned(), *method_of(method).assignments], None, [])
     if any(assignment.startswith("material.library=") for assignment in assignments):
         return _onset.Problem(list(assignments), None, [])
     return _made(assignments)

@@ -3,8 +3,10 @@
 use crate::answer::Answer;
 use crate::arrays::{bytes, deformations, numbers};
 use crate::failure::Failure;
+use crate::function::{Assigned, NUMBERS, Setting};
 use crate::interrupt;
 use crate::problem::{Source, mode_named, trusted, unknown};
+use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, Convention, states};
@@ -45,14 +47,18 @@ impl Law {
     #[new]
     fn new(
         py: Python<'_>,
-        assignments: Vec<String>,
+        settings: Vec<Setting>,
         file: Option<Source>,
         libraries: Vec<PathBuf>,
         notes: Vec<String>,
     ) -> PyResult<Self> {
+        let assigned = Assigned::from(settings);
         interrupt::answer(py, move || {
             let (name, text) = file.unwrap_or_default();
-            let mut settings = MaterialSettings::of_file(&name, &text, &assignments)?;
+            let mut settings = MaterialSettings::of_file(&name, &text, &assigned.texts)?;
+            if let Some(law) = assigned.law() {
+                settings.clone_from(law);
+            }
             trusted(&mut settings, &libraries)?;
             Ok(Self { settings, notes })
         })
@@ -131,19 +137,25 @@ impl Law {
         let responses = interrupt::ending(py, move |interrupt| {
             let law = settings.build().map_err(Failure::input)?;
             let states = deformations(&components)?;
-            let mut all = vec![0.0; states.len() * 91];
-            all.par_chunks_mut(91 * PART)
+            let mut all = vec![0.0; states.len() * NUMBERS];
+            let part = |(n, (out, states)): (usize, (&mut [f64], &[DeformationGradient]))| {
+                interrupt.end_if_asked();
+                for (i, (out, f)) in out.chunks_exact_mut(NUMBERS).zip(states).enumerate() {
+                    let state = n * PART + i;
+                    respond(&*law, f, out)
+                        .map_err(|error| Failure::Input(format!("state {state}: {error}")))?;
+                }
+                Ok::<(), Failure>(())
+            };
+            if states.len() <= PART {
+                // By this thread: all others may be waiting for a law of Python that asks this one.
+                part((0, (&mut all, &states)))?;
+                return Ok(all);
+            }
+            all.par_chunks_mut(NUMBERS * PART)
                 .zip(states.par_chunks(PART))
                 .enumerate()
-                .try_for_each(|(n, (out, states))| {
-                    interrupt.end_if_asked();
-                    for (i, (out, f)) in out.chunks_exact_mut(91).zip(states).enumerate() {
-                        let state = n * PART + i;
-                        respond(&*law, f, out)
-                            .map_err(|error| Failure::Input(format!("state {state}: {error}")))?;
-                    }
-                    Ok::<(), Failure>(())
-                })?;
+                .try_for_each(part)?;
             Ok(all)
         })?;
         Ok(bytes(py, &responses))
@@ -176,7 +188,7 @@ impl Law {
 /// `W`, `P_iJ` and `A_iJkL` in the order of their indices.
 fn respond(
     law: &dyn Hyperelastic,
-    f: &onset::kinematics::DeformationGradient,
+    f: &DeformationGradient,
     out: &mut [f64],
 ) -> Result<(), onset::material::MaterialError> {
     let response = law.response(f)?.finite()?;

@@ -9,6 +9,7 @@
 mod answer;
 mod arrays;
 mod failure;
+mod function;
 mod interrupt;
 mod law;
 mod methods;
@@ -22,6 +23,8 @@ mod study;
 mod _onset {
     #[pymodule_export]
     use crate::answer::Answer;
+    #[pymodule_export]
+    use crate::function::Function;
     #[pymodule_export]
     use crate::law::{Law, read_law};
     #[pymodule_export]

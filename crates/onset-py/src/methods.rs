@@ -2,6 +2,7 @@
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::function::{Assigned, Setting};
 use crate::interrupt::{self, Interrupt};
 use crate::problem::{Source, settings};
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
@@ -16,11 +17,12 @@ use std::path::PathBuf;
 pub fn compare(
     py: Python<'_>,
     file: Source,
-    assignments: Vec<String>,
+    given: Vec<Setting>,
     libraries: Vec<PathBuf>,
 ) -> PyResult<Answer> {
+    let assigned = Assigned::from(given);
     interrupt::ending(py, move |interrupt| {
-        let comparison = comparison(&file, &assignments, &libraries)?;
+        let comparison = comparison(&file, &assigned, &libraries)?;
         let table = evaluated(&comparison, &interrupt)?;
         let answer = Answer::of(&table, &table)?.with_table(&table.csv());
         Ok(answer.with_files(move || table.files().map_err(Failure::machine)))
@@ -33,13 +35,14 @@ pub fn recommend(
     py: Python<'_>,
     file: Option<Source>,
     dimension: usize,
-    assignments: Vec<String>,
+    given: Vec<Setting>,
     libraries: Vec<PathBuf>,
     limits: (f64, f64, f64, f64),
 ) -> PyResult<Answer> {
+    let assigned = Assigned::from(given);
     interrupt::ending(py, move |interrupt| {
         let comparison = match file {
-            Some(file) => comparison(&file, &assignments, &libraries)?,
+            Some(file) => comparison(&file, &assigned, &libraries)?,
             None => {
                 let panel = dimension.checked_sub(1).and_then(|n| PANELS.get(n));
                 let (name, text) = panel.ok_or_else(|| {
@@ -47,7 +50,7 @@ pub fn recommend(
                         "dimension cannot be {dimension}\n  hint: expected 1, 2 or 3"
                     ))
                 })?;
-                Comparison::parse(name, text, &assignments)?
+                of_law(Comparison::parse(name, text, &assigned.texts)?, &assigned)
             }
         };
         let mut table = evaluated(&comparison, &interrupt)?;
@@ -72,13 +75,14 @@ pub fn recommend(
 pub fn tune(
     py: Python<'_>,
     key: String,
-    assignments: Vec<String>,
+    given: Vec<Setting>,
     file: Option<Source>,
     libraries: Vec<PathBuf>,
     range: (f64, f64),
     stretches: (f64, f64),
     limits: (f64, f64, f64),
 ) -> PyResult<Answer> {
+    let assigned = Assigned::from(given);
     interrupt::ending(py, move |interrupt| {
         let (weak, wrong, later) = limits;
         let question = TuneQuestion::new(&key, range, stretches)?.with_thresholds(Thresholds {
@@ -87,7 +91,7 @@ pub fn tune(
             later,
             ..Thresholds::default()
         });
-        let settings = settings(file.as_ref(), &assignments, &libraries, &[question.key()])?;
+        let settings = settings(file.as_ref(), &assigned, &libraries, &[question.key()])?;
         let tuned = TuneAnswer::new(&settings, &question, |_| interrupt.end_if_asked())?;
         let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
         Ok(answer.with_files(move || tuned.files().map_err(Failure::machine)))
@@ -98,15 +102,16 @@ pub fn tune(
 #[pyfunction]
 pub fn modes(
     py: Python<'_>,
-    assignments: Vec<String>,
+    given: Vec<Setting>,
     file: Option<Source>,
     libraries: Vec<PathBuf>,
     weak: f64,
     cells: usize,
     amplitude: f64,
 ) -> PyResult<Answer> {
+    let assigned = Assigned::from(given);
     interrupt::answer(py, move || {
-        let settings = settings(file.as_ref(), &assignments, &libraries, &[])?;
+        let settings = settings(file.as_ref(), &assigned, &libraries, &[])?;
         let question = ModesQuestion {
             weak,
             cells,
@@ -120,13 +125,21 @@ pub fn modes(
 
 fn comparison(
     (name, text): &Source,
-    assignments: &[String],
+    assigned: &Assigned,
     libraries: &[PathBuf],
 ) -> Result<Comparison, Failure> {
-    let comparison = Comparison::parse(name, text, assignments)?;
+    let comparison = of_law(Comparison::parse(name, text, &assigned.texts)?, assigned);
     let comparison = comparison.allowing(&Trust::of_user(libraries));
     comparison.common.material.permitted()?;
     Ok(comparison)
+}
+
+/// Of the law of Python, where there is one.
+fn of_law(comparison: Comparison, assigned: &Assigned) -> Comparison {
+    match assigned.law() {
+        Some(law) => comparison.of_material(law),
+        None => comparison,
+    }
 }
 
 fn evaluated(comparison: &Comparison, interrupt: &Interrupt) -> Result<Table, Failure> {

@@ -3,6 +3,7 @@
 use crate::answer::Answer;
 use crate::arrays::{bytes, deformations, numbers};
 use crate::failure::Failure;
+use crate::function::{Assigned, Setting};
 use crate::interrupt::{self, Interrupt};
 use onset::analysis::PlaneWaves;
 use onset::kinematics::DeformationGradient;
@@ -40,12 +41,15 @@ pub type Source = (String, String);
 /// [`Failure`] for a setting that is wrong, and for a library that a file may not load.
 pub fn settings(
     file: Option<&Source>,
-    assignments: &[String],
+    assigned: &Assigned,
     libraries: &[PathBuf],
     open: &[&str],
 ) -> Result<Settings, Failure> {
     let (name, text) = file.map_or(("", ""), |(name, text)| (name, text));
-    let mut settings = Settings::of_file(name, text, assignments, open)?;
+    let mut settings = Settings::of_file(name, text, &assigned.texts, open)?;
+    if let Some(law) = assigned.law() {
+        settings.material.clone_from(law);
+    }
     trusted(&mut settings.material, libraries)?;
     Ok(settings)
 }
@@ -86,12 +90,13 @@ impl Problem {
     #[new]
     fn new(
         py: Python<'_>,
-        assignments: Vec<String>,
+        given: Vec<Setting>,
         file: Option<Source>,
         libraries: Vec<PathBuf>,
     ) -> PyResult<Self> {
+        let assigned = Assigned::from(given);
         let problem = interrupt::answer(py, move || {
-            let settings = settings(file.as_ref(), &assignments, &libraries, &[])?;
+            let settings = settings(file.as_ref(), &assigned, &libraries, &[])?;
             Ok(answers::Problem::new(settings)?)
         })?;
         Ok(Self(Arc::new(problem)))

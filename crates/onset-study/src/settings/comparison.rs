@@ -4,7 +4,9 @@ use super::key::key;
 use super::renamed;
 use super::study;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
-use super::{KEYS, Key, Kind, Origin, SettingError, Settings, Trust, Value, unknown_key};
+use super::{
+    KEYS, Key, Kind, MaterialSettings, Origin, SettingError, Settings, Trust, Value, unknown_key,
+};
 use crate::compare::PANELS;
 use crate::number::counted;
 use onset::time_step::Integrator;
@@ -275,6 +277,15 @@ impl Comparison {
             }
         }
         Ok(())
+    }
+
+    /// The same methods for another material.
+    pub fn of_material(mut self, material: &MaterialSettings) -> Self {
+        self.common.material.clone_from(material);
+        for candidate in &mut self.candidates {
+            candidate.settings.material.clone_from(material);
+        }
+        self
     }
 
     /// The comparison, of which a library may be loaded if the user allows it.

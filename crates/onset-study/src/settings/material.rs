@@ -2,7 +2,9 @@
 
 use super::error::{Origin, SettingError, nearest};
 use super::model::{LIBRARY, sum};
-use super::{Key, Kind, Model, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli, units};
+use super::{
+    HandedLaw, Key, Kind, Model, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli, units,
+};
 use crate::shell::quoted_file;
 use onset::material::{Hyperelastic, MaterialError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +23,8 @@ pub struct MaterialSettings {
     with_units: BTreeSet<&'static str>,
     /// Where the library is that the user allows a file to load.
     allowed: Option<PathBuf>,
+    /// The law, where the calling program has one of its own.
+    pub(super) handed: Option<HandedLaw>,
 }
 
 impl MaterialSettings {
@@ -36,6 +40,7 @@ impl MaterialSettings {
             fingerprint: None,
             with_units: BTreeSet::new(),
             allowed: None,
+            handed: None,
         }
     }
 

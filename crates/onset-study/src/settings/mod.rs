@@ -38,7 +38,7 @@ pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::MaterialSettings;
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns};
-pub use model::{Model, OwnModel};
+pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub(crate) use renamed::topic as renamed_topic;
 pub use renamed::{notes_on_names, renamed_command, verdict as verdict_named};

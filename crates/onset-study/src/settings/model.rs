@@ -1,8 +1,10 @@
 //! What `material.model` can be: a law of the library, or a user-defined model that is more than numbers.
 
 mod formula;
+mod function;
 mod umat;
 
+pub use function::HandedLaw;
 pub(super) use umat::{LIBRARY, sum};
 
 use super::error::SettingError;

@@ -1,0 +1,211 @@
+//! A law whose energy, stress and tangent are computed by a function of Python.
+
+use crate::arrays::bytes;
+use nalgebra::Matrix3;
+use onset::kinematics::DeformationGradient;
+use onset::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
+use onset_study::settings::{HandedLaw, MaterialSettings};
+use onset_umat::readable;
+use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::sync::Arc;
+
+/// Energy, stress and tangent: `W`, `P_iJ`, `A_iJkL`.
+pub const NUMBERS: usize = 91;
+
+/// A function of Python with values of its parameters: of states, nine components each, it makes 91 numbers each, all as bytes of doubles.
+#[pyclass(frozen, module = "onset._onset")]
+pub struct Function {
+    respond: Arc<Py<PyAny>>,
+    parameters: Vec<(String, f64)>,
+}
+
+#[pymethods]
+impl Function {
+    #[new]
+    fn new(respond: Py<PyAny>, parameters: Vec<(String, f64)>) -> Self {
+        Self {
+            respond: Arc::new(respond),
+            parameters,
+        }
+    }
+}
+
+impl Function {
+    /// The law with its parameters, as it is set.
+    fn settings(&self) -> MaterialSettings {
+        let respond = Arc::clone(&self.respond);
+        let law = HandedLaw::new(move |parameters| {
+            Ok(Box::new(FunctionLaw {
+                respond: Arc::clone(&respond),
+                parameters: parameters.to_vec(),
+            }))
+        });
+        let parameters = self.parameters.iter();
+        let parameters = parameters.map(|(name, value)| (name.as_str(), *value));
+        MaterialSettings::handed(law, &parameters.collect::<Vec<_>>())
+    }
+}
+
+/// One of the settings that the package passes on.
+#[derive(FromPyObject)]
+pub enum Setting {
+    /// As after `--set`.
+    Assignment(String),
+    /// A law of Python, instead of one that has a name.
+    Law(Py<Function>),
+}
+
+/// The settings that the package passes on.
+pub struct Assigned {
+    /// Those as after `--set`.
+    pub texts: Vec<String>,
+    law: Option<MaterialSettings>,
+}
+
+impl From<Vec<Setting>> for Assigned {
+    fn from(settings: Vec<Setting>) -> Self {
+        let mut assigned = Self {
+            texts: Vec::new(),
+            law: None,
+        };
+        for setting in settings {
+            match setting {
+                Setting::Assignment(text) => assigned.texts.push(text),
+                Setting::Law(function) => assigned.law = Some(function.get().settings()),
+            }
+        }
+        assigned
+    }
+}
+
+impl Assigned {
+    /// The law of Python, where there is one.
+    pub fn law(&self) -> Option<&MaterialSettings> {
+        self.law.as_ref()
+    }
+}
+
+/// The law that a function is.
+struct FunctionLaw {
+    respond: Arc<Py<PyAny>>,
+    parameters: Vec<(&'static str, f64)>,
+}
+
+impl FunctionLaw {
+    /// All numbers of some states.
+    fn numbers(&self, states: &[DeformationGradient]) -> Result<Vec<f64>, MaterialError> {
+        // No interpreter any more: the program ends, and nobody waits for this answer.
+        Python::try_attach(|py| {
+            self.asked(py, states)
+                .map_err(|error| undefined(py, &error))
+        })
+        .unwrap_or_else(|| Err(external("the interpreter ends".to_owned())))
+    }
+
+    fn asked(&self, py: Python<'_>, states: &[DeformationGradient]) -> PyResult<Vec<f64>> {
+        let components: Vec<f64> = states
+            .iter()
+            .flat_map(|f| f.components().as_flattened().to_vec())
+            .collect();
+        let parameters = PyDict::new(py);
+        for (name, value) in &self.parameters {
+            parameters.set_item(name, value)?;
+        }
+        let answer = self
+            .respond
+            .call1(py, (bytes(py, &components), parameters))?;
+        let answer = answer.bind(py).cast::<PyBytes>()?;
+        let (numbers, _) = answer.as_bytes().as_chunks();
+        if numbers.len() != states.len() * NUMBERS {
+            let wanted = states.len() * NUMBERS;
+            return Err(PyValueError::new_err(format!(
+                "{} numbers instead of {wanted}",
+                numbers.len()
+            )));
+        }
+        Ok(numbers.iter().copied().map(f64::from_ne_bytes).collect())
+    }
+
+    /// Responses of states, each with what is wrong with it.
+    fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
+        match self.numbers(states) {
+            Ok(numbers) => states
+                .iter()
+                .zip(numbers.chunks_exact(NUMBERS))
+                .map(|(f, numbers)| response(f, numbers))
+                .collect(),
+            // Which of them it was is told by each alone.
+            Err(_) if states.len() > 1 => states.iter().map(|f| self.response(f)).collect(),
+            Err(error) => vec![Err(error)],
+        }
+    }
+}
+
+/// What a function says of a state by an exception: of arithmetic, that the law is not defined there; any other is a mistake in the function.
+fn undefined(py: Python<'_>, error: &PyErr) -> MaterialError {
+    let class = error.get_type(py);
+    let class = class
+        .name()
+        .map_or_else(|_| "an exception".to_owned(), |name| name.to_string());
+    let text = readable(&format!("{class}: {}", error.value(py)));
+    let is_of_state =
+        error.is_instance_of::<PyArithmeticError>(py) || error.is_instance_of::<PyValueError>(py);
+    match is_of_state {
+        true => MaterialError::OutsideDomain {
+            what: "the function of the material",
+            value: f64::NAN,
+            expected: format!("it raises {text}"),
+        },
+        false => external(format!("the function of the material raises {text}")),
+    }
+}
+
+fn external(message: String) -> MaterialError {
+    MaterialError::External { message }
+}
+
+/// A response from its numbers.
+fn response(f: &DeformationGradient, numbers: &[f64]) -> Result<Response, MaterialError> {
+    if let Some(n) = numbers.iter().position(|number| !number.is_finite()) {
+        let what = match n {
+            0 => "the energy of the function",
+            1..10 => "the stress of the function",
+            _ => "the tangent of the function",
+        };
+        return Err(MaterialError::OutsideDomain {
+            what,
+            value: numbers[n],
+            expected: format!("expected finite numbers (J is {})", f.jacobian()),
+        });
+    }
+    Ok(Response {
+        deformation: *f,
+        energy: numbers[0],
+        first_piola: Matrix3::from_row_slice(&numbers[1..10]),
+        tangent: FourthOrder::from_fn(|i, j, k, l| numbers[10 + 27 * i + 9 * j + 3 * k + l]),
+    })
+}
+
+/// The part of a tangent that acts within the plane.
+fn in_plane(tangent: &FourthOrder) -> PlaneTangent {
+    std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
+}
+
+impl Hyperelastic for FunctionLaw {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let numbers = self.numbers(std::slice::from_ref(f))?;
+        response(f, &numbers)
+    }
+
+    fn plane_tangents(
+        &self,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<PlaneTangent, MaterialError>> {
+        let responses = self.responses(states).into_iter();
+        responses
+            .map(|response| Ok(in_plane(&response?.tangent)))
+            .collect()
+    }
+}

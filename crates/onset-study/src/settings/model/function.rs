@@ -1,0 +1,81 @@
+//! A law that the calling program hands over: a function of Python, for example. No file and no assignment can name it.
+
+use super::{Model, OwnModel};
+use crate::settings::MaterialSettings;
+use onset::material::{Hyperelastic, MaterialError};
+use std::fmt;
+use std::sync::Arc;
+
+/// Makes the law with values of its parameters.
+type Make =
+    dyn Fn(&[(&'static str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError> + Send + Sync;
+
+/// A law of the calling program.
+#[derive(Clone)]
+pub struct HandedLaw(Arc<Make>);
+
+impl HandedLaw {
+    /// From what makes the law with values of its parameters.
+    pub fn new(
+        make: impl Fn(&[(&'static str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        Self(Arc::new(make))
+    }
+}
+
+impl fmt::Debug for HandedLaw {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("HandedLaw")
+    }
+}
+
+/// Functions are the same only where they are one.
+impl PartialEq for HandedLaw {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Not among the models that are chosen by their names.
+static MODEL: OwnModel = OwnModel {
+    name: "function",
+    formula: "energy, stress and tangent of a function of the calling program",
+    source: "your own",
+    keys: &[],
+    required: &[],
+    takes_any_parameter: true,
+    check: |_| Ok(()),
+    build,
+};
+
+impl MaterialSettings {
+    /// A law of the calling program with its parameters; those whose names no key can have are left out.
+    ///
+    /// ```
+    /// use onset::material::library;
+    /// use onset_study::settings::{HandedLaw, MaterialSettings};
+    /// let (law, first) = (&library()[0], &library()[0].parameters[0]);
+    /// let handed = HandedLaw::new(|parameters| law.build(parameters));
+    /// let material = MaterialSettings::handed(handed, &[(first.name, 2.0)]);
+    /// assert_eq!(material.values(), [(first.name, 2.0)]);
+    /// assert!(material.build().is_ok());
+    /// ```
+    pub fn handed(law: HandedLaw, parameters: &[(&str, f64)]) -> Self {
+        let mut settings = Self::new(Model::Own(&MODEL), parameters);
+        settings.handed = Some(law);
+        settings
+    }
+}
+
+fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    let HandedLaw(make) = settings
+        .handed
+        .as_ref()
+        .ok_or_else(|| MaterialError::External {
+            message: "the function of the material is missing".to_owned(),
+        })?;
+    make(&settings.values())
+}
