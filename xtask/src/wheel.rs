@@ -7,22 +7,37 @@ use std::time::SystemTime;
 
 /// What makes wheels.
 const MAKING: &str = "python/requirements-wheel.txt";
+/// Interpreters without a global lock, where they are installed: the stable interface leaves them out, and each needs a wheel of its own.
+const FREE_THREADED: [&str; 2] = ["python3.14t", "python3.15t"];
 /// What the tests need beside the wheel.
 const TESTING: &str = "python/tests/requirements.txt";
 
-/// Makes the wheel of a release in `target/wheels`, and says where it is and how large.
+/// Makes the wheels of a release in `target/wheels`, one for all interpreters with a global lock and one for each without, and says
+/// where they are and how large.
 ///
 /// # Errors
 /// What failed, in words.
 pub fn run() -> Result<(), String> {
-    let wheel = made("wheel", "target/wheels")?;
-    let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
-    println!(
-        "{}: {:.1} MB",
-        wheel.display(),
-        size.len() as f64 / 1_000_000.0
-    );
+    let own = environment("wheel", Path::new(MAKING))?;
+    let unlocked = FREE_THREADED.map(PathBuf::from).into_iter();
+    for interpreter in std::iter::once(own).chain(unlocked.filter(|name| is_installed(name))) {
+        let wheel = made("wheel", "target/wheels", &interpreter)?;
+        let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
+        println!(
+            "{}: {:.1} MB",
+            wheel.display(),
+            size.len() as f64 / 1_000_000.0
+        );
+    }
     Ok(())
+}
+
+/// Whether an interpreter can be run.
+fn is_installed(interpreter: &Path) -> bool {
+    Command::new(interpreter)
+        .arg("--version")
+        .output()
+        .is_ok_and(|output| output.status.success())
 }
 
 /// Makes a wheel in the profile of the tests, which share its target folder, installs it into an environment of its own, and runs
@@ -31,7 +46,8 @@ pub fn run() -> Result<(), String> {
 /// # Errors
 /// What failed, in words.
 pub fn test() -> Result<(), String> {
-    let wheel = made("dev", "target/wheels-dev")?;
+    let making = environment("wheel", Path::new(MAKING))?;
+    let wheel = made("dev", "target/wheels-dev", &making)?;
     let command = command()?;
     let interpreter = environment("python", Path::new(TESTING))?;
     succeed(
@@ -69,16 +85,16 @@ pub fn command() -> Result<PathBuf, String> {
     std::path::absolute(command).map_err(|error| error.to_string())
 }
 
-/// Makes a wheel in a profile into a folder; where it is.
-fn made(profile: &str, folder: &str) -> Result<PathBuf, String> {
-    let interpreter = environment("wheel", Path::new(MAKING))?;
+/// Makes a wheel for an interpreter, in a profile, into a folder; where it is.
+fn made(profile: &str, folder: &str, interpreter: &Path) -> Result<PathBuf, String> {
+    let making = environment("wheel", Path::new(MAKING))?;
     let since = SystemTime::now();
     succeed(
-        Command::new(&interpreter)
+        Command::new(&making)
             .args(["-m", "maturin", "build", "--profile", profile, "--out"])
             .arg(std::path::absolute(folder).map_err(|error| error.to_string())?)
             .arg("--interpreter")
-            .arg(&interpreter)
+            .arg(interpreter)
             .current_dir("python"),
     )?;
     newest(folder, since)
