@@ -9,6 +9,7 @@ import os
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _onset
 from ._arrays import Complexes, Floats, place, received
@@ -21,8 +22,9 @@ if TYPE_CHECKING:
 class Record(Mapping[str, Any]):
     """A part of an answer, frozen: ``part.growth_rate`` is ``part["growth_rate"]``.
 
-    Numbers that do not exist are NaN in arrays and ``None`` alone. Names with hyphens or dots are attributes with underscores; those
-    that Python has taken get one behind (``crossing.from_``).
+    Lists of numbers are arrays, complex numbers complex, lists of parts tuples. Numbers that do not exist are NaN in arrays and ``None`` alone. Names with
+    hyphens or dots are attributes with underscores; those that Python has taken get one behind (``crossing.from_``). A name that is not there is an
+    `AttributeError` that tells those that are.
     """
 
     __slots__ = ("_fields",)
@@ -71,7 +73,7 @@ class Record(Mapping[str, Any]):
         return Record, (self._fields,)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain dictionaries, lists and numbers."""
+        """The same as plain dictionaries, lists and numbers, as in the document."""
         return cast("dict[str, Any]", json.loads(json.dumps(self._fields)))
 
 
@@ -151,14 +153,14 @@ class Answer(Record):
 
     @asks
     def files(self) -> dict[str, bytes]:
-        """The files that the command writes with ``--out``, by name; made once."""
+        """The files that the command writes with ``--out``, their contents by name; made once."""
         if self._files is None:
             object.__setattr__(self, "_files", self._answer.files())
         return dict(self._files or {})
 
     @asks
     def save(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes the files of ``--out`` into a folder; their paths."""
+        """Writes the files of ``--out`` into a folder, and returns their paths. A `MachineError` where they cannot be written."""
         return self._answer.save(place(folder, "folder"))
 
     def _picture(self) -> str | None:
@@ -179,14 +181,14 @@ class Answer(Record):
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the figure of the answer with matplotlib; into `ax`, where it is given."""
+        """Draws the figure of the answer; into `ax`, where it is given. An answer without one is an `OnsetError`."""
         from . import _plots
 
         return _plots.picture(self.files(), ax)
 
 
 class State(Answer):
-    """The verdict on a state with its evidence."""
+    """The verdict on a state with its evidence, in the parts ``material``, ``material_3d`` and ``discretization``."""
 
     __slots__ = ("_spectrum",)
     _spectrum: Callable[[Floats], tuple[Complexes, Floats]]
@@ -198,7 +200,7 @@ class State(Answer):
 
     @property
     def mechanism(self) -> str | None:
-        """Of a numerical instability: ``tensile``, ``compressive``, ``flutter`` or ``long-wave``."""
+        """Of a numerical instability: ``tensile``, ``compressive``, ``flutter`` or ``long-wave``; otherwise ``None``."""
         return cast("str | None", self._fields["mechanism"])
 
     @property
@@ -208,12 +210,12 @@ class State(Answer):
 
     @property
     def stable(self) -> bool:
-        """Whether no wave of the particles grows."""
+        """Whether no wave of the particles grows: all ``omega^2`` are real and nonnegative."""
         return cast(bool, self._fields["discretization"]["stable"])
 
     @property
     def growth_rate(self) -> float:
-        """That of the fastest growing wave, 0 where none grows; 1/time."""
+        """That of the fastest growing wave, ``max |Im omega|``, 0 where none grows; 1/time."""
         return cast(float, self._fields["discretization"]["growth_rate"])
 
     @property
@@ -223,17 +225,17 @@ class State(Answer):
 
     @property
     def critical_time_step(self) -> float | None:
-        """The largest stable time step of central differences; time."""
+        """The largest stable time step of central differences, ``2/omega_max``; time. ``None`` where nothing oscillates."""
         return cast("float | None", self._fields["discretization"]["critical_time_step"])
 
     @property
     def cauchy(self) -> Floats:
-        """The Cauchy stress, shape (3, 3); stress."""
+        """The Cauchy stress ``P F^T / det F``, shape (3, 3); stress."""
         return np.array(self._fields["material"]["cauchy"], dtype=np.float64)
 
     @property
     def minimum_acoustic_eigenvalue(self) -> float:
-        """The smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; stress."""
+        """The smallest eigenvalue of the acoustic tensor ``Q_ik = A_iJkL N_J N_L`` over all directions ``N`` in the dimensions of the lattice; stress."""
         return cast(float, self._fields["material"]["minimum_acoustic_eigenvalue"])
 
     @property
@@ -246,30 +248,30 @@ class State(Answer):
         return self
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws ``omega^2`` of particles and continuum along the wave vector of the softest wave, and beyond it."""
+        """Draws ``omega^2`` (1/time^2) of particles and continuum along the wave vector of the softest wave, and beyond it."""
         from . import _plots
 
         return _plots.along_wave(self.wave_vector, self._spectrum, ax)
 
 
 class Waves(Answer):
-    """The waves of one wave vector."""
+    """The waves with one wave vector."""
 
     __slots__ = ()
 
     @property
     def omega_squared(self) -> Complexes:
-        """``omega^2`` of the particles by increasing real part, shape (branches,); 1/time^2."""
+        """``omega^2`` of the particles, ``omega^2 g = D(k) g``, by increasing real part, shape (branches,); 1/time^2."""
         return np.asarray(_value(self._fields["omega_squared"]), dtype=np.complex128)
 
     @property
     def continuum_omega_squared(self) -> Floats:
-        """``omega^2`` of the continuum, shape (D,); 1/time^2."""
+        """``omega^2`` of the continuum, ``rho_0 omega^2 g = Q(k) g``, shape (D,); 1/time^2."""
         return np.array(self._fields["continuum_omega_squared"], dtype=np.float64)
 
     @property
     def dynamical_matrix(self) -> Complexes:
-        """``D(k)``, shape (branches, branches); 1/time^2."""
+        """The dynamical matrix ``D(k)``, shape (branches, branches); 1/time^2."""
         return np.asarray(_value(self._fields["dynamical_matrix"]), dtype=np.complex128)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -280,7 +282,7 @@ class Waves(Answer):
 
 
 class Bands(Answer):
-    """Frequencies along a path through the zone, and the density of states."""
+    """The dispersion relation at ``n`` samples along a path through the zone; ``critical`` is the critical wave, ``density_of_states`` the density of states."""
 
     __slots__ = ()
 
@@ -296,7 +298,7 @@ class Bands(Answer):
 
     @property
     def omega_squared(self) -> Complexes:
-        """``omega^2`` of the particles, shape (n, branches); 1/time^2."""
+        """``omega^2`` of the particles by increasing real part, shape (n, branches); 1/time^2."""
         return np.asarray(_value([sample["omega_squared"] for sample in self._fields["samples"]]), dtype=np.complex128)
 
     @property
@@ -311,7 +313,7 @@ class Bands(Answer):
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The names of the corners."""
+        """The names of the corners, as they stand below a diagram."""
         return tuple(corner["name"] for corner in self._fields["corners"])
 
     @property
@@ -327,7 +329,11 @@ class Bands(Answer):
 
 
 class Path(Answer):
-    """Where along a path stability is lost and regained."""
+    """Where along a path stability is lost and regained.
+
+    ``material_onset`` and ``discretization_onset`` are the first losses, ``None`` where there is none: parameter, deformation gradient, Cauchy stress and wave.
+    ``material_crossings`` and ``discretization_crossings`` are all changes.
+    """
 
     __slots__ = ()
 
@@ -340,16 +346,16 @@ class Path(Answer):
 
 
 class Boundary(Answer):
-    """Where in the plane of a study material and particles lose stability."""
+    """Where in the plane of a study material and particles lose stability, and how far apart the two boundaries are: ``fidelity``."""
 
     __slots__ = ()
 
     def geojson(self) -> dict[str, Any]:
-        """The curves in the coordinates of the axes, as a FeatureCollection."""
+        """The curves in the coordinates of the axes, as a FeatureCollection: the file ``boundary.geojson``."""
         return cast("dict[str, Any]", json.loads(self.files()["boundary.geojson"]))
 
     def curves(self) -> list[tuple[str, Floats]]:
-        """Whose boundary each curve is, ``material`` or ``discretization``, and its points, shape (n, 2)."""
+        """Whose boundary each curve is, ``material`` or ``discretization``, and its points, shape (n, 2), in the units of the axes."""
         told = []
         for feature in self.geojson()["features"]:
             points = feature["geometry"]["coordinates"]
@@ -365,54 +371,58 @@ class Boundary(Answer):
 
 
 class Modes(Answer):
-    """The waves that a method does not resist, or too little."""
+    """The zero-energy and weakly controlled modes of a method: ``modes``, each with ``wave_vector`` (1/length), ``fractional`` (in units of the reciprocal
+    vectors) and ``relative_frequency``; ``complete`` is whether none can have been missed.
+    """
 
     __slots__ = ()
 
 
 class Criteria(Answer):
-    """Where along loadings each criterion of stability is lost."""
+    """Where along ``loadings`` each stability criterion is lost, and where the criteria disagree: ``disagreements``."""
 
     __slots__ = ()
 
 
 class Card(Answer):
-    """The safe range of a law."""
+    """The safe range of a law: ``symmetric_box`` and ``widest_box`` of principal stretches, ``None`` where there is none, and limits along ``loadings``."""
 
     __slots__ = ()
 
 
 class Localization(Answer):
-    """Where along a loading a plastic material localizes, in which band."""
+    """Where along a loading a plastic material localizes, in which band: ``first_yield``, ``strong_ellipticity_lost`` and ``localization``, ``None`` where it does
+    not come to it; moduli and stresses in the unit of stress, angles in degrees.
+    """
 
     __slots__ = ()
 
 
 class Comparison(Answer):
-    """Methods side by side."""
+    """Methods side by side: ``rows``, each with what was ``measured``, or a ``note`` why it could not be."""
 
     __slots__ = ()
 
 
 class Recommendation(Answer):
-    """Methods ranked by rules that are told."""
+    """Methods ranked by ``rules``: ``ranking``, the recommended ones first and best first; the others have ``excluded``."""
 
     __slots__ = ()
 
 
 class Tuning(Answer):
-    """The smallest coefficient that is sufficient."""
+    """The smallest coefficient that is sufficient, and all values that were ``tried``."""
 
     __slots__ = ()
 
     @property
     def recommended(self) -> float | None:
-        """The smallest value found that removes the spurious modes and masks nothing."""
+        """The smallest value found that removes the spurious modes and masks nothing, in the unit of the key; ``None`` where none does."""
         return cast("float | None", self._fields["recommended"])
 
 
 class Audit(Answer):
-    """Whether a law has an energy, and a consistent tangent."""
+    """Whether a law has an energy, and a consistent tangent: ``checks``, each with ``name``, ``outcome``, relative ``error`` and ``finding``."""
 
     __slots__ = ()
 
@@ -422,7 +432,7 @@ class Audit(Answer):
         return cast(bool, self._fields["consistent"])
 
     def raise_for_error(self) -> Audit:
-        """The audit itself; an ``InputError`` with its text where a check fails."""
+        """The audit itself; an `InputError` with its text where a check fails."""
         if not self.consistent:
             raise InputError(str(self))
         return self
@@ -435,7 +445,9 @@ class Audit(Answer):
 
 
 class Simulation(Answer):
-    """A patch of particles in motion beside its prediction."""
+    """A patch of particles in motion beside its prediction: ``outcome`` is ``agrees``, ``differs`` or ``undecided``; rates, ``predicted`` and ``measured``, in
+    1/time.
+    """
 
     __slots__ = ()
 
@@ -447,52 +459,52 @@ class Simulation(Answer):
 
 
 class Mapped(Answer):
-    """What came of a map: shares of the verdicts, and the store."""
+    """What came of a map: numbers and shares of the ``verdicts``, and the store."""
 
     __slots__ = ()
 
     @property
     def store(self) -> str:
-        """The folder of the store."""
+        """The folder of the store, as it was given."""
         return cast(str, self._fields["store"])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws how many states have which verdict."""
+        """Draws how many states of the map have which verdict."""
         from . import _plots
 
         return _plots.shares(self, ax)
 
 
 class Verdicts:
-    """Verdicts on many states: arrays of the shape of the states, vectors with one more index."""
+    """Verdicts on many states: arrays of the shape (...) of the states, vectors with one more index. Numbers that do not exist are NaN."""
 
-    #: The words of the verdicts; ``codes`` are their numbers.
+    #: The words of the verdicts, of which `codes` are the places.
     names: tuple[str, ...] = tuple(_onset.verdict_names())
 
     def __init__(self, columns: Mapping[str, bytes], shape: tuple[int, ...], dimension: int) -> None:
         def of(name: str) -> Floats:
             return received(columns[name], shape)
 
-        #: Numbers of the words in `names`.
-        self.codes = of("verdict").astype(np.int8)
-        #: The smallest ``Re omega^2 / (c^2 |k|_h^2)`` over the zone; without dimension.
-        self.scaled_minimum = of("scaled_minimum")
-        #: The smallest ``Re omega^2`` over the zone; 1/time^2.
-        self.lowest_omega_squared = of("lowest_omega_squared")
-        #: Of the fastest growing wave, zero where none grows; 1/time.
-        self.growth_rate = of("growth_rate")
-        #: The largest stable time step of central differences; time.
-        self.critical_time_step = of("critical_time_step")
-        #: The smallest acoustic eigenvalue of the continuum; stress.
-        self.acoustic_minimum = of("acoustic_minimum")
+        #: The places of the verdicts in `names`, shape (...).
+        self.codes: NDArray[np.int8] = of("verdict").astype(np.int8)
+        #: The smallest ``Re omega^2 / (c^2 |k|_h^2)`` over the zone, shape (...); without dimension.
+        self.scaled_minimum: Floats = of("scaled_minimum")
+        #: The smallest ``Re omega^2`` over the zone, shape (...); 1/time^2.
+        self.lowest_omega_squared: Floats = of("lowest_omega_squared")
+        #: That of the fastest growing wave, zero where none grows, shape (...); 1/time.
+        self.growth_rate: Floats = of("growth_rate")
+        #: The largest stable time step of central differences, ``2/omega_max``, shape (...); time.
+        self.critical_time_step: Floats = of("critical_time_step")
+        #: The smallest acoustic eigenvalue of the continuum, shape (...); stress.
+        self.acoustic_minimum: Floats = of("acoustic_minimum")
         #: The reference wave vector of `scaled_minimum`, shape (..., D); 1/length.
-        self.wave_vector = received(columns["wave_vector"], (*shape, dimension))
-        #: The reference direction of `acoustic_minimum`, shape (..., D).
-        self.acoustic_direction = received(columns["acoustic_direction"], (*shape, dimension))
+        self.wave_vector: Floats = received(columns["wave_vector"], (*shape, dimension))
+        #: The reference direction of `acoustic_minimum`, a unit vector, shape (..., D).
+        self.acoustic_direction: Floats = received(columns["acoustic_direction"], (*shape, dimension))
 
     @property
-    def verdict(self) -> np.ndarray[Any, np.dtype[np.str_]]:
-        """The words, shape (...)."""
+    def verdict(self) -> NDArray[np.str_]:
+        """The verdicts in words, shape (...)."""
         return np.array(self.names)[self.codes]
 
     def count(self) -> dict[str, int]:
@@ -519,24 +531,24 @@ class Verdicts:
 
 
 class Dispersion:
-    """Waves of many wave vectors."""
+    """Waves of one state with many wave vectors."""
 
     def __init__(self, k: Floats, omega_squared: Complexes, continuum: Floats) -> None:
         #: The reference wave vectors, shape (..., D); 1/length.
-        self.k = k
+        self.k: Floats = k
         #: ``omega^2`` of the particles by increasing real part, shape (..., branches); 1/time^2.
-        self.omega_squared = omega_squared
+        self.omega_squared: Complexes = omega_squared
         #: ``omega^2`` of the continuum, shape (..., D); 1/time^2.
-        self.continuum_omega_squared = continuum
+        self.continuum_omega_squared: Floats = continuum
 
     @property
     def frequencies(self) -> Floats:
-        """The real part of ``omega``, shape (..., branches); 1/time."""
+        """``Re omega``, shape (..., branches); 1/time."""
         return np.asarray(np.sqrt(self.omega_squared).real, dtype=np.float64)
 
     @property
     def growth_rates(self) -> Floats:
-        """How fast waves grow, zero where they do not, shape (..., branches); 1/time."""
+        """How fast waves grow, ``|Im omega|``, zero where they do not, shape (..., branches); 1/time."""
         return np.asarray(np.abs(np.sqrt(self.omega_squared).imag), dtype=np.float64)
 
     def __repr__(self) -> str:
@@ -546,7 +558,7 @@ class Dispersion:
         return f"<p>{html.escape(repr(self))}</p>"
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws ``omega^2`` against the length of the wave vector."""
+        """Draws ``omega^2`` (1/time^2) against the length of the wave vector (1/length)."""
         from . import _plots
 
         return _plots.scatter(self, ax)

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._errors import InputError
 
+#: An array of doubles.
 Floats = NDArray[np.float64]
+#: An array of complex numbers of two doubles.
 Complexes = NDArray[np.complex128]
 
 

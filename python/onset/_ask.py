@@ -68,11 +68,16 @@ def state(
     certify: bool = False,
     tolerance: float = 1e-3,
 ) -> State:
-    """Is a state stable, and if not, is it physical or numerical? ``onset state``.
+    """Is a state stable, and if not, is the instability physical or numerical? ``onset state``.
 
-    The state has principal stretches along the axes (`stretch`, as many as dimensions or three), or a deformation gradient `F` of
-    shape (3, 3), or (D, D). With `certify` stability or instability is proved, with a bound or a witness; `tolerance` is from where
-    on the measure of an undecided state counts as away from zero.
+    The discretization is stable where all ``omega^2`` of its dynamical matrix ``D(k)`` are real and nonnegative, for all ``k`` of the zone; the material where
+    it is strongly elliptic, ``A_iJkL g_i N_J g_k N_L > 0`` for all ``g, N``.
+
+    The state has principal stretches along the axes (`stretch`, shape (D,) to (3,)), or a deformation gradient `F` of shape (3, 3), or (D, D). With `certify`
+    stability or instability is proved, with a bound or a witness, in ``answer.certificate``; `tolerance`, without dimension, is from where on the measure of
+    an undecided state counts as away from zero.
+
+    A state at which the law or the method is not defined is an `InputError`.
     """
     problem = problem_of(material, method)
     proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
@@ -107,7 +112,11 @@ def dispersion(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Dispersion:
-    """Frequencies of plane waves at reference wave vectors `k` of shape (..., D), in 1/length, of one state."""
+    """Plane waves ``g exp(i omega t + i k.X)`` of one state at many wave vectors: ``omega^2 g = D(k) g`` of the particles, ``rho_0 omega^2 g = Q(k) g`` of the
+    continuum.
+
+    `k` are reference wave vectors of shape (..., D); 1/length. Many states are an `InputError`: ``onset.omega_squared`` takes them.
+    """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
     if shape:
@@ -122,11 +131,17 @@ def dispersion(
 
 @asks
 def omega_squared(
-    material: MaterialLike = None, method: MethodLike = None, *, k: ArrayLike, stretch: ArrayLike | None = None, F: ArrayLike | None = None
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    k: ArrayLike,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
 ) -> Complexes:
-    """``omega^2`` of the particles by increasing real part at `k` of shape (n, D) or (D,) for states of shape (...).
+    """The ``omega^2`` of the particles, ``omega^2 g = D(k) g``, by increasing real part, of many states at many wave vectors.
 
-    `F` has the shape (..., 3, 3) or `stretch` (..., D); the result (..., n, branches) or (..., branches), in 1/time^2.
+    States are `F` of shape (..., 3, 3) or (..., D, D), or `stretch` of shape (..., D) to (..., 3); reference wave vectors `k` of shape (n, D) or (D,) in
+    1/length. The result has the shape (..., n, branches), or (..., branches) with one wave vector; 1/time^2.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -137,11 +152,17 @@ def omega_squared(
 
 @asks
 def dynamical_matrix(
-    material: MaterialLike = None, method: MethodLike = None, *, k: ArrayLike, stretch: ArrayLike | None = None, F: ArrayLike | None = None
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    k: ArrayLike,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
 ) -> Complexes:
-    """``D(k)``, whose eigenvalues are ``omega^2`` and whose eigenvectors are the polarizations of the particles of a cell.
+    """The dynamical matrix ``D(k)``, whose eigenvalues are ``omega^2`` and whose eigenvectors are the polarizations of the particles of a cell.
 
-    Shapes as of `omega_squared`: (..., n, branches, branches); 1/time^2.
+    States and wave vectors as of ``onset.omega_squared``. The result has the shape (..., n, branches, branches), or (..., branches, branches) with one wave
+    vector; 1/time^2.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -160,7 +181,10 @@ def waves(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Waves:
-    """The waves of one reference wave vector of shape (D,), in 1/length: ``onset dispersion --wave-vector``."""
+    """The waves with one wave vector, ``omega^2 g = D(k) g``: ``onset dispersion --wave-vector``.
+
+    `wave_vector` is the reference wave vector, shape (D,); 1/length.
+    """
     given, gradient = state_as_typed(F, stretch)
     return Waves(problem_of(material, method).waves(given, gradient, typed(numbers(wave_vector, "wave_vector"))))
 
@@ -174,10 +198,10 @@ def bands(
     F: ArrayLike | None = None,
     path: str | None = None,
 ) -> Bands:
-    """Frequencies along a path through the zone, with the density of states: ``onset dispersion --path``.
+    """The dispersion relation ``omega(k)`` along a path through the zone, with the density of states: ``onset dispersion --path``.
 
     `path` are names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); along
-    all that the state tells apart when left out.
+    all that the state tells apart when left out. A name that the zone does not have is an `InputError` that tells those it has.
     """
     given, gradient = state_as_typed(F, stretch)
     return Bands(problem_of(material, method).bands(given, gradient, path))
@@ -197,7 +221,7 @@ def path(
 
     `from_` and `to` are stretches, or deformation gradients of shape (D, D) or (3, 3). With `mode` (``uniaxial``, ``equibiaxial``, ``planar``,
     ``simple-shear``, ``hydrostatic``) they are its imposed stretches, `from_` being 1 when left out, and `lateral` is what holds the other directions:
-    ``free``, ``plane-stress``, ``plane-strain`` or ``held``.
+    ``free``, ``plane-stress``, ``plane-strain`` or ``held``, when left out the freest that the mode has. `lateral` without `mode` is an `InputError`.
     """
     problem = problem_of(material, method)
     if mode is not None:
@@ -218,11 +242,16 @@ def _end(given: ArrayLike, what: str) -> str:
 
 @asks
 def verdicts(
-    material: MaterialLike = None, method: MethodLike = None, F: ArrayLike | None = None, *, stretch: ArrayLike | None = None
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    F: ArrayLike | None = None,
+    *,
+    stretch: ArrayLike | None = None,
 ) -> Verdicts:
     """Verdicts on many states: `F` of shape (..., 3, 3) or (..., D, D), or `stretch` of shape (..., D) to (..., 3).
 
-    Each state is what a map has of it, computed on all cores without the interpreter's lock.
+    Each state is what a map has of it, computed on all cores without the interpreter's lock. A state at which the law or the method is not defined has the
+    verdict ``undefined``; one that is no deformation, ``det F <= 0``, is an `InputError`.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -259,9 +288,17 @@ def simulate(
 ) -> Simulation:
     """A prediction in motion: the particles of a periodic patch, step by step, and the measured rate of a wave: ``onset simulate``.
 
-    `cells` of the patch along each primitive vector; what moves at the start is the critical wave of the patch, ``mode="noise"``, the wave
-    `wave_vector` (1/length), or the one that `turns` so many times along each side. `amplitude` is in particle spacings. With `out` history,
-    fields and checkpoints are written.
+    - The patch has `cells` along each primitive vector. What moves at the start is its critical wave, with ``mode="noise"`` all particles at random by `seed`, or
+      the wave with the reference `wave_vector` (shape (D,); 1/length) or with so many `turns` along each side, of which `branch` counts from 1 by increasing
+      ``omega^2``. `amplitude` is the largest displacement at the start, in particle spacings.
+    - It takes `steps`, or the `time`; when left out about a period, or four e-folding times. A step is the `fraction` of the largest stable one, 0.5 or less
+      when left out, or the `time_step` (time) itself; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``,
+      ``central-differences``, ``predictor-corrector`` or ``sixth-order``.
+    - Rates that differ by less than the share `tolerance` agree.
+    - With `out`, a folder, the history is written `every` so many steps, so many `fields`, and a checkpoint each `checkpoint` steps (five seconds when left
+      out), from which `resume` goes on; `overwrite` begins anew.
+
+    A wave that does not fit into the patch is an `InputError` that names the nearest one that does, a motion that breaks down a `MachineError`.
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -307,8 +344,8 @@ def criteria(
 ) -> Criteria:
     """Where along standard loadings is each stability criterion of a law lost? ``onset criteria``.
 
-    `range` are the smallest and the largest stretch, `modes` the modes of loading, all when left out. `incompressible` asks the incompressible response
-    of an isotropic law.
+    `range` are the smallest and the largest stretch, `modes` the modes of loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``,
+    ``hydrostatic``), all when left out. `incompressible` asks the incompressible response of an isotropic law.
     """
     return Criteria(material_of(material)._law().criteria(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -321,7 +358,10 @@ def card(
     modes: Iterable[str] = (),
     incompressible: bool = False,
 ) -> Card:
-    """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``."""
+    """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``.
+
+    Arguments as of ``onset.criteria``.
+    """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
@@ -343,8 +383,10 @@ def audit(
 ) -> Audit:
     """Does a law have an energy, and is its tangent consistent? ``onset audit``.
 
-    `strain` is how large the strains of the states are, unless states are given as lists of stretches or deformation gradients. `convention` takes
-    the tangent of a law of onset's own as if delivered in it.
+    It checks ``P_iJ = dW/dF_iJ``, ``A_iJkL = dP_iJ/dF_kL``, objectivity, the work around closed loops and more, by finite differences. `strain` is how large the
+    strains of the states are, above 0 and at most 0.8, unless states are given: a list `stretch` of stretches, or `F` of deformation gradients. `convention`
+    takes the tangent of a law of onset's own as if delivered in it: ``first-piola``, ``jaumann-kirchhoff``, ``truesdell``, ...; another word is an
+    `InputError` that tells all.
     """
     size = between(strain, "strain", 0.0, 0.8, "a number above 0 and at most 0.8, for example 0.05")
     stretches = [typed(numbers(one, "stretch")) for one in listed(stretch, "stretch")]
@@ -354,6 +396,8 @@ def audit(
 @asks
 def localize(model: str | None = None, path: str | None = None, load: str | None = None, **parameters: Value) -> Localization:
     """When does a plastic material localize, in which band, at which angle? ``onset localize``.
+
+    A band with the normal ``n`` can form where ``det(n.L.n) = 0`` with the tangent ``L`` of continued flow.
 
     Keywords are the keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any unit, or have one.
     With the model ``"umat"`` those of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and ``memory_limit``.
@@ -365,11 +409,18 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
 
 
 @asks
-def modes(method: MethodLike = None, material: MaterialLike = None, *, weak: float = 0.5, cells: int = 8, amplitude: float = 0.2) -> Modes:
-    """Zero-energy and weakly controlled modes of a method: ``onset modes``.
+def modes(
+    method: MethodLike = None,
+    material: MaterialLike = None,
+    *,
+    weak: float = 0.5,
+    cells: int = 8,
+    amplitude: float = 0.2,
+) -> Modes:
+    """Zero-energy and weakly controlled modes of a method in the reference configuration: ``onset modes``.
 
-    Waves slower than the share `weak` of the material's slowest wave are listed. `cells` and `amplitude` (in particle spacings) are those of the patch that is
-    drawn and exported by ``save``.
+    Waves slower than the share `weak` of the material's slowest wave with the same wave vector are listed. `cells` along each primitive vector and
+    `amplitude`, the largest displacement in particle spacings, are those of the patch that is drawn and exported by ``save``.
     """
     settings = [*material_of(material)._assigned(), *method_of(method).assignments]
     return Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
@@ -389,9 +440,9 @@ def tune(
 ) -> Tuning:
     """The smallest coefficient of a stabilization that removes the spurious modes and does not mask the material's instability: ``onset tune``.
 
-    `key` is one of ``[discretization]`` that takes a number: ``onset.tune(method, "penalty")``. The limits are `weak`, the share of the frequency of the
-    material's slowest wave below which a wave is weakly controlled, `wrong`, the share of the window of `stretches` on which verdicts may be wrong, and
-    `later`, by which share of its strain the method's onset may come later than the material's.
+    `key` is one of ``[discretization]`` that takes a number: ``onset.tune(method, "penalty")``; it is sought in `range`, in the unit of the key. The limits are
+    `weak`, the share of the frequency of the material's slowest wave below which a wave is weakly controlled, `wrong`, the share of the window of `stretches`
+    on which verdicts may be wrong, and `later`, by which share of its strain the method's onset may come later than the material's.
     """
     if not isinstance(key, str):
         raise TypeError(f"key is {type(key).__name__}; expected the name of a key")
@@ -401,6 +452,7 @@ def tune(
     return Tuning(_onset.tune(full, settings, None, [], pair(range, "range"), pair(stretches, "stretches"), limits))
 
 
+#: Methods that are compared: a list, a dictionary with names, or a file.
 Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
 
 
@@ -435,7 +487,8 @@ def compare(
     """Several methods side by side for one material: ``onset compare``.
 
     `methods` are a list, a dictionary with names, or a file. Options are the keys of ``[compare]``, ``stretches=(0.7, 1.5)``; `set` are assignments as
-    after ``--set``.
+    after ``--set``. A file says all of a comparison: material or options beside it are an `InputError`. Libraries that it names are loaded only if they are
+    in `allow_library`.
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     file, law = _comparison(methods, material, options)
@@ -458,8 +511,9 @@ def recommend(
 ) -> Recommendation:
     """Which method for this material and these stretches? ``onset recommend``.
 
-    Of `methods`, or of those that the program knows for so many dimensions. Limits as in `tune`; `long_waves` is by which share the stiffness that long
-    waves feel may be wrong, `wavelength` at which frequencies are compared: 4, 8 or 16 particle spacings.
+    Of `methods`, as ``onset.compare`` takes them, or of those that the program knows for the `dimension`; `stretches` are the smallest and the largest of
+    interest. Limits are those of ``onset.tune``; `long_waves` is by which share the long-wavelength moduli may be wrong, `wavelength` at which frequencies are
+    compared: 4, 8 or 16 particle spacings.
     """
     settings: list[str | _onset.Function] = [*names(set, "set")]
     if stretches is not None:
@@ -482,7 +536,8 @@ def recommend(
 def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) -> Boundary:
     """Where in the plane of a study do material and particles lose stability? ``onset boundary``.
 
-    `flutter` tells flutter from divergence, and traces the boundary between them too.
+    The `study`, or its file, has two axes. `flutter` tells flutter (``omega^2`` complex) from divergence (``omega^2 < 0``), and traces the boundary between
+    them too.
     """
     return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
 
@@ -498,7 +553,9 @@ class Future(Protocol):
 
 
 class Executor(Protocol):
-    """Whatever begins a function with arguments elsewhere: an executor of ``concurrent.futures`` with processes, a Dask client."""
+    """Whatever begins a function with arguments elsewhere, by ``submit(function, *arguments)``: an executor of ``concurrent.futures`` with processes, a Dask
+    client.
+    """
 
     def submit(self, function: Callable[..., int], /, *arguments: Any) -> Future:
         """Begins it."""
@@ -519,7 +576,8 @@ def map_into(
     `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
     Ctrl-C ends with the tiles that have begun, a second one with the states being computed, up to 512 on each core, in an adaptive map with those tiles;
     with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
-    computed here in the end.
+    computed here in the end. A store that exists is refused, unless `resume` or `tiles` go on with it or
+    `overwrite` replaces it.
     """
     part = None
     if tiles is not None:
@@ -575,7 +633,7 @@ def map(
     executor: Executor | None = None,
 ) -> xarray.Dataset:
     """Computes the map of a study into the store `out`, and opens it: the dataset of ``xarray.open_zarr(out)``, with coordinates, units and
-    attributes. Arguments as of `map_into`.
+    attributes. Arguments as of ``onset.map_into``. Needs xarray and zarr.
     """
     map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite, executor=executor)
     return open_map(out)
@@ -583,7 +641,10 @@ def map(
 
 @asks
 def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
-    """The dataset of a store that ``onset map`` has written."""
+    """The dataset of a store that ``onset map`` has written: fields over the axes of the study, with coordinates, units and attributes.
+
+    Needs xarray and zarr; without them it is an `OnsetError`, and an `InputError` where there is no such store.
+    """
     folder = place(store, "store")
     try:
         import xarray
@@ -599,13 +660,13 @@ def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
 
 @asks
 def keys(section: str = "") -> dict[str, str]:
-    """The keys of settings with what they mean and expect; those of one section, ``material`` or ``discretization``."""
+    """The keys of settings by name, each with what it means and expects; those of one section, ``material``, ``discretization``, ``state`` or ``map``."""
     if not isinstance(section, str):
         raise TypeError(f"section is {type(section).__name__}; expected a name")
     return {name: f"{meaning}: {expects}" for name, expects, meaning in _onset.keys() if name.startswith(section)}
 
 
 def models() -> list[str]:
-    """The names of the models of materials."""
+    """The names of the laws of the library, as ``onset list materials`` has them."""
     return _onset.models()
 

@@ -18,9 +18,9 @@ Place = tuple[str, int, int]
 
 
 class OnsetError(Exception):
-    """Why there is no answer. ``str`` gives what the command prints after ``error:``."""
+    """Why there is no answer: the family of all of them. ``str`` gives what the command prints after ``error:``."""
 
-    #: What is wrong.
+    #: What is wrong, without hint and notes.
     message: str
     #: What to do; ``None`` where nothing is known.
     hint: str | None
@@ -50,11 +50,11 @@ class OnsetError(Exception):
 
 
 class InputError(OnsetError, ValueError):
-    """What was asked cannot be answered: exit code 2 of the command."""
+    """What was asked cannot be answered: exit code 2 of the command. Also a `ValueError`."""
 
 
 class SettingError(InputError):
-    """A setting that cannot be accepted."""
+    """A setting that cannot be accepted: a key, a value, or a line of a file."""
 
     #: The key, where it is known: ``discretization.support``.
     key: str | None
@@ -68,7 +68,7 @@ class SettingError(InputError):
 
 
 class MachineError(OnsetError, RuntimeError):
-    """What was asked is right, and could not be done: a file, a store, a motion that breaks down; exit code 1 of the command."""
+    """What was asked is right, and could not be done: a file, a store, a motion that breaks down; exit code 1 of the command. Also a `RuntimeError`."""
 
 
 class _Asked(local):

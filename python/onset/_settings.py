@@ -120,7 +120,7 @@ class _Settings:
         object.__setattr__(self, "_set", keys)
         object.__setattr__(self, "assignments", tuple(f"{key}={_typed(value, key)}" for key, value in keys.items()))
 
-    #: What the command takes after ``--set``.
+    #: What the command takes after ``--set``: texts ``KEY=VALUE``.
     assignments: tuple[str, ...]
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -143,7 +143,7 @@ class _Settings:
 
     @asks
     def replace(self, **settings: Value) -> Self:
-        """The same with other parameters or choices."""
+        """The same with other parameters or choices; what is not named stays."""
         other = copy(self)
         other._put(settings)
         return other
@@ -153,7 +153,7 @@ class _Settings:
         return "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in self._set.items())
 
 
-#: An energy per reference volume.
+#: A function of the deformation and of parameters: an energy per reference volume, or a stress or a tangent; stress.
 Energy = Callable[..., object]
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
@@ -162,19 +162,21 @@ _WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
 class Material(_Settings):
     """A law with its parameters.
 
-    ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a law of the library (``onset.models()``), ``Material("mu/2*(I1 - 3 - 2*ln(J))",
-    mu=0.4)`` an energy per reference volume of your own, ``Material("umat", library="./my_umat.so", ...)`` a user material of Abaqus.
-    An energy can be a Python function too, of ``F``, ``C`` or ``E`` of shape (3, 3), of ``J`` and the other variables of a formula, and of
-    parameters: ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)``. It is called once, with symbols, and what it
-    computes with them is the formula. What cannot be computed with symbols is differentiated by ``jax`` where that is installed (written with
-    ``jax.numpy``), or comes with `stress` and `tangent`, functions that return the first Piola-Kirchhoff stress ``P_iJ`` of shape (3, 3) and ``A_iJkL =
-    dP_iJ/dF_kL`` of shape (3, 3, 3, 3): ``onset.audit(material)`` checks that they belong together. Such a law takes ``F``, ``C``, ``E``, ``J``,
-    ``I1``, ``I2``, ``I3``, ``I1bar`` and ``I2bar``, and parameters; an `ArithmeticError` or `ValueError` that it raises, and what is not finite,
-    mean that it is not defined at the state.
+    - ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a law of the library: ``onset.models`` has their names.
+    - ``Material("mu/2*(I1 - 3 - 2*ln(J))", mu=0.4)`` is an energy per reference volume of your own, as a formula.
+    - ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)`` is one as a Python function, of ``F``, ``C`` or ``E`` of shape (3, 3), of ``J`` and the
+      other variables of a formula, and of parameters. It is called once, with symbols, and what it computes with them is the formula.
+    - What cannot be computed with symbols is differentiated by ``jax`` where that is installed (written with ``jax.numpy``), or comes with `stress` and
+      `tangent`, functions that return the first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3):
+      ``onset.audit`` checks that they belong together. Such a law takes ``F``, ``C``, ``E``, ``J``, ``I1``, ``I2``, ``I3``, ``I1bar`` and ``I2bar``, and
+      parameters; an `ArithmeticError` or `ValueError` that it raises, and what is not finite, mean that it is not defined at the state.
+    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus.
+
     Two of `young`, `poisson`, `bulk` and `shear` stand for the parameters of laws with two moduli. Stresses are in any unit, or have
     one, and then all values have: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
 
-    Without arguments it is the law that the command takes by default.
+    Without arguments it is the law that the command takes by default. A function that cannot become a law is an `InputError`; names and values of parameters
+    are checked with the first question.
     """
 
     _section = "material"
@@ -276,7 +278,8 @@ class Material(_Settings):
     def read(cls, block: str, program: str) -> Material:
         """The law of a block of another program, ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``, as ``--from`` reads it.
 
-        What there is to know of its constants is told with ``criteria`` and ``card``.
+        What there is to know of its constants is in `notes`, and told by ``onset.criteria`` and ``onset.card``. A block without a law is a `SettingError` with
+        its line and column.
         """
         assignments, notes = _onset.read_law(program, "the block", block, [])
         material = cls()
@@ -297,30 +300,32 @@ class Material(_Settings):
 
     @asks
     def energy(self, F: ArrayLike) -> Floats:
-        """The energy per reference volume at F of shape (..., 3, 3); stress, shape (...)."""
+        """The energy per reference volume ``W(F)`` at `F` of shape (..., 3, 3); shape (...), stress. Where the law is not defined it is an `InputError`."""
         responses, shape = self._responses(F)
         return responses[:, 0].reshape(shape)
 
     @asks
     def stress(self, F: ArrayLike) -> Floats:
-        """The first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` at F of shape (..., 3, 3); the same shape."""
+        """The first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` at `F` of shape (..., 3, 3); the same shape, stress. Errors as of `energy`."""
         responses, shape = self._responses(F)
         return responses[:, 1:10].reshape(*shape, 3, 3)
 
     @asks
     def tangent(self, F: ArrayLike) -> Floats:
-        """The tangent ``A_iJkL = dP_iJ/dF_kL`` at F of shape (..., 3, 3); shape (..., 3, 3, 3, 3), stress."""
+        """The tangent ``A_iJkL = dP_iJ/dF_kL`` at `F` of shape (..., 3, 3); shape (..., 3, 3, 3, 3), stress. Errors as of `energy`."""
         responses, shape = self._responses(F)
         return responses[:, 10:].reshape(*shape, 3, 3, 3, 3)
 
     @asks
     def gradient(self, x: Sequence[ArrayLike]) -> list[Floats | None]:
-        """The stress as materials of FElupe give it: of ``[F, state variables]`` with F of shape (3, 3, ...), trailing axes last."""
+        """The stress ``P_iJ`` as materials of FElupe give it: `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...), the result ``[P, None]`` with ``P``
+        of the same shape; stress.
+        """
         return [np.moveaxis(self.stress(_leading(x)), (-2, -1), (0, 1)), None]
 
     @asks
     def hessian(self, x: Sequence[ArrayLike]) -> list[Floats]:
-        """The tangent likewise, of shape (3, 3, 3, 3, ...)."""
+        """The tangent ``A_iJkL`` likewise: ``[A]`` with ``A`` of shape (3, 3, 3, 3, ...); stress."""
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
 
 
@@ -337,7 +342,8 @@ class Method(_Settings):
     """A discretization: a family of methods with its choices.
 
     ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with
-    underscores, ``onset.keys("discretization")`` lists them. Without arguments it is the method that the command takes by default.
+    underscores, ``onset.keys("discretization")`` lists them: ``spacing`` is a length, ``density`` mass/length^3, ``support`` in particle spacings. Without
+    arguments it is the method that the command takes by default. Names and values are checked with the first question.
     """
 
     _section = "discretization"
@@ -350,9 +356,9 @@ class Method(_Settings):
         self._put(named | choices)
 
 
-#: What stands for a material: one, or the name of a law, or a formula.
+#: What stands for a material: one, or the name of a law, or a formula; ``None`` for that of the command.
 MaterialLike = Material | str | None
-#: What stands for a method: one, or the name of a family.
+#: What stands for a method: one, or the name of a family; ``None`` for that of the command.
 MethodLike = Method | str | None
 
 
@@ -389,7 +395,7 @@ def problem_of(material: MaterialLike, method: MethodLike) -> _onset.Problem:
     return _made(assignments)
 
 
-#: An axis of a study: lowest, highest, and how many states, which lie in the middle of equal cells.
+#: An axis of a study: lowest, highest, and how many states, which lie in the middle of equal cells; in the unit of its quantity.
 Axis = tuple[float | str, float | str, int]
 
 
@@ -397,13 +403,23 @@ class Study:
     """Material, method, what is held fixed and what is varied: what maps and boundaries are of.
 
     ``Study(text)`` reads the text of a study file; ``Study.read("study.toml")`` the file; ``Study.of(material, method,
-    axes={"stretch-1": (0.5, 2.0, 64), "stretch-2": (0.5, 2.0, 64)})`` writes one.
+    axes={"stretch-1": (0.5, 2.0, 64), "stretch-2": (0.5, 2.0, 64)})`` writes one. `name` is that of the text in messages, `set` are assignments as after
+    ``--set``, `allow_library` the libraries of user materials that may be loaded.
+
+    A study that cannot be read is a `SettingError` with line and column.
     """
 
     _study: _onset.Study
 
     @asks
-    def __init__(self, text: str, *, name: str = "study", set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> None:
+    def __init__(
+        self,
+        text: str,
+        *,
+        name: str = "study",
+        set: Iterable[str] = (),
+        allow_library: Iterable[str | os.PathLike[str]] = (),
+    ) -> None:
         if not isinstance(text, str):
             raise TypeError(f"a study is {type(text).__name__}; expected its text, see Study.read and Study.of")
         self._libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
@@ -412,7 +428,9 @@ class Study:
     @classmethod
     @asks
     def read(cls, path: str | os.PathLike[str], *, set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> Study:
-        """Reads a study file. `set` are assignments as after ``--set``; libraries that it names are loaded only if they are allowed."""
+        """Reads a study file. `set` are assignments as after ``--set``; libraries that it names are loaded only if they are in `allow_library`. A file that
+        cannot be read is an `InputError`.
+        """
         name, text = source(path)
         return cls(text, name=name, set=set, allow_library=allow_library)
 
@@ -428,8 +446,12 @@ class Study:
         state: Mapping[str, Value] | None = None,
         map: Mapping[str, Value] | None = None,
     ) -> Study:
-        """Writes a study. `axes` are quantities (``stretch-1``, ``shear``, ``rotation`` or a key that takes a number) with their range
-        and number of states; `state` what is held fixed of the deformation, `map` how a map is made."""
+        """Writes a study.
+
+        `axes` are two or three quantities (``stretch-1``, ``shear``, ``rotation`` or a key that takes a number) with their range and number of states, each
+        ``(lowest, highest, states)`` in the unit of the quantity; `state` has the keys of what is held fixed of the deformation, `map` those of how a map is
+        made. A law of Python functions that is no formula is an `InputError`, since no file holds it.
+        """
         if not isinstance(axes, Mapping):
             raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
         if not isinstance(title, str):
@@ -454,7 +476,7 @@ class Study:
 
     @property
     def text(self) -> str:
-        """The study as a file."""
+        """The study as the text of a file."""
         return self._study.text
 
     @property
@@ -463,7 +485,7 @@ class Study:
         return tuple(self._study.shape)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the study file, for ``onset map`` and all other commands."""
+        """Writes the study file, for ``onset map`` and all other commands. An `OSError` where it cannot be written."""
         Path(path).write_text(self.text, encoding="utf-8")
 
     def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:

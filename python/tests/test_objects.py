@@ -203,6 +203,6 @@ def test_types(tmp_path: Path) -> None:
         example = tmp_path / f"example_{number}.py"
         example.write_text("\n".join(blocks))
         examples.append(str(example))
-    for checked in ([str(package)], examples):
+    for checked in ([str(package)], [str(package.with_name("reference.py"))], examples):
         mypy = subprocess.run([sys.executable, "-m", "mypy", "--strict", *checked], capture_output=True, text=True, cwd=tmp_path, check=False)
         assert mypy.returncode == 0, mypy.stdout + mypy.stderr

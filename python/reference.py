@@ -1,0 +1,151 @@
+"""Makes the page of the book on every name of the package, from the docstrings: ``python python/reference.py``."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+import re
+import textwrap
+
+PACKAGE = Path(__file__).resolve().parent / "onset"
+PAGE = PACKAGE.parents[1] / "book" / "src" / "how-to" / "python-reference.md"
+
+INTRODUCTION = """\
+# Python: every name
+
+All that `import onset` has; [In Python](python.md) shows how it is used. The page is made from the docstrings, which `help(onset.state)` shows as well.
+
+In shapes `D` is the number of dimensions of the lattice (1, 2 or 3), `branches` that of the waves with one wave vector (`D` for each particle of a cell), and
+`...` are any further axes, or none. Units are named by their dimension: stresses are in that of the parameters of the material, lengths in that of the spacing.
+Where settings have units, answers are in SI. Symbols are those of [Conventions](../conventions.md), verdicts those of [Words](../words.md#verdicts); the names
+of types are [explained at the end](#types).\
+"""
+SETTINGS = """\
+Materials and methods are frozen, equal where they say the same, and can be keys of dictionaries. Earlier names of keys and values are read with a
+`FutureWarning`.\
+"""
+QUESTIONS = """\
+`material` is a `Material`, the name of a law or a formula, `method` a `Method` or the name of a family; left out they are those that the command takes by
+default. A state is either `stretch`, the principal stretches along the axes, shape (D,) to (3,), those that are missing being 1, or the deformation gradient
+`F`, shape (3, 3), or (D, D) without strain out of the D dimensions.
+
+What is asked wrongly is an `InputError` (of a setting a `SettingError`), an argument of a wrong type a `TypeError`, and what the machine refuses a
+`MachineError`.\
+"""
+ANSWERS = """\
+Questions return them. All are frozen `Answer`s, made of `Record`s, but for `Verdicts` and `Dispersion`, which hold arrays. `plot` needs matplotlib, and is an
+`OnsetError` without it.\
+"""
+ERRORS = "They can be pickled, and so pass from one process to another."
+TYPES = "Of other packages are `ArrayLike` and `NDArray` (`numpy.typing`), `Axes` (`matplotlib.axes`) and `xarray.Dataset`."
+
+#: The parts of the page: the module of each, and what holds for all that is in it.
+PARTS = {"Settings": ("_settings", SETTINGS), "Questions": ("_ask", QUESTIONS), "Answers": ("_answers", ANSWERS), "Errors": ("_errors", ERRORS)}
+
+
+class Module:
+    """A module of the package as it is written."""
+
+    def __init__(self, name: str) -> None:
+        self.text = (PACKAGE / f"{name}.py").read_text(encoding="utf-8")
+        self.lines = self.text.splitlines()
+        self.body = ast.parse(self.text).body
+        self.classes = {node.name: node for node in self.body if isinstance(node, ast.ClassDef)}
+
+    def written(self, node: ast.AST | None) -> str:
+        return ast.get_source_segment(self.text, node) or "" if node is not None else ""
+
+    def comment(self, node: ast.stmt) -> str:
+        """What stands after ``#:`` above a statement."""
+        start = end = node.lineno - 1
+        while self.lines[start - 1].lstrip().startswith("#:"):
+            start -= 1
+        return "\n".join(line.strip().removeprefix("#: ") for line in self.lines[start:end])
+
+    def call(self, function: ast.FunctionDef, name: str) -> str:
+        """How a function is called under a name, and what it returns."""
+        head = textwrap.dedent("\n".join(self.lines[function.lineno - 1 : function.body[0].lineno - 1]))
+        rest = head.removeprefix(f"def {function.name}").removesuffix(":").removesuffix(" -> None")
+        return name + re.sub(r"(?<=\()(\s*)(self|cls)(,\s*|(?=\)))", r"\1", rest, count=1)
+
+    def members(self, owner: ast.ClassDef, name: str) -> Iterator[tuple[str, str]]:
+        """Attributes, properties and methods of a class under its name, with what is told of them; also those of a base that is not public."""
+        for node in owner.body:
+            match node:
+                case ast.AnnAssign():
+                    yield f"{self.written(node.target)}: {self.written(node.annotation)}", self.comment(node)
+                case ast.FunctionDef(name="__init__"):
+                    for made in node.body:
+                        if isinstance(made, ast.AnnAssign) and isinstance(made.target, ast.Attribute):
+                            yield f"{made.target.attr}: {self.written(made.annotation)}", self.comment(made)
+                case ast.FunctionDef():
+                    kinds = [self.written(decorator) for decorator in node.decorator_list]
+                    if "property" in kinds:
+                        call = f"{node.name}: {self.written(node.returns)}"
+                    else:
+                        call = " ".join(self.call(node, node.name).split()).replace("( ", "(").replace(", )", ")")
+                    yield f"{name}.{call}" if "classmethod" in kinds else call, ast.get_docstring(node) or ""
+        for base in owner.bases:
+            if isinstance(base, ast.Name) and base.id.startswith("_"):
+                yield from self.members(self.classes[base.id], name)
+
+
+def block(code: str) -> str:
+    """Code that is shown and not run."""
+    return f"```python,ignore\n{code}\n```"
+
+
+def item(code: str, told: str) -> str:
+    return f"- `{code}`\n\n{textwrap.indent(told, '  ')}"
+
+
+def link(name: str) -> str:
+    """A public name that leads to its heading."""
+    return f"[`{name}`](#{name if name.islower() else f'class-{name.lower()}'})"
+
+
+def entry(module: Module, node: ast.ClassDef | ast.FunctionDef, is_made: bool) -> list[str]:
+    """What the page has of a function or a class; how a class is made, where readers make it."""
+    told = ast.get_docstring(node) or ""
+    if isinstance(node, ast.FunctionDef):
+        return [f"### `{node.name}`", block(f"def {module.call(node, node.name)}"), told]
+    maker = next((made for made in node.body if isinstance(made, ast.FunctionDef) and made.name == "__init__"), None)
+    call = module.call(maker, node.name) if maker and is_made else module.lines[node.lineno - 1].removesuffix(":")
+    members = [item(code, told) for code, told in module.members(node, node.name) if not code.startswith("_")]
+    return [f"### `class {node.name}`", block(call), told, *members]
+
+
+def types(modules: list[Module], page: str, public: list[str]) -> Iterator[str]:
+    """The types on the page that are no public names."""
+    for module in modules:
+        for node in module.body:
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)]):
+                    code, told = module.written(node), module.comment(node)
+                case ast.ClassDef(name=name):
+                    code, told = f"class {name}", ast.get_docstring(node) or ""
+                case _:
+                    continue
+            if told and name not in public and re.search(rf"[:\[|,>] ?{name}\b", page):
+                yield item(code, told)
+
+
+def page() -> str:
+    """The page, in Markdown."""
+    names = next(node.value for node in Module("__init__").body if isinstance(node, ast.Assign) and isinstance(node.value, ast.List))
+    public: list[str] = ast.literal_eval(names)
+    modules = {name: Module(name) for name in ("_arrays", "_settings", "_ask", "_answers", "_errors")}
+    contents, parts = [], []
+    for part, (name, told) in PARTS.items():
+        module = modules[name]
+        nodes = [node for node in module.body if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in public]
+        contents.append(f"- [{part}](#{part.lower()}): {', '.join(link(node.name) for node in nodes)}")
+        parts += [f"## {part}", told, *(piece for node in nodes for piece in entry(module, node, is_made=part == "Settings"))]
+    parts += ["## Types", TYPES, *types(list(modules.values()), "\n".join(parts), public)]
+    text = "\n\n".join([INTRODUCTION, "\n".join(contents), *parts]) + "\n"
+    return re.sub(r"``onset\.(\w+)``", lambda found: link(found[1]) if found[1] in public else found[0], text)
+
+
+if __name__ == "__main__":
+    PAGE.write_bytes(page().encode())
