@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from . import _onset
 from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received
-from ._errors import InputError, SettingError, asks
+from ._errors import InputError, MachineError, SettingError, asks
 from ._functions import Handed, delivered, differentiated, has_jax
 from ._trace import formula
 
@@ -484,9 +484,14 @@ class Study:
         """Numbers of states along the axes, slowest first."""
         return tuple(self._study.shape)
 
+    @asks
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the study file, for ``onset map`` and all other commands. An `OSError` where it cannot be written."""
-        Path(path).write_text(self.text, encoding="utf-8")
+        """Writes the study file, for ``onset map`` and all other commands. A `MachineError` where it cannot be written."""
+        name = place(path, "a study")
+        try:
+            Path(name).write_text(self.text, encoding="utf-8")
+        except OSError as error:
+            raise MachineError(f"cannot write {name}: {error.strerror}\n  hint: expected the name of a file in a folder that exists") from error
 
     def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:
         return _restored, (self.text, self._libraries)

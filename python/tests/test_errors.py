@@ -80,6 +80,9 @@ def test_a_library_of_a_file_is_loaded_only_where_it_is_allowed(tmp_path: Path) 
 
 
 def test_what_cannot_be_written_is_the_machine_s() -> None:
+    study = onset.Study("[material]\nmodel = 'neo-hooke'\n" + AXES)
+    with pytest.raises(onset.MachineError, match=r"cannot write .*\n  hint: "):
+        study.save("/dev/null/study.toml")
     with pytest.raises(onset.MachineError):
         onset.modes(onset.Method(quadrature="nodal")).save("/dev/null/modes")
 

@@ -104,7 +104,7 @@ def raises(J):  # type: ignore[no-untyped-def]
         (lambda J: J + 1j, "complex"),
         (lambda J: np.complex128(1 + 2j) * J, "complex128"),
         (lambda J: 10**400 * J, "expected finite ones"),
-        (lambda J, C11=1.0: C11 * J, "component of a tensor"),
+        (lambda J, C11=1.0: C11 * float(J), "component of a tensor"),
         (lambda C: np.linalg.det(C[:2]), "square matrix"),
     ],
 )

@@ -12,6 +12,11 @@ use std::time::{Duration, Instant};
 const SECONDS: u64 = if cfg!(debug_assertions) { 30 } else { 10 };
 /// Seconds after which a process that needs no processor time waits for something that never comes.
 const WAITING: Duration = Duration::from_secs(300);
+/// Commands that ask hundreds or thousands of states and tell of it: where these take longer than [`SECONDS`] they are interrupted, and must
+/// end at once.
+const LONG: [&str; 2] = ["path", "boundary"];
+/// Exit code of a command that was interrupted.
+const INTERRUPTED: i32 = 130;
 /// Kibibytes of address space: a gibibyte, and what threads and the program itself reserve.
 const KIBIBYTES: u64 = 1_310_720;
 /// Blocks of 512 bytes that a file may have.
@@ -53,6 +58,8 @@ impl std::fmt::Display for Line {
 /// How a command ended.
 pub struct Ending {
     pub status: ExitStatus,
+    /// Whether it took long, and was asked to end.
+    is_interrupted: bool,
     pub stdout: Vec<u8>,
     pub stderr: String,
     pub elapsed: Duration,
@@ -115,8 +122,14 @@ impl Place {
         let [input, stdout, stderr] = ["input", "stdout", "stderr"].map(|name| self.0.join(name));
         fs::write(&input, &line.input).expect("a file");
         let created = |path: &Path| File::create(path).expect("a file");
+        let is_long = line
+            .words
+            .first()
+            .is_some_and(|word| LONG.contains(&word.as_str()));
+        // An interrupted command has a second to end.
+        let seconds = SECONDS + u64::from(is_long);
         let script =
-            format!("ulimit -t {SECONDS}; ulimit -v {KIBIBYTES}; ulimit -f {BLOCKS}; exec \"$@\"");
+            format!("ulimit -t {seconds}; ulimit -v {KIBIBYTES}; ulimit -f {BLOCKS}; exec \"$@\"");
         let begin = Instant::now();
         let mut child = Command::new("sh")
             .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_onset")])
@@ -128,9 +141,15 @@ impl Place {
             .stderr(created(&stderr))
             .spawn()
             .expect("the command starts");
+        let mut is_interrupted = false;
         let status = loop {
             if let Some(status) = child.try_wait().expect("a child") {
                 break status;
+            }
+            if is_long && !is_interrupted && begin.elapsed() > Duration::from_secs(SECONDS) {
+                is_interrupted = true;
+                let words = ["-TERM".to_owned(), child.id().to_string()];
+                let _ = Command::new("kill").args(words).status();
             }
             if begin.elapsed() > WAITING {
                 let _ = child.kill();
@@ -140,6 +159,7 @@ impl Place {
         let entries = fs::read_dir(&here).expect("a folder").flatten();
         Ending {
             status,
+            is_interrupted,
             stdout: fs::read(&stdout).expect("a file"),
             stderr: String::from_utf8_lossy(&fs::read(&stderr).expect("a file")).into_owned(),
             elapsed: begin.elapsed(),
@@ -204,6 +224,10 @@ impl Ending {
             return Some(format!("ended by signal {signal}"));
         }
         let code = self.status.code().unwrap_or(-1);
+        if self.is_interrupted && code == INTERRUPTED {
+            return (!self.left.is_empty())
+                .then(|| format!("interrupted, with {:?} written", self.left));
+        }
         if !(0..=2).contains(&code) || self.stderr.contains("panicked") {
             return Some(format!("exit code {code}"));
         }
