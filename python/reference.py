@@ -40,8 +40,16 @@ Questions return them. All are frozen `Answer`s, made of `Record`s, but for `Ver
 ERRORS = "They can be pickled, and so pass from one process to another."
 TYPES = "Of other packages are `ArrayLike` and `NDArray` (`numpy.typing`), `Axes` (`matplotlib.axes`) and `xarray.Dataset`."
 
+EXPORTS = "What `mode` of an answer with waves returns. [In Python](python.md) shows it in motion."
+
 #: The parts of the page: the module of each, and what holds for all that is in it.
-PARTS = {"Settings": ("_settings", SETTINGS), "Questions": ("_ask", QUESTIONS), "Answers": ("_answers", ANSWERS), "Errors": ("_errors", ERRORS)}
+PARTS = {
+    "Settings": ("_settings", SETTINGS),
+    "Questions": ("_ask", QUESTIONS),
+    "Answers": ("_answers", ANSWERS),
+    "Modes for other tools": ("_exports", EXPORTS),
+    "Errors": ("_errors", ERRORS),
+}
 
 
 class Module:
@@ -91,6 +99,18 @@ class Module:
                 yield from self.members(self.classes[base.id], name)
 
 
+    def head(self, owner: ast.ClassDef) -> str:
+        """The first line of a class, with the public bases."""
+        bases = [base for name in owner.bases for base in self.public(self.written(name))]
+        return f"class {owner.name}({', '.join(bases)})" if bases else f"class {owner.name}"
+
+    def public(self, base: str) -> list[str]:
+        """A base, or those of one that is not public."""
+        if not base.startswith("_"):
+            return [base]
+        return [known for name in self.classes[base].bases for known in self.public(self.written(name))]
+
+
 def block(code: str) -> str:
     """Code that is shown and not run."""
     return f"```python,ignore\n{code}\n```"
@@ -111,7 +131,7 @@ def entry(module: Module, node: ast.ClassDef | ast.FunctionDef, is_made: bool) -
     if isinstance(node, ast.FunctionDef):
         return [f"### `{node.name}`", block(f"def {module.call(node, node.name)}"), told]
     maker = next((made for made in node.body if isinstance(made, ast.FunctionDef) and made.name == "__init__"), None)
-    call = module.call(maker, node.name) if maker and is_made else module.lines[node.lineno - 1].removesuffix(":")
+    call = module.call(maker, node.name) if maker and is_made else module.head(node)
     members = [item(code, told) for code, told in module.members(node, node.name) if not code.startswith("_")]
     return [f"### `class {node.name}`", block(call), told, *members]
 
@@ -135,12 +155,12 @@ def page() -> str:
     """The page, in Markdown."""
     names = next(node.value for node in Module("__init__").body if isinstance(node, ast.Assign) and isinstance(node.value, ast.List))
     public: list[str] = ast.literal_eval(names)
-    modules = {name: Module(name) for name in ("_arrays", "_settings", "_ask", "_answers", "_errors")}
+    modules = {name: Module(name) for name in ("_arrays", *(module for module, _ in PARTS.values()))}
     contents, parts = [], []
     for part, (name, told) in PARTS.items():
         module = modules[name]
         nodes = [node for node in module.body if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in public]
-        contents.append(f"- [{part}](#{part.lower()}): {', '.join(link(node.name) for node in nodes)}")
+        contents.append(f"- [{part}](#{part.lower().replace(' ', '-')}): {', '.join(link(node.name) for node in nodes)}")
         parts += [f"## {part}", told, *(piece for node in nodes for piece in entry(module, node, is_made=part == "Settings"))]
     parts += ["## Types", TYPES, *types(list(modules.values()), "\n".join(parts), public)]
     text = "\n\n".join([INTRODUCTION, "\n".join(contents), *parts]) + "\n"

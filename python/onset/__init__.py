@@ -60,6 +60,7 @@ from ._ask import (
     waves,
 )
 from ._errors import InputError, MachineError, OnsetError, SettingError
+from ._exports import Mode
 from ._onset import version as _version
 from ._settings import Material, Method, Study
 
@@ -80,6 +81,7 @@ __all__ = [
     "Mapped",
     "Material",
     "Method",
+    "Mode",
     "Modes",
     "OnsetError",
     "Path",

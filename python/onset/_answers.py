@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 import html
 import json
 import os
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _onset
-from ._arrays import Complexes, Floats, place, received
+from ._arrays import Complexes, Floats, place, received, whole
 from ._errors import InputError, asks
+from ._exports import Cell, Mode, band_yaml, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -187,7 +188,26 @@ class Answer(Record):
         return _plots.picture(self.files(), ax)
 
 
-class State(Answer):
+class _Moving(Answer):
+    """An answer with waves, which move particles."""
+
+    __slots__ = ("_cell",)
+    #: The particles that the waves move.
+    _cell: Callable[[], Cell]
+
+    def _of(self, cell: Callable[[], Cell]) -> Self:
+        object.__setattr__(self, "_cell", cell)
+        return self
+
+    def _mode(self, k: Floats, matrix: Complexes, branch: int, cells: int | Sequence[int] | None, amplitude: float) -> Mode:
+        """A branch of a dynamical matrix; the first is 1."""
+        cell = self._cell()
+        values, vectors = cell.waves(matrix)
+        own = whole(branch, "branch", 1, len(values)) - 1
+        return Mode(cell, k, values[own], vectors[:, own], cells, amplitude)
+
+
+class State(_Moving):
     """The verdict on a state with its evidence, in the parts ``material``, ``material_3d`` and ``discretization``."""
 
     __slots__ = ("_spectrum",)
@@ -243,6 +263,23 @@ class State(Answer):
         """Whether the material is strongly elliptic for waves in the dimensions of the lattice."""
         return cast(bool, self._fields["material"]["elliptic"])
 
+    @asks
+    def mode(self, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
+        """The fastest growing wave, or the softest of a stable state, on a patch of particles: see `Mode`, and `Waves.mode` for the arguments.
+
+        An ``InputError`` where it is the limit of long waves, which has no one wavelength.
+        """
+        cell, k = self._cell(), self.wave_vector
+        values, vectors = cell.waves(cell.dynamical_matrix(k))
+        growth = np.abs(np.sqrt(values).imag)
+        own = 0 if self.stable else int(np.argmax(growth))
+        if not np.any(k) and (self.stable or growth[own] < 1e-6 * self._fields["discretization"]["maximum_omega"]):
+            raise InputError(
+                "the mode is the limit of long waves, which has no one wavelength\n"
+                "  hint: onset.waves(material, method, wave_vector=..., stretch=...).mode() is that of a wave vector"
+            )
+        return Mode(cell, k, values[own], vectors[:, own], cells, amplitude)
+
     def _with_spectrum(self, spectrum: Callable[[Floats], tuple[Complexes, Floats]]) -> State:
         object.__setattr__(self, "_spectrum", spectrum)
         return self
@@ -254,10 +291,20 @@ class State(Answer):
         return _plots.along_wave(self.wave_vector, self._spectrum, ax)
 
 
-class Waves(Answer):
+class Waves(_Moving):
     """The waves with one wave vector."""
 
     __slots__ = ()
+
+    @asks
+    def mode(self, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
+        """A wave on a patch of particles, to be exported: see `Mode`.
+
+        `branch` counts from 1 by increasing real part of ``omega^2``. `cells` of the patch along each primitive vector, one number or D; by default the fewest, of 4 to 24,
+        that hold whole wavelengths, and 12 where none of them do. `amplitude` is the largest displacement, in particle spacings, above 0 and at most 1. An ``InputError``
+        for arguments that cannot be.
+        """
+        return self._mode(np.array(self._fields["wave_vector"], dtype=np.float64), self.dynamical_matrix, branch, cells, amplitude)
 
     @property
     def omega_squared(self) -> Complexes:
@@ -281,10 +328,35 @@ class Waves(Answer):
         return _plots.levels(self.omega_squared, self.continuum_omega_squared, ax)
 
 
-class Bands(Answer):
+class Bands(_Moving):
     """The dispersion relation at ``n`` samples along a path through the zone; ``critical`` is the critical wave, ``density_of_states`` the density of states."""
 
     __slots__ = ()
+
+    @asks
+    def mode(self, at: int | str, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
+        """A wave of the path on a patch of particles: of the sample with the index `at`, or of the corner of that name. Other arguments as of `Waves.mode`."""
+        if isinstance(at, str):
+            if at not in self.labels:
+                raise InputError(f"the path has no corner {at!r}\n  hint: it has {', '.join(self.labels)}")
+            index = int(np.searchsorted(self.lengths, self.corners[self.labels.index(at)]))
+        else:
+            index = whole(at, "at", -len(self.lengths), len(self.lengths) - 1)
+        return self._mode(self.k[index], self.dynamical_matrices[index], branch, cells, amplitude)
+
+    @asks
+    def to_yaml(self, path: str | os.PathLike[str] | None = None, *, symbol: str = "X") -> str:
+        """The bands in the layout of phonopy's ``band.yaml``, as a text; written into a file where `path` is given.
+
+        ``frequency`` is ``sign(omega^2) sqrt(|omega^2|) / (2 pi)`` in 1/time: below zero stands a wave that grows without oscillating, by its growth
+        rate over ``2 pi``. Flutter has no place in the layout: an ``InputError`` where an ``omega^2`` is complex beyond rounding. ``eigenvector`` has
+        real and imaginary parts of ``e = sqrt(m) u`` of length 1, three for each particle of the cell, zero beyond the dimensions of the lattice;
+        particles move by ``Re(e exp(i k.X)) / sqrt(m)``. There are as many bands as branches. ``lattice``, ``reciprocal_lattice`` (without ``2 pi``) and
+        ``distance`` are those of the current configuration, with a vector as long as the particle spacing in each direction without waves; ``q-position`` is in
+        units of the reciprocal vectors, where reference and current configuration agree. Each segment has both of its ends. ``mass`` is per unit of the
+        dimensions that are left out. All particles have one chemical `symbol`, by default that of no element. A ``MachineError`` where the file cannot be written.
+        """
+        return written(band_yaml(self, self._cell(), symbol), path)
 
     @property
     def k(self) -> Floats:
@@ -370,12 +442,30 @@ class Boundary(Answer):
         return _plots.curves(self, ax)
 
 
-class Modes(Answer):
+class Modes(_Moving):
     """The zero-energy and weakly controlled modes of a method: ``modes``, each with ``wave_vector`` (1/length), ``fractional`` (in units of the reciprocal
     vectors) and ``relative_frequency``; ``complete`` is whether none can have been missed.
     """
 
     __slots__ = ()
+
+    @asks
+    def mode(self, number: int = 1, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
+        """A mode in the reference configuration on a patch of particles: that with a `number` in the list, which counts from 1.
+
+        `branch` counts the waves of its wave vector by increasing ``|omega^2|``: of a mode with the nullity n the first n have no energy. Other arguments as of
+        `Waves.mode`.
+        """
+        listed = self._fields["modes"]
+        if not listed:
+            raise InputError("there are no spurious modes")
+        k = np.array(listed[whole(number, "number", 1, len(listed)) - 1]["wave_vector"], dtype=np.float64)
+        cell = self._cell()
+        # Uniform displacements have no energy either.
+        is_uniform = float(np.linalg.norm(k)) * cell.spacing < 1e-9
+        values, vectors = cell.waves(cell.dynamical_matrix(k), without_translations=is_uniform)
+        own = int(np.argsort(np.abs(values), kind="stable")[whole(branch, "branch", 1, len(values)) - 1])
+        return Mode(cell, k, values[own], vectors[:, own], cells, amplitude)
 
 
 class Criteria(Answer):

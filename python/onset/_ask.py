@@ -35,6 +35,7 @@ from ._arrays import Complexes, Floats, components, deformations, number, number
 from ._arrays import between, listed, names, place, switch
 from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
+from ._exports import Cell
 from ._settings import (
     MaterialLike,
     MethodLike,
@@ -84,7 +85,7 @@ def state(
     given, gradient = state_as_typed(F, stretch)
     answer = State(problem.state(given, gradient, proof if switch(certify, "certify") else None))
     here = np.ascontiguousarray(answer.deformation_gradient, dtype=np.float64).reshape(1, 9)
-    return answer._with_spectrum(lambda k: _waves_at(problem, here, k))
+    return answer._with_spectrum(lambda k: _waves_at(problem, here, k))._of(lambda: Cell.of(problem, given, gradient, here))
 
 
 def _waves_at(problem: _onset.Problem, states: Floats, k: Floats) -> tuple[Complexes, Floats]:
@@ -185,8 +186,10 @@ def waves(
 
     `wave_vector` is the reference wave vector, shape (D,); 1/length.
     """
+    problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
-    return Waves(problem_of(material, method).waves(given, gradient, typed(numbers(wave_vector, "wave_vector"))))
+    answer = Waves(problem.waves(given, gradient, typed(numbers(wave_vector, "wave_vector"))))
+    return answer._of(lambda: Cell.of(problem, given, gradient))
 
 
 @asks
@@ -203,8 +206,9 @@ def bands(
     `path` are names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); along
     all that the state tells apart when left out. A name that the zone does not have is an `InputError` that tells those it has.
     """
+    problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
-    return Bands(problem_of(material, method).bands(given, gradient, path))
+    return Bands(problem.bands(given, gradient, path))._of(lambda: Cell.of(problem, given, gradient))
 
 
 @asks
@@ -423,7 +427,13 @@ def modes(
     `amplitude`, the largest displacement in particle spacings, are those of the patch that is drawn and exported by ``save``.
     """
     settings = [*material_of(material)._assigned(), *method_of(method).assignments]
-    return Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
+    answer = Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
+
+    def cell() -> Cell:
+        problem = problem_of(material, method)
+        return Cell.of(problem, None, typed(np.eye(3)), np.eye(3).reshape(1, 9))
+
+    return answer._of(cell)
 
 
 @asks

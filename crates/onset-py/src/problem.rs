@@ -9,7 +9,8 @@ use onset::analysis::PlaneWaves;
 use onset::kinematics::DeformationGradient;
 use onset_study::Verdict;
 use onset_study::answers::{
-    self, Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, StateAnswer, Strain, Waves,
+    self, Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, ProblemError, StateAnswer,
+    Strain, Waves,
 };
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::map::{Evaluator, Record};
@@ -31,6 +32,9 @@ const MANY: usize = 64;
 const MOST: usize = 1 << 28;
 /// Phases beyond are not told in double precision.
 const LARGEST: f64 = 1e6;
+
+/// Positions, masses, spacing, and components of what moves the lattice.
+type Cell = (Vec<Vec<f64>>, Vec<f64>, f64, Vec<f64>);
 
 /// Name and text of a study.
 pub type Source = (String, String);
@@ -117,6 +121,34 @@ impl Problem {
             .iter()
             .map(|vector| vector.iter().take(dimension).copied().collect())
             .collect()
+    }
+
+    /// A cell of particles and a state: positions of the particles in the reference configuration (length), their masses, the spacing (length),
+    /// and the nine components of what takes the lattice to where the particles are: `F`, or the identity where particles that have not moved stand for
+    /// deformed ones.
+    fn cell(
+        &self,
+        py: Python<'_>,
+        stretch: Option<String>,
+        components: Option<String>,
+    ) -> PyResult<Cell> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let f = strain(&problem, stretch.as_deref(), components.as_deref())?.0;
+            let (analysis, dimension) = (&problem.analysis, problem.dimension());
+            let place = |particle: onset::analysis::PatchParticle| {
+                particle.position.iter().take(dimension).copied().collect()
+            };
+            let masses = analysis.masses(&f).map_err(ProblemError::from)?;
+            let identity = DeformationGradient::identity();
+            let moved = if analysis.is_regular() { identity } else { f };
+            Ok((
+                analysis.patch(1).into_iter().map(place).collect(),
+                masses,
+                analysis.spacing(),
+                moved.components().iter().flatten().copied().collect(),
+            ))
+        })
     }
 
     fn state(

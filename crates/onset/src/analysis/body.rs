@@ -303,6 +303,11 @@ impl<const D: usize> Analysis for Body<D> {
         Ok(spurious_modes(&self.survey()?, threshold)?.in_3d())
     }
 
+    fn masses(&self, f: &DeformationGradient) -> Result<Vec<f64>, MethodError> {
+        let system = self.discretization.waves(&*self.material, f)?;
+        Ok(system.particle_masses().into_owned())
+    }
+
     fn patch(&self, cells: usize) -> Vec<PatchParticle> {
         let crystal = self.discretization.crystal();
         let particles = PeriodicPatch::new(crystal, [cells; D]).particles();

@@ -190,6 +190,12 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] when material or method cannot be evaluated.
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError>;
 
+    /// The masses of the particles of a cell, those of consistent mass matrices summed by rows; mass (per unit of the dimensions that are left out).
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn masses(&self, f: &DeformationGradient) -> Result<Vec<f64>, MethodError>;
+
     /// The particles of a periodic patch with so many cells along each primitive vector.
     fn patch(&self, cells: usize) -> Vec<PatchParticle>;
 

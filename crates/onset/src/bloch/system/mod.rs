@@ -111,7 +111,7 @@ impl<const D: usize> WaveSystem<D> {
     }
 
     /// The masses of the particles of a cell; of a consistent mass matrix the sums of its rows.
-    pub(super) fn particle_masses(&self) -> Cow<'_, [f64]> {
+    pub(crate) fn particle_masses(&self) -> Cow<'_, [f64]> {
         match &self.mass {
             Mass::Lumped(masses) => Cow::Borrowed(masses),
             Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).collect(),

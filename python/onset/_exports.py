@@ -1,0 +1,292 @@
+"""Modes and bands for other tools: moving particles for ASE and ParaView, bands in the layout of phonopy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+import importlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _onset
+from ._arrays import Complexes, Floats, numbers, place, positive, received, share, whole
+from ._errors import InputError, MachineError, OnsetError, asks
+
+if TYPE_CHECKING:
+    import os
+
+    from ase import Atoms
+    import meshio  # type: ignore[import-untyped]
+
+    from ._answers import Bands
+
+#: Along a side of a patch: fewest cells, most cells among which one looks for whole wavelengths, and cells where none hold them.
+FEWEST, SOUGHT, ELSE = 4, 24, 12
+#: Wavelengths that so many cells hold are whole within this.
+WHOLE = 1e-6
+#: Particles of the largest patch.
+LARGEST = 1_000_000
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of particles at a state, in D dimensions."""
+
+    #: Primitive vectors of the reference lattice as rows, shape (D, D); length.
+    vectors: Floats
+    #: Reference positions of its particles, shape (n, D); length.
+    sites: Floats
+    #: Their masses, shape (n,); mass.
+    masses: Floats
+    #: The particle spacing; length.
+    spacing: float
+    #: What takes reference positions to current ones, shape (3, 3).
+    F: Floats
+    #: The dynamical matrix at a reference wave vector.
+    dynamical_matrix: Callable[[Floats], Complexes]
+
+    @staticmethod
+    def of(problem: _onset.Problem, stretch: str | None, components: str | None, states: Floats | None = None) -> Cell:
+        """That of a problem at a state as it is typed, with its nine components where dynamical matrices will be asked for."""
+        sites, masses, spacing, F = problem.cell(stretch, components)
+
+        def matrix(k: Floats) -> Complexes:
+            assert states is not None
+            data = problem.dynamical_matrices(states, np.ascontiguousarray(k[None]))
+            return received(data, (problem.branches, 2 * problem.branches)).view(np.complex128)
+
+        vectors = 2.0 * np.pi * np.linalg.inv(np.array(problem.reciprocal)).T
+        return Cell(vectors, np.array(sites), np.array(masses), spacing, np.array(F).reshape(3, 3), matrix)
+
+    @property
+    def dimension(self) -> int:
+        """D."""
+        return len(self.vectors)
+
+    def current(self, X: Floats) -> Floats:
+        """Reference vectors in the current configuration, shape (..., 3)."""
+        return np.asarray(X @ self.F[:, : self.dimension].T, dtype=np.float64)
+
+    def turns(self, k: Floats) -> Floats:
+        """A wave vector in units of the reciprocal vectors: wavelengths that a cell holds along each primitive vector."""
+        return np.asarray(k @ self.vectors.T / (2.0 * np.pi), dtype=np.float64)
+
+    def waves(self, matrix: Complexes, *, size: float = 0.0, without_translations: bool = False) -> tuple[Complexes, Complexes]:
+        """``omega^2`` by increasing real part, and eigenvectors ``e = sqrt(m) u`` of length 1 as columns, of a dynamical matrix ``M^-1 K``.
+
+        `size` is that of the matrices of other waves: a matrix without energy has only rounding. `without_translations` leaves out uniform displacements,
+        which would mix with others that have no energy.
+        """
+        root = np.sqrt(np.repeat(self.masses, self.dimension))
+        weighted = root[:, None] * matrix / root
+        basis = np.eye(len(root))
+        if without_translations:
+            uniform = np.kron(np.sqrt(self.masses)[:, None], np.eye(self.dimension))
+            basis = np.linalg.qr(uniform, mode="complete")[0][:, self.dimension :]
+            weighted = basis.T @ weighted @ basis
+        if np.max(np.abs(weighted - weighted.conj().T), initial=0.0) <= 1e-9 * np.max(np.abs(weighted), initial=size):
+            values, vectors = np.linalg.eigh(0.5 * (weighted + weighted.conj().T))
+        else:
+            values, vectors = np.linalg.eig(weighted)
+        order = np.argsort(values.real, kind="stable")
+        return values[order].astype(np.complex128), (basis @ vectors[:, order]).astype(np.complex128)
+
+
+class Mode:
+    """A wave on a patch of particles, about the current configuration.
+
+    At the phase ``p`` (``omega t``) a particle is at ``x + Re(u exp(-i p))`` with the amplitude ``u = e exp(i k.X)``, where ``e`` is the eigenvector of
+    ``D(k)`` for its place in the cell, ``k`` the reference wave vector and ``X`` its reference position. Growth and decay are left out. Vectors have three
+    components, zero beyond the dimensions of the lattice.
+    """
+
+    def __init__(self, cell: Cell, k: Floats, omega_squared: complex, eigenvector: Complexes, cells: int | Sequence[int] | None, amplitude: float) -> None:
+        dimension = cell.dimension
+        turns = cell.turns(k)
+        sides = _sides(turns, cells)
+        count = int(np.prod(sides, dtype=np.float64)) * len(cell.sites)
+        if count > LARGEST:
+            raise InputError(f"the patch has {count} particles; expected at most {LARGEST}\n  hint: give fewer `cells`")
+        u = (eigenvector / np.sqrt(np.repeat(cell.masses, dimension))).reshape(-1, dimension)
+        # How far a particle goes in a period: the longer half axis of its ellipse.
+        reach = np.sqrt(0.5 * (np.sum(np.abs(u) ** 2, axis=-1) + np.abs(np.sum(u**2, axis=-1))))
+        most = int(np.argmax(reach))
+        # The particle that moves most is farthest out at the phase 0.
+        turned = u[most] * np.exp(1j * cell.sites[most] @ k)
+        u = u * (share(amplitude, "amplitude") * cell.spacing / reach[most] * np.exp(-0.5j * np.angle(np.sum(turned**2))))
+        corners = np.stack(np.meshgrid(*(np.arange(side) for side in sides), indexing="ij"), axis=-1).reshape(-1, dimension)
+        X = ((corners @ cell.vectors)[:, None] + cell.sites).reshape(-1, dimension)
+        embedded = np.zeros((count, 3), dtype=np.complex128)
+        embedded[:, :dimension] = np.tile(u, (len(corners), 1)) * np.exp(1j * X @ k)[:, None]
+        #: The reference wave vector, shape (D,); 1/length.
+        self.wave_vector: Floats = k
+        #: ``omega^2``; 1/time^2.
+        self.omega_squared: complex = complex(omega_squared)
+        #: Positions without the wave, in the current configuration, shape (n, 3); length.
+        self.positions: Floats = cell.current(X)
+        #: Reference positions, shape (n, D); length.
+        self.reference_positions: Floats = X
+        #: Complex amplitudes ``u``, shape (n, 3); length.
+        self.displacements: Complexes = embedded
+        #: The number of each particle in its cell, shape (n,).
+        self.sites: NDArray[np.intp] = np.tile(np.arange(len(cell.sites)), len(corners))
+        #: Masses, shape (n,); mass.
+        self.masses: Floats = np.tile(cell.masses, len(corners))
+        #: The edges of the patch as rows, zero beyond the dimensions of the lattice, shape (3, 3); length.
+        self.edges: Floats = np.zeros((3, 3))
+        self.edges[:dimension] = cell.current(np.array(sides)[:, None] * cell.vectors)
+        #: Along which edges the wave is periodic: which hold whole wavelengths, shape (3,).
+        self.periodic: NDArray[np.bool_] = np.zeros(3, dtype=np.bool_)
+        self.periodic[:dimension] = _is_whole(np.array(sides) * turns)
+
+    def __repr__(self) -> str:
+        return f"<onset.Mode of {len(self.positions)} particles, k = {self.wave_vector.tolist()}, omega^2 = {self.omega_squared:.6g}>"
+
+    def at(self, phase: float) -> Floats:
+        """The displacements ``Re(u exp(-i p))`` at a phase in radians, shape (n, 3); length."""
+        return np.asarray((self.displacements * np.exp(-1j * phase)).real, dtype=np.float64)
+
+    @asks
+    def to_ase(self, *, frames: int = 24, unit: float = 1.0, symbol: str = "X") -> list[Atoms]:
+        """One period as a list of ``ase.Atoms``, for ``ase.io.write("mode.xyz", frames)`` and ``ase.visualize.view(frames)``.
+
+        Each frame has displaced positions, the displacements as ``atoms.arrays["displacement"]`` of shape (n, 3), the place in the cell as tags, the
+        edges of the patch as cell, and periodic boundaries along those that hold whole wavelengths. ``atoms.info`` has ``phase``, the reference
+        ``wave_vector``, ``omega`` (its real part) and ``growth_rate``. All particles have one chemical `symbol`, by default that of no element.
+
+        ASE takes numbers for angstroms, and files have some eight decimals: with `unit`, a length, lengths are told in it. ``unit=1e-3`` makes millimetres of
+        an answer in metres. An ``OnsetError`` where ASE is missing, an ``InputError`` for an argument that cannot be.
+        """
+        ase = _package("ase")
+        count, length = whole(frames, "frames", 1, 10_000), positive(unit, "unit")
+        omega = np.sqrt(self.omega_squared)
+        known = {"wave_vector": self.wave_vector * length, "omega": abs(omega.real), "growth_rate": abs(omega.imag)}
+        made: list[Atoms] = []
+        for phase in 2.0 * np.pi * np.arange(count) / count:
+            displacement = self.at(phase) / length
+            atoms = ase.Atoms(
+                symbols=[symbol] * len(self.positions),
+                positions=self.positions / length + displacement,
+                cell=self.edges / length,
+                pbc=self.periodic,
+                tags=self.sites,
+                masses=self.masses,
+                info=known | {"phase": float(phase)},
+            )
+            atoms.set_array("displacement", displacement)
+            made.append(atoms)
+        return made
+
+    @asks
+    def to_meshio(self) -> meshio.Mesh:
+        """The patch as a ``meshio.Mesh`` of vertices, for ParaView: ``mode.to_meshio().write("mode.vtu")``.
+
+        Points are positions without the wave. Point data are ``displacement``, that of the phase 0, and ``quarter``, that of a quarter of a period later, both of
+        shape (n, 3) in the unit of length of the answer, and ``site``, the place in the cell: a particle is at
+        ``points + displacement cos p + quarter sin p``. An ``OnsetError`` where meshio is missing.
+        """
+        data = {"displacement": self.at(0.0), "quarter": self.at(0.5 * np.pi), "site": self.sites}
+        return _package("meshio").Mesh(self.positions, [("vertex", np.arange(len(self.positions))[:, None])], point_data=data)
+
+
+def _package(name: str) -> Any:
+    """A package that is not needed otherwise."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise OnsetError(f"this needs {name}\n  hint: pip install {name}") from error
+
+
+def _is_whole(turns: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    return np.asarray(np.abs(turns - np.round(turns)) < WHOLE)
+
+
+def _sides(turns: Floats, cells: int | Sequence[int] | None) -> list[int]:
+    """Cells along each primitive vector: those that are given, or the fewest that hold whole wavelengths."""
+    if cells is not None:
+        given = np.atleast_1d(numbers(cells, "cells")).ravel()
+        if given.size not in (1, turns.size):
+            raise InputError(f"cells has {given.size} numbers; expected one, or one for each of {turns.size} dimensions")
+        return [whole(side, "cells", 1, LARGEST) for side in np.broadcast_to(given, turns.shape)]
+    sought = np.arange(FEWEST, SOUGHT + 1)
+    fitting = [sought[_is_whole(sought * own)] for own in turns]
+    return [int(fit[0]) if fit.size else ELSE for fit in fitting]
+
+
+def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
+    """Bands in the layout of phonopy's ``band.yaml``; see `Bands.to_yaml`."""
+    # What grows as it oscillates has no real frequency, and none that is imaginary.
+    flutters = [n for n, heights in enumerate(answer._fields["heights"]) if heights["flutter"] is not None]
+    if flutters:
+        raise InputError(
+            f"at {len(flutters)} of {len(answer.lengths)} wave vectors omega^2 is complex (flutter), and the layout of phonopy has real omega^2 only\n"
+            "  hint: omega_squared and dynamical_matrices of the answer have them"
+        )
+    dimension = cell.dimension
+    # Directions without waves get unit vectors, so that there is a lattice in space.
+    lattice = np.eye(3) * cell.spacing
+    lattice[:dimension] = cell.current(cell.vectors)
+    reciprocal = np.linalg.inv(lattice).T
+    corners = answer._fields["corners"]
+    turns = np.array([cell.turns(np.array(corner["wave_vector"])) for corner in corners])
+    spatial = turns @ reciprocal[:dimension]
+    along = answer.corners
+    jumps = np.diff(along) == 0.0
+    steps = np.where(jumps, 0.0, np.linalg.norm(np.diff(spatial, axis=0), axis=1))
+    distances = np.interp(answer.lengths, along, np.concatenate([[0.0], np.cumsum(steps)]))
+    ends = np.searchsorted(answer.lengths, along) + np.concatenate([[False], jumps])
+    # Each segment has both of its ends.
+    legs = [(n, range(int(ends[n]), int(ends[n + 1]) + 1)) for n in range(len(along) - 1) if not jumps[n]]
+
+    def row(numbers: Floats | Sequence[float]) -> str:
+        return f"[ {', '.join(repr(float(x)) for x in numbers)} ]"
+
+    def quoted(name: str) -> str:
+        return "'" + name.replace("'", "''") + "'"
+
+    lines = [f"nqpoint: {sum(len(leg) for _, leg in legs)}", f"npath: {len(legs)}", "segment_nqpoint:"]
+    lines += [f"- {len(leg)}" for _, leg in legs]
+    lines += ["labels:", *(f"- [ {quoted(answer.labels[n])}, {quoted(answer.labels[n + 1])} ]" for n, _ in legs)]
+    lines += ["reciprocal_lattice:", *(f"- {row(vector)} # {name}*" for vector, name in zip(reciprocal, "abc", strict=True))]
+    lines += [f"natom: {len(cell.masses)}", "lattice:", *(f"- {row(vector)} # {name}" for vector, name in zip(lattice, "abc", strict=True))]
+    lines.append("points:")
+    for n, (site, mass) in enumerate(zip(cell.sites, cell.masses, strict=True)):
+        coordinates = np.zeros(3)
+        coordinates[:dimension] = site @ np.linalg.inv(cell.vectors)
+        lines += [f"- symbol: {symbol} # {n + 1}", f"  coordinates: {row(coordinates)}", f"  mass: {float(mass)!r}"]
+    lines += ["", "phonon:"]
+    matrices, k = answer.dynamical_matrices, answer.k
+    # Corners between segments stand in both.
+    size = float(np.max(np.abs(matrices)))
+    blocks = [_point(cell, k[n], cell.waves(matrices[n], size=size), distances[n], row) for n in range(len(k))]
+    for _, leg in legs:
+        for n in leg:
+            lines += blocks[n]
+    return "\n".join(lines) + "\n"
+
+
+def _point(cell: Cell, k: Floats, waves: tuple[Complexes, Complexes], distance: float, row: Callable[[Sequence[float]], str]) -> list[str]:
+    """A wave vector with its bands."""
+    values, vectors = waves
+    missing = 3 - cell.dimension
+    lines = [f"- q-position: {row([*cell.turns(k), *[0.0] * missing])}", f"  distance: {float(distance)!r}", "  band:"]
+    for branch, (value, vector) in enumerate(zip(values.real, vectors.T, strict=True)):
+        frequency = float(np.copysign(np.sqrt(abs(value)), value) / (2.0 * np.pi))
+        lines += [f"  - # {branch + 1}", f"    frequency: {frequency!r}", "    eigenvector:"]
+        for site, own in enumerate(vector.reshape(-1, cell.dimension)):
+            lines.append(f"    - # atom {site + 1}")
+            lines += [f"      - {row([e.real, e.imag])}" for e in [*own, *[0j] * missing]]
+    return [*lines, ""]
+
+
+def written(text: str, path: str | os.PathLike[str] | None) -> str:
+    """A text, put into a file where there is one."""
+    if path is not None:
+        try:
+            with open(place(path, "path"), "w", encoding="utf-8") as file:
+                file.write(text)
+        except OSError as error:
+            raise MachineError(f"cannot write {path}: {error}") from error
+    return text
