@@ -2,7 +2,7 @@
 
 use super::growth_rate;
 use super::system::MatrixExpansion;
-use crate::algebra::{Complex, Decomposition};
+use crate::algebra::{Complex, Decomposition, sort_by_value};
 use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -187,7 +187,7 @@ impl<const D: usize> Pockets<'_, D> {
                     }
                 }
             }
-            unresolved.sort_by(|a, b| b.0.total_cmp(&a.0));
+            sort_by_value(&mut unresolved, |item| -item.0);
             unresolved.truncate(FINER >> D);
             for (_, k) in unresolved {
                 between.extend(self.between(&k, share));
@@ -248,7 +248,7 @@ impl<const D: usize> Pockets<'_, D> {
     /// Leaves the fastest growing pockets: one of those that are images of each other, and of those that are foreseen from several
     /// points.
     fn leave_fastest(&self, all: &mut Vec<Candidate<D>>, most: usize) {
-        all.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+        sort_by_value(all, |mode| -mode.growth);
         all.dedup_by(|b, a| (a.growth - b.growth).abs() <= SAME * a.growth);
         let Some(to_steps) = self.steps.try_inverse() else {
             return;

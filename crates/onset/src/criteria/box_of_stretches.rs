@@ -2,7 +2,7 @@
 
 use super::root::bracket_zero;
 use super::{Criterion, Measure, Range, State, Witness, is_isotropic};
-use crate::algebra::GoldenSection;
+use crate::algebra::{GoldenSection, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
@@ -262,7 +262,7 @@ impl<'a> Field<'a> {
                 rays.push((length, point));
             }
         }
-        rays.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_value(&mut rays, |item| item.0);
         let mut best: Option<(f64, Point)> = None;
         let mut tried: Vec<Point> = Vec::new();
         for (length, point) in rays {
@@ -553,7 +553,7 @@ impl Grid {
         let mut order: Vec<usize> = (0..self.values.len())
             .filter(|n| !self.isotropic || self.indices(*n).is_sorted_by(|a, b| a >= b))
             .collect();
-        order.sort_by(|a, b| self.values[*a].total_cmp(&self.values[*b]));
+        sort_by_value(&mut order, |n| self.values[*n]);
         order
             .iter()
             .enumerate()

@@ -5,6 +5,7 @@ use super::{
     Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
     ratio_of_stretches,
 };
+use crate::algebra::sort_by_value;
 use nalgebra::Vector3;
 
 /// A change of a criterion.
@@ -128,7 +129,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             }
         }
     }
-    knots.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    sort_by_value(&mut knots, |item| item.0.abs());
     let holds_at_start = measures[0].holds();
     let mut events = Vec::new();
     for pair in knots.windows(2) {
@@ -284,7 +285,7 @@ impl Jumps<'_, '_> {
                 .map(move |part| limit * (1.0 - part))
         });
         let mut places: Vec<f64> = along.chain(before).filter(|s| within(*s)).collect();
-        places.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        sort_by_value(&mut places, |place| place.abs());
         places.dedup();
         places
     }

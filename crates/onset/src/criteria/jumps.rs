@@ -2,6 +2,7 @@
 
 use super::incompressible::cofactor;
 use super::{Witness, principal_axes};
+use crate::algebra::sort_by_value;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
 use crate::real::Interval;
@@ -130,7 +131,7 @@ impl<'a> JumpSearch<'a> {
         wave: Option<(Vector3<f64>, Vector3<f64>)>,
     ) -> Option<Jump> {
         let mut starts: Vec<(f64, Vector6<f64>)> = self.starts(state);
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_value(&mut starts, |item| item.0);
         starts.truncate(FOLLOWED);
         if let Some((n, g)) = wave {
             let scale = stretch_along(state.deformation.matrix(), &g);

@@ -1,6 +1,7 @@
 //! Kinks of the stress along a loading: where the tangent jumps, limits depend on which side is asked.
 
 use super::LoadingPath;
+use crate::algebra::sort_by_value;
 use crate::material::FourthOrder;
 
 /// A stretch at which the tangent jumps.
@@ -45,9 +46,9 @@ pub fn kinks(path: &LoadingPath<'_>) -> Vec<Kink> {
             narrowed(path, of(0), of(2), of(1))
         })
         .collect();
-    found.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
+    sort_by_value(&mut found, |kink| kink.stretch);
     found.dedup_by(|a, b| (a.stretch.ln() - b.stretch.ln()).abs() < 1e-9);
-    found.sort_by(|a, b| a.stretch.ln().abs().total_cmp(&b.stretch.ln().abs()));
+    sort_by_value(&mut found, |kink| kink.stretch.ln().abs());
     found
 }
 

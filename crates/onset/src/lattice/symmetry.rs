@@ -2,6 +2,7 @@
 
 use super::reduction::combinations;
 use super::{BravaisLattice, Reduced, inverse_of};
+use crate::algebra::sort_by_value;
 use nalgebra::{SMatrix, SVector};
 
 /// Lengths and angles that differ by less, relative to the longest vector squared, are equal but for rounding.
@@ -66,7 +67,7 @@ impl<const D: usize> BravaisLattice<D> {
             SMatrix::from_fn(|i, j| (0..D).map(|n| image[n][i] * inverse[(n, j)]).sum())
         };
         let mut maps: Vec<SMatrix<f64, D, D>> = images.iter().map(map).collect();
-        maps.sort_by(|a, b| (a - identity).norm().total_cmp(&(b - identity).norm()));
+        sort_by_value(&mut maps, |map| (map - identity).norm());
         maps
     }
 }

@@ -3,6 +3,7 @@
 use super::cell::{VoronoiCell, cell_of_sorted};
 use super::reduction::{Ball, Reduced, covering_radius, images_within};
 use super::{BravaisLattice, Fractional, LatticeError};
+use crate::algebra::sort_by_value;
 use nalgebra::SVector;
 
 /// The volume of the Voronoi cell of each point of a periodic set; their sum is the cell volume.
@@ -57,7 +58,7 @@ pub(super) fn voronoi_cells<const D: usize>(
             .flat_map(|point| images_within(lattice, &ball, &(point - center), radius))
             .filter(|image| image.norm() > 1e-12 * radius)
             .collect();
-        neighbors.sort_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+        sort_by_value(&mut neighbors, SVector::norm_squared);
         cell_of_sorted(&neighbors)
     };
     Ok(points.iter().map(cell).collect())

@@ -3,7 +3,7 @@
 use super::degenerate::{DEGENERATE, Displacements, most_symmetric};
 use super::dispersion::continuum;
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
-use crate::algebra::{Complex, is_well, settled, settled_along};
+use crate::algebra::{Complex, is_well, settled, settled_along, sort_by_value};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -175,7 +175,7 @@ impl<const D: usize> Weak<'_, D> {
             .filter(|index| is_well::<D>(&values, *index, n))
             .filter(|index| !zero.has(&wave_vector(*index)))
             .collect();
-        wells.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        sort_by_value(&mut wells, |n| values[*n]);
         let limit = threshold * threshold;
         let mut bottoms: Vec<(f64, SVector<f64, D>)> = wells
             .into_iter()
@@ -183,7 +183,7 @@ impl<const D: usize> Weak<'_, D> {
             .filter(|(order, index)| *order < DEEPEST || values[*index] < 1.5 * limit)
             .map(|(_, index)| self.bottom((values[index], wave_vector(index)), &steps))
             .collect();
-        bottoms.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_value(&mut bottoms, |item| item.0);
         let lowest = values.iter().chain(bottoms.iter().map(|(ratio, _)| ratio));
         let lowest = lowest.copied().fold(f64::INFINITY, f64::min);
 

@@ -1,6 +1,7 @@
 //! Quadrature points by their places in the primitive cell: Gauss rules, and user-defined lists.
 
 use super::{QuadratureError, QuadraturePoint};
+use crate::algebra::sort_by_value;
 use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 
@@ -59,7 +60,7 @@ pub(crate) fn gauss_line(points: u32) -> Option<Vec<(f64, f64)>> {
     };
     let mut line: Vec<(f64, f64)> = rule(points)?.iter().flat_map(pair).collect();
     line.dedup_by_key(|(place, _)| *place);
-    line.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut line, |item| item.0);
     Some(line)
 }
 

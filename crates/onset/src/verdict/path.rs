@@ -2,7 +2,7 @@
 
 use super::Survey;
 use super::probe::{Phase, Probe, probe_material};
-use crate::algebra::GoldenSection;
+use crate::algebra::{GoldenSection, sort_by_value};
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
@@ -203,7 +203,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
             }
         }
     }
-    knots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut knots, |item| item.0);
     let mut crossings = Vec::new();
     for pair in knots.windows(2) {
         if pair[0].1 != pair[1].1 {

@@ -4,6 +4,7 @@
 
 use super::contraction::Coefficients;
 use super::parts;
+use crate::algebra::sort_by_value;
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
 
@@ -40,7 +41,7 @@ impl<const D: usize> Valley<D> {
         let mut points: Vec<usize> = (1..moments.len())
             .filter(|n| trace(n).is_finite())
             .collect();
-        points.sort_by(|a, b| trace(a).total_cmp(&trace(b)));
+        sort_by_value(&mut points, trace);
         let (weakest, strongest) = (points.first().map(trace)?, points.last().map(trace)?);
         if weakest > WEAK * strongest {
             return None;

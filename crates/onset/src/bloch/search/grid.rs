@@ -1,7 +1,7 @@
 //! The spectrum on a grid over the zone, and its wells.
 
 use super::{Candidate, Objective, ZoneSearch};
-use crate::algebra::{Complex, eigenvalues, neighbors};
+use crate::algebra::{Complex, eigenvalues, neighbors, sort_by_value};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
@@ -305,7 +305,7 @@ impl<const D: usize> Grid<D> {
                 }
             }
         }
-        wells.sort_by(|a, b| a.start.0.total_cmp(&b.start.0));
+        sort_by_value(&mut wells, |well| well.start.0);
         // Wells of the same depth are images of each other under the symmetry of the lattice.
         wells.dedup_by(|b, a| (b.start.0 - a.start.0).abs() <= 1e-10 * a.start.0.abs());
         wells

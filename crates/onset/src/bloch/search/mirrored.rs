@@ -6,6 +6,7 @@
 
 use super::descent::{newton_step, principal};
 use super::{Objective, RAY};
+use crate::algebra::sort_by_value;
 use crate::bloch::Expansion;
 use crate::bloch::branches::Taylor;
 use crate::bloch::mirror::{LANES, Lanes, MirrorSums};
@@ -173,7 +174,7 @@ impl<'a> Mirrored<'a> {
         let Sweep {
             mut wells, lowest, ..
         } = sweep;
-        wells.sort_by(|a, b| a.value.total_cmp(&b.value));
+        sort_by_value(&mut wells, |well| well.value);
         Self {
             sums,
             waves,

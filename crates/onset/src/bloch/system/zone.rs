@@ -6,7 +6,9 @@
 //! slope, can get lower are divided, again and again, and what lies lower there is followed too.
 
 use super::WaveSystem;
-use crate::algebra::{Complex, Decomposition, GoldenSection, is_well, neighbors, settled};
+use crate::algebra::{
+    Complex, Decomposition, GoldenSection, is_well, neighbors, settled, sort_by_value,
+};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::Pockets;
@@ -788,7 +790,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .filter(|index| is_well::<D>(&values, *index, n))
             .map(|index| (values[index], relief(index), index))
             .collect();
-        wells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_value(&mut wells, |item| item.0);
         // Wells of the same depth are images of each other under the symmetry of the lattice.
         wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
         wells.truncate(self.effort.wells);
@@ -942,7 +944,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Growth => -growth_rate(all.values[*n]),
             _ => all.values[*n].re,
         };
-        numbers.sort_by(|a, b| of(a).total_cmp(&of(b)));
+        sort_by_value(&mut numbers, of);
         let value = expansion.branch(&all, *numbers.get(branch)?);
         Some(match objective {
             Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
@@ -1011,7 +1013,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 /// The boxes that may hold something lower, as many as there may be.
 fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize) {
     regions.retain(|region| region.bound < below);
-    regions.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+    sort_by_value(regions, |region| region.expected);
     regions.truncate(most);
 }
 

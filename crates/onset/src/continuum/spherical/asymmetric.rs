@@ -9,7 +9,7 @@
 use super::cover::{Cover, Triangle, cover, octants};
 use super::form::Form;
 use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
-use crate::algebra::{Complex, eigenvalues};
+use crate::algebra::{Complex, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
@@ -65,7 +65,7 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
         .map(unit)
         .map(|n| (real_part(&n), n))
         .collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut starts, |item| item.0);
     let mut best = starts[0];
     for start in starts.into_iter().take(STARTS) {
         let end = descended(start, &real_part);

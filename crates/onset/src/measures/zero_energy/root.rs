@@ -1,6 +1,6 @@
 //! Roots of the strain operator: Newton's method, and what lies next to a root.
 
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
 use crate::scheme::StrainRows;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ impl Singular {
         let svd = matrix.try_svd(true, true, f64::EPSILON, bound)?;
         let (left, adjoint) = (svd.u?, svd.v_t?);
         let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-        order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+        sort_by_value(&mut order, |n| -svd.singular_values[*n]);
         Some(Self {
             values: order.iter().map(|n| svd.singular_values[*n]).collect(),
             left: left.select_columns(&order),
@@ -218,7 +218,7 @@ fn directional<const D: usize>(
         .into_iter()
         .map(|n| (square(&n), n))
         .collect();
-    sampled.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut sampled, |item| item.0);
     // The least ones are followed, of neighboring ones one.
     let mut found: Vec<(f64, SVector<f64, D>)> = Vec::new();
     let apart = 4.0 / (DIRECTIONS[D - 1] as f64).powf(1.0 / (D.max(2) - 1) as f64);
@@ -230,7 +230,7 @@ fn directional<const D: usize>(
             found.push(refined(&square, (value, n), apart));
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut found, |item| item.0);
     found
 }
 
@@ -291,6 +291,6 @@ fn eigen<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Vec<(f64, SVector<f64, 
             (eigen.eigenvalues[n], SVector::from_fn(|i, _| vector[i]))
         })
         .collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut pairs, |item| item.0);
     pairs
 }

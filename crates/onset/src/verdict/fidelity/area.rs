@@ -1,5 +1,6 @@
 //! Areas in which material and discretization differ, from their boundaries.
 
+use crate::algebra::sort_by_value;
 use crate::verdict::Phase;
 use crate::verdict::boundary::{Boundary, Window};
 
@@ -138,7 +139,7 @@ pub fn areas<E>(
             .iter()
             .map(|piece| (piece.height(center), *piece))
             .collect();
-        crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_value(&mut crossed, |item| item.0);
         for n in 0..=crossed.len() {
             let low = n.checked_sub(1).map_or(window.low[1], |n| crossed[n].0);
             let high = crossed.get(n).map_or(window.high[1], |(y, _)| *y);
@@ -212,7 +213,7 @@ fn pieces(boundaries: [&Boundary; 2]) -> Vec<Piece> {
             }
         }
     }
-    pieces.sort_by(|a, b| a.from[0].total_cmp(&b.from[0]));
+    sort_by_value(&mut pieces, |piece| piece.from[0]);
     pieces
 }
 

@@ -1,5 +1,6 @@
 //! Where stability is lost along a ray.
 
+use crate::algebra::sort_by_value;
 use crate::verdict::boundary::{Boundary, Window, located_between};
 use crate::verdict::{Phase, Probe};
 
@@ -46,7 +47,7 @@ pub fn onset_along<E>(
             }
         }
     }
-    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_value(&mut crossings, |item| item.0);
     let Some(&(s, behind)) = crossings.first() else {
         let phase = probe(at(START * reach))?.0;
         return Ok(match phase {
