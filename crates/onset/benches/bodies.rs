@@ -64,6 +64,6 @@ fn main() {
         notch: None,
     });
     method
-        .with_body(&cube, &[], &mut |body| shaken(body, steps))
+        .with_body(&cube, &[], None, &mut |body| shaken(body, steps))
         .expect("a body");
 }

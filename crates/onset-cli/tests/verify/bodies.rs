@@ -178,6 +178,67 @@ fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_sam
     assert_kills_change_nothing(&colliding(), duration, &files, 6);
 }
 
+/// The same of total-Lagrangian particles, with a contact.
+fn touching() -> String {
+    colliding()
+        .replace("updated-sph", "total-lagrangian-sph")
+        .replace("viscosity = 0.5\nartificial-stress = 0.3", "penalty = 0.5")
+        .replace("second = [9, 0]", "second = [9, 0]\ncontact = 0.5")
+}
+
+#[test]
+fn blocks_in_contact_go_on_to_the_same_bytes() {
+    let whole = Body::new(&touching());
+    let start = Instant::now();
+    let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
+    let duration = start.elapsed();
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
+    // They have met: what was motion is strain, or sound.
+    assert!(document["strain_energy"].as_f64() > Some(0.1), "{document}");
+    assert_kills_change_nothing(&touching(), duration, &tree(&whole.out()), 4);
+}
+
+/// What became of a study of the book.
+fn of_the_book(study: &str, line: &str) -> Value {
+    let path = format!(
+        "{}/../../studies/bodies/{study}.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+    command.args(["simulate", &path, "--json"]);
+    command.args(line.split_whitespace());
+    let answer = Answer::of(command);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    serde_json::from_str(&answer.stdout).expect("a document")
+}
+
+#[test]
+fn the_bodies_of_the_book_do_what_it_says() {
+    let number = |document: &Value, name: &str| document[name].as_f64().expect("a number");
+    let total = "--set discretization.method=total-lagrangian-sph --set discretization.penalty=0.5";
+    let line = "--time 60 --amplitude 1e-3";
+    // Of a bar that has come apart the grips hold nothing any more.
+    let [broken, whole] = ["", total].map(|more| {
+        let document = of_the_book("pulled-bar", &format!("{line} {more}"));
+        number(&document, "work_of_grips")
+    });
+    assert!(broken < 0.2 * whole, "{broken} {whole}");
+    // Rings that hold are bent, and store what they had as motion.
+    let line = "--time 150 --fraction 0.2";
+    let [torn, bent] = ["", "--set discretization.artificial-stress=0.3"].map(|more| {
+        let document = of_the_book("rings", &format!("{line} {more}"));
+        number(&document, "strain_energy")
+    });
+    assert!(torn < 0.5 * bent, "{torn} {bent}");
+    let [meeting, parted] = [150, 400].map(|time| {
+        let document = of_the_book("rings-total-lagrangian", &format!("--time {time}"));
+        assert!(number(&document, "energy_drift") < 0.05);
+        number(&document, "kinetic_energy")
+    });
+    assert!(parted > 4.0 * meeting, "{parted} {meeting}");
+}
+
 #[test]
 fn a_particle_that_loses_all_neighbors_flies_on_or_is_told_where_gradients_are_corrected() {
     let thrown = |corrected: bool| {
@@ -342,6 +403,17 @@ fn bodies_that_cannot_be_are_refused() {
             "has no bodies",
         ),
         (bar.replace("[body]", "[bodies]"), "--steps 9", "bodies"),
+        (format!("{bar}contact = 0"), "--steps 9", "body.contact"),
+        (
+            format!("{bar}contact = 1"),
+            "--steps 9",
+            "the particles are one piece",
+        ),
+        (
+            colliding().replace("second", "contact = 1\nsecond"),
+            "--steps 9",
+            "repel all that come near",
+        ),
     ] {
         let told = refused(&study, line);
         assert!(told.contains(words), "no `{words}` in {told}");

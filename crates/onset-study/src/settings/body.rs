@@ -5,7 +5,7 @@ use super::needs::is;
 use super::toml::{File, described, in_order, typed};
 use super::{Key, Kind, Origin, SettingError, Value, unknown_key};
 use crate::number::counted;
-use onset::motion::{BodyParticles, Grip, Notch, PlacedParticle, Shape};
+use onset::motion::{BodyParticles, Contact, Grip, Notch, PlacedParticle, Shape};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -64,6 +64,11 @@ pub const BODY_KEYS: &[Key] = &[
         "vector in spacings by which the same shape is there a second time, a number for each dimension",
     )
     .only_with(&[&[is("body.shape", CUT)]]),
+    key(
+        "body.contact",
+        Kind::Positive("1"),
+        "stiffness of the contact between pieces of total-Lagrangian particles, over that of the material; none when left out",
+    ),
     key(
         "body.file",
         Kind::Text,
@@ -309,6 +314,12 @@ impl BodySettings {
             shape: Box::new(shape),
             offset: offset.iter().map(|own| own * spacing).collect(),
         }))
+    }
+
+    /// The contact between its pieces, where there is one.
+    pub fn contact(&self) -> Option<Contact> {
+        self.number("body.contact")
+            .map(|stiffness| Contact { stiffness })
     }
 
     /// What is cut out of the lattice.

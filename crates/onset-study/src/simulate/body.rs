@@ -117,15 +117,17 @@ pub fn run_body(
     let spacing = problem.analysis.spacing();
     let particles = question.body.particles(dimension, spacing)?;
     let grips = question.body.grips(dimension, spacing)?;
+    let contact = question.body.contact();
     let mut answer = None;
     problem
         .analysis
-        .with_body(&particles, &grips, &mut |body| {
+        .with_body(&particles, &grips, contact, &mut |body| {
             let decisive = json!({
                 "version": env!("CARGO_PKG_VERSION"),
                 "settings": problem.settings.effective(),
                 "particles": format!("{particles:?}"),
                 "grips": format!("{grips:?}"),
+                "contact": contact.map(|contact| contact.stiffness),
                 "state": question.start().components(),
                 "amplitude": question.amplitude,
                 "seed": question.seed,

@@ -75,6 +75,7 @@ impl SimulateError {
 /// What to do about a body that cannot be.
 fn of_body(error: &BodyError) -> &'static str {
     match error {
+        BodyError::NoContact(_) => "leave body.contact out",
         BodyError::NoBodies => {
             "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
         }

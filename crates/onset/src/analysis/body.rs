@@ -15,7 +15,7 @@ use crate::measures::{
 };
 use crate::method::{Method, MethodError};
 use crate::motion::{
-    BodyError, BodyMotion, BodyParticles, Grip, PatchMotion, with_body, with_motion,
+    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, with_body, with_motion,
 };
 use crate::scheme::{Discretization, PeriodicPatch};
 use crate::time_step::Integrator;
@@ -332,6 +332,7 @@ impl<const D: usize> Analysis for Body<D> {
         &self,
         particles: &BodyParticles,
         grips: &[Grip],
+        contact: Option<Contact>,
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError> {
         with_body::<D>(
@@ -339,6 +340,7 @@ impl<const D: usize> Analysis for Body<D> {
             &*self.material,
             particles,
             grips,
+            contact,
             work,
         )
     }

@@ -17,7 +17,7 @@ use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
-use crate::motion::{BodyError, BodyMotion, BodyParticles, Grip, PatchMotion};
+use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion};
 use crate::scheme::MethodChoices;
 use crate::time_step::Integrator;
 use crate::verdict::{
@@ -211,7 +211,7 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn PatchMotion),
     ) -> Result<(), MethodError>;
 
-    /// Does something with a body of particles of the method.
+    /// Does something with a body of particles of the method, between the pieces of which there can be a contact.
     ///
     /// # Errors
     /// [`BodyError`] when the method has no bodies, and when particles or grips cannot be.
@@ -219,6 +219,7 @@ pub trait Analysis: Send + Sync {
         &self,
         particles: &BodyParticles,
         grips: &[Grip],
+        contact: Option<Contact>,
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError>;
 

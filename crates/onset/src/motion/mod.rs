@@ -22,7 +22,8 @@ mod stepper;
 mod waves;
 
 pub use body::{
-    BodyError, BodyMotion, BodyParticles, BodyQuantities, Grip, Notch, PlacedParticle, Shape, Start,
+    BodyError, BodyMotion, BodyParticles, BodyQuantities, Contact, Grip, Notch, PlacedParticle,
+    Shape, Start,
 };
 pub use fault::{Fault, Ground};
 pub use patch::{MovingPatch, PatchMotion, PatchState, Quantities};

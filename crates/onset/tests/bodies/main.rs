@@ -1,5 +1,6 @@
 //! Bodies: the engine against the general way, against the continuum, and what mechanics conserves.
 
+mod contact;
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;
@@ -58,7 +59,9 @@ fn with<T>(
     work: impl Fn(&mut dyn BodyMotion) -> T,
 ) -> Result<T, BodyError> {
     let mut answer = None;
-    method.with_body(particles, grips, &mut |body| answer = Some(work(body)))?;
+    method.with_body(particles, grips, None, &mut |body| {
+        answer = Some(work(body))
+    })?;
     Ok(answer.expect("a body"))
 }
 

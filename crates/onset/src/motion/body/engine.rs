@@ -3,6 +3,7 @@
 //! All is done for groups of so many particles as vectors hold. Sums are fused with products, on all machines, and each particle has its own: the same bits
 //! come out of vectors of any width, and of any number of cores.
 
+use super::contact::Pieces;
 use super::links::{Kind, Links, Pair, Stencil};
 use super::vectors::{MASKS, load, part, store};
 use crate::kinematics::DeformationGradient;
@@ -43,6 +44,8 @@ pub(super) struct Engine<'a, const D: usize> {
     pub(super) deformations: Tensors<D>,
     /// `T_I`.
     stresses: Tensors<D>,
+    /// Where there is a contact between them.
+    pieces: Option<Pieces<D>>,
 }
 
 impl<'a, const D: usize> Engine<'a, D> {
@@ -52,6 +55,7 @@ impl<'a, const D: usize> Engine<'a, D> {
         offsets: Option<[f64; 2]>,
         density: f64,
         volumes: Vec<f64>,
+        pieces: Option<Pieces<D>>,
     ) -> Self {
         let count = volumes.len();
         Self {
@@ -63,11 +67,15 @@ impl<'a, const D: usize> Engine<'a, D> {
             volumes,
             deformations: std::array::from_fn(|_| zeros(count)),
             stresses: std::array::from_fn(|_| zeros(count)),
+            pieces,
         }
     }
 
-    /// `F_I` and `T_I` at displacements.
+    /// `F_I` and `T_I` at displacements, and who touches whom.
     pub(super) fn deform(&mut self, u: &Field<D>) -> Result<(), Lost> {
+        if let Some(pieces) = &mut self.pieces {
+            pieces.meet(u);
+        }
         let Self {
             material,
             links,
@@ -134,6 +142,16 @@ impl<'a, const D: usize> Engine<'a, D> {
                 Some(_) => Arch::new().dispatch(Under::<D, OFFSET>(kicked)),
             }
         });
+        if let Some(pieces) = &self.pieces {
+            pieces.kick(v, dt, |particle| self.density * self.volumes[particle]);
+        }
+    }
+
+    /// What contacts add to the largest `omega^2`, at most; 1/time^2.
+    pub(super) fn stiffest_contact(&self) -> f64 {
+        let lightest = self.volumes.iter().copied().fold(f64::INFINITY, f64::min);
+        let own = |pieces: &Pieces<D>| pieces.stiffest(self.density * lightest);
+        self.pieces.as_ref().map_or(0.0, own)
     }
 
     /// `u += dt v`.
@@ -146,7 +164,7 @@ impl<'a, const D: usize> Engine<'a, D> {
         });
     }
 
-    /// `sum_I V_I W(F_I)`, of which [`Self::deform`] was called.
+    /// `sum_I V_I W(F_I)` and the potential of the contacts, of which [`Self::deform`] was called.
     pub(super) fn energy(&self) -> f64 {
         let f = slices(&self.deformations);
         let parts = self.volumes.chunks(BLOCK * LANES).enumerate().collect();
@@ -161,7 +179,8 @@ impl<'a, const D: usize> Engine<'a, D> {
             }
             sum
         });
-        energies.iter().sum()
+        let contact = self.pieces.as_ref().map_or(0.0, Pieces::energy);
+        energies.iter().sum::<f64>() + contact
     }
 
     /// What the engine keeps for a particle; bytes.
@@ -173,6 +192,7 @@ impl<'a, const D: usize> Engine<'a, D> {
             + links.pairs.len() * size_of::<Pair>()
             + links.stencils.len() * size_of::<Stencil<D>>()
             + links.groups.len() * size_of::<u32>()
+            + self.pieces.as_ref().map_or(0, Pieces::bytes)
     }
 }
 

@@ -12,6 +12,9 @@ pub enum BodyError {
     /// The method has no bodies.
     #[error("this method has no bodies")]
     NoBodies,
+    /// A contact that would have no effect, or no stiffness: why.
+    #[error("there is no contact: {0}")]
+    NoContact(&'static str),
     /// A shape without particles.
     #[error("the body has no particles")]
     Empty,

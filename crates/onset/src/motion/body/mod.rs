@@ -17,12 +17,15 @@
 //! Methods whose kernels see current coordinates ([`Discretization::current_pairs`]) find neighbors again as particles move, and each particle carries its
 //! deformation gradient.
 //!
+//! Pieces of a body that do not see each other pass through each other, unless there is a [`Contact`] between them.
+//!
 //! Time is stepped by the leapfrog (central differences): one evaluation of the forces a step.
 //!
 //! [`Discretization`]: crate::scheme::Discretization
 //! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
+mod contact;
 mod engine;
 mod error;
 mod grip;
@@ -35,6 +38,7 @@ mod stability;
 mod updated;
 mod vectors;
 
+pub use contact::Contact;
 pub use error::BodyError;
 pub use grip::Grip;
 pub use moving::{BodyMotion, Start};

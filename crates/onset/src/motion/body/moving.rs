@@ -1,5 +1,6 @@
 //! A body that moves.
 
+use super::contact::{Contact, Pieces};
 use super::engine::{Engine, Field, Lost, zeros};
 use super::grip::{held, work_of};
 use super::links::Links;
@@ -100,16 +101,32 @@ pub(crate) fn with_body<const D: usize>(
     material: &dyn Hyperelastic,
     particles: &BodyParticles,
     grips: &[Grip],
+    contact: Option<Contact>,
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
     let Some(law) = discretization.pairs(material)? else {
+        if contact.is_some() {
+            return Err(BodyError::NoContact(
+                "particles of this method repel all that come near",
+            ));
+        }
         return with_updated_body(discretization, material, particles, grips, work);
     };
     let crystal = discretization.crystal();
     let placed = placed(crystal, particles)?;
     let links = Links::new(crystal, &placed, &*law)?;
     let held = held(&placed.positions, grips)?;
-    let count = placed.positions.len();
+    let (count, spacing) = (placed.positions.len(), crystal.spacing());
+    let pieces = match contact {
+        Some(contact) => Some(Pieces::new(
+            contact,
+            material,
+            &links,
+            &placed.positions,
+            spacing,
+        )?),
+        None => None,
+    };
     work(&mut MovingBody {
         engine: Engine::new(
             material,
@@ -117,9 +134,10 @@ pub(crate) fn with_body<const D: usize>(
             law.penalty_offsets(),
             law.density(),
             placed.volumes,
+            pieces,
         ),
         positions: placed.positions,
-        spacing: crystal.spacing(),
+        spacing,
         grips,
         held,
         u: zeros(count),
@@ -372,7 +390,7 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
             Ok(self.flat(&image))
         })?;
         self.deform(0.0)?;
-        Ok(critical_step(largest, 0.0))
+        Ok(critical_step(largest + self.engine.stiffest_contact(), 0.0))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

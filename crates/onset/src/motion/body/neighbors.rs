@@ -31,13 +31,22 @@ impl<const D: usize> Neighbors<D> {
     /// Pairs with the smaller number first, in increasing order; among them are all whose distance is below that which is looked for. So a sum over those
     /// is the same to the last digit, whenever they were found.
     pub(super) fn near(&mut self, places: &[[f64; D]]) -> &[[u32; 2]] {
+        self.near_of(places, &|_, _| true)
+    }
+
+    /// The same of some pairs only, always those of which the same is said.
+    pub(super) fn near_of(
+        &mut self,
+        places: &[[f64; D]],
+        is_asked: &impl Fn(u32, u32) -> bool,
+    ) -> &[[u32; 2]] {
         let allowed = 0.5 * SKIN * self.distance;
         let is_found = self.found_at.len() == places.len() && {
             let mut both = self.found_at.iter().zip(places);
             both.all(|(a, b)| squared(a, b) < allowed * allowed)
         };
         if !is_found {
-            self.find(places);
+            self.find(places, is_asked);
         }
         &self.pairs
     }
@@ -52,7 +61,7 @@ impl<const D: usize> Neighbors<D> {
         self.pairs.len()
     }
 
-    fn find(&mut self, places: &[[f64; D]]) {
+    fn find(&mut self, places: &[[f64; D]], is_asked: &impl Fn(u32, u32) -> bool) {
         let reach = (1.0 + SKIN) * self.distance;
         let cell = |x: &[f64; D]| x.map(|x| (x / reach).floor().clamp(-FAR, FAR) as i64);
         let mut order: Vec<([i64; D], u32)> = places
@@ -79,7 +88,7 @@ impl<const D: usize> Neighbors<D> {
                 };
                 for (_, other) in &order[*begin..*end] {
                     let is_near = squared(x, &places[*other as usize]) < reach * reach;
-                    if *other as usize > number && is_near {
+                    if *other as usize > number && is_near && is_asked(number as u32, *other) {
                         self.pairs.push([number as u32, *other]);
                     }
                 }

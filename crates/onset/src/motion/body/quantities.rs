@@ -5,7 +5,7 @@
 pub struct BodyQuantities {
     /// `sum m v^2 / 2` (with XSPH in all equations `sum m v . v_smoothed / 2`); energy (in one and two dimensions per unit of the dimensions that are left out, as all that follow).
     pub kinetic: f64,
-    /// `sum V W(F)`; energy. The penalty has no potential.
+    /// `sum V W(F)`, and the potential of contacts; energy. The penalty has no potential.
     pub strain: f64,
     /// What the grips have done; energy.
     pub work: f64,
