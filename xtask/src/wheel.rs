@@ -9,6 +9,18 @@ use std::time::SystemTime;
 const MAKING: &str = "python/requirements-wheel.txt";
 /// Interpreters without a global lock, where they are installed: the stable interface leaves them out, and each needs a wheel of its own.
 const FREE_THREADED: [&str; 2] = ["python3.14t", "python3.15t"];
+/// A wheel of a release is small; functions of the same instructions are one, where the linker of the toolchain can do that.
+const SMALL: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    &[
+        "--compression-level",
+        "9",
+        "--",
+        "-C",
+        "link-arg=-Wl,--icf=all",
+    ]
+} else {
+    &["--compression-level", "9"]
+};
 /// What the tests need beside the wheel.
 const TESTING: &str = "python/tests/requirements.txt";
 
@@ -95,6 +107,7 @@ fn made(profile: &str, folder: &str, interpreter: &Path) -> Result<PathBuf, Stri
             .arg(std::path::absolute(folder).map_err(|error| error.to_string())?)
             .arg("--interpreter")
             .arg(interpreter)
+            .args(if profile == "wheel" { SMALL } else { &[] })
             .current_dir("python"),
     )?;
     newest(folder, since)

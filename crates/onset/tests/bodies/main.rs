@@ -1,5 +1,6 @@
 //! Bodies: the engine against the general way, against the continuum, and what mechanics conserves.
 
+mod bands;
 mod contact;
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
