@@ -3,7 +3,7 @@
 use super::key::key;
 use super::needs::is;
 use super::toml::{File, described, in_order, typed};
-use super::{Key, Kind, Origin, SettingError, Value, unknown_key};
+use super::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
 use crate::number::counted;
 use onset::motion::{BodyParticles, Contact, Grip, Notch, PlacedParticle, Shape};
 use std::collections::BTreeMap;
@@ -112,11 +112,16 @@ pub const GRIP_KEYS: &[Key] = &[
 /// What keys were set to, with where.
 type Values = BTreeMap<&'static str, (Value, Origin)>;
 
+/// Those that have units, with where they are.
+type Measured = Vec<(&'static str, Origin)>;
+
 /// A body with its grips, as a study has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySettings {
     values: Values,
     grips: Vec<(Values, Origin)>,
+    /// What was given with a unit.
+    measured: Measured,
     /// Where the body is.
     origin: Origin,
     /// Files are looked for beside the study.
@@ -129,6 +134,7 @@ fn read(
     section: &str,
     keys: &'static [Key],
     table: &DeTable<'_>,
+    measured: &mut Measured,
 ) -> Result<Values, SettingError> {
     let mut values = BTreeMap::new();
     for (key, value) in in_order(table) {
@@ -140,7 +146,11 @@ fn read(
                 file.of(key),
             ));
         };
-        let read = typed(known, value, file)?;
+        let mut read = typed(known, value, file)?;
+        if let Some(own) = units::converted(known, &read, &file.of(value))? {
+            read = own;
+            measured.push((known.name, file.of(value)));
+        }
         if !known.kind.accepts(&read) {
             let message = format!("`{name}` cannot be {read}");
             return Err(SettingError::new(file.of(value), message)
@@ -225,12 +235,14 @@ impl BodySettings {
             return Err(SettingError::new(file.of(key), message)
                 .hint("expected a table: [body] with its keys below"));
         };
+        let mut measured = Vec::new();
         let own = Self {
-            values: read(file, "body", BODY_KEYS, table)?,
+            values: read(file, "body", BODY_KEYS, table, &mut measured)?,
             grips: match grips {
-                Some((_, value)) => Self::read_grips(file, value)?,
+                Some((_, value)) => Self::read_grips(file, value, &mut measured)?,
                 None => Vec::new(),
             },
+            measured,
             origin: file.of(key),
             folder: Path::new(file.name)
                 .parent()
@@ -244,6 +256,7 @@ impl BodySettings {
     fn read_grips(
         file: &File<'_>,
         value: &Spanned<DeValue<'_>>,
+        measured: &mut Measured,
     ) -> Result<Vec<(Values, Origin)>, SettingError> {
         let wrong = |value: &Spanned<DeValue<'_>>| {
             let message = format!("`grips` cannot be {}", described(value.get_ref()));
@@ -253,8 +266,11 @@ impl BodySettings {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(wrong(value));
         };
-        let grip = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
-            DeValue::Table(table) => Ok((read(file, "grips", GRIP_KEYS, table)?, file.of(item))),
+        let mut grip = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+            DeValue::Table(table) => Ok((
+                read(file, "grips", GRIP_KEYS, table, measured)?,
+                file.of(item),
+            )),
             _ => Err(wrong(item)),
         };
         items.iter().map(grip).collect()
@@ -314,6 +330,21 @@ impl BodySettings {
             shape: Box::new(shape),
             offset: offset.iter().map(|own| own * spacing).collect(),
         }))
+    }
+
+    /// That no value has a unit where those of the problem have none.
+    ///
+    /// # Errors
+    /// [`SettingError`] where one has.
+    pub fn check_units(&self, units: Units) -> Result<(), SettingError> {
+        match self.measured.first() {
+            Some((name, origin)) if !units.are_si() => Err(SettingError::new(
+                origin.clone(),
+                format!("`{name}` has a unit, and material and discretization have none"),
+            )
+            .hint("of values with dimensions all have units, or none")),
+            _ => Ok(()),
+        }
     }
 
     /// The contact between its pieces, where there is one.

@@ -115,6 +115,9 @@ pub fn run_body(
     }
     let dimension = problem.dimension();
     let spacing = problem.analysis.spacing();
+    question
+        .body
+        .check_units(problem.settings.effective().units())?;
     let particles = question.body.particles(dimension, spacing)?;
     let grips = question.body.grips(dimension, spacing)?;
     let contact = question.body.contact();

@@ -14,8 +14,10 @@ use std::collections::BTreeMap;
 pub struct BlochSum<const D: usize> {
     /// Where the particles of a cell are, from the first one.
     sites: Vec<SVector<f64, D>>,
-    /// The cells with particles of columns. Of many pairs with the same cells the phase is computed once.
-    cells: Vec<SVector<f64, D>>,
+    /// The cells with particles of columns, lattice coordinates and where they are. Of many pairs with the same cells the phase is computed once.
+    cells: Vec<([i32; D], SVector<f64, D>)>,
+    /// The primitive vectors, each with the largest coordinate of a cell along it.
+    primitive: [(SVector<f64, D>, usize); D],
     terms: Vec<Term<D>>,
 }
 
@@ -102,7 +104,7 @@ impl<const D: usize> BlochSum<D> {
         let terms = blocks.map(|(from, to, block)| {
             let cell = *numbers.entry(to.cell).or_insert_with(|| {
                 let home = Particle::home(0);
-                cells.push(position(&home.moved(&to.cell)) - position(&home));
+                cells.push((to.cell, position(&home.moved(&to.cell)) - position(&home)));
                 cells.len() - 1
             });
             Term {
@@ -115,10 +117,17 @@ impl<const D: usize> BlochSum<D> {
         });
         let terms = terms.collect();
         let home = |site: usize| position(&Particle::home(site));
+        let primitive = std::array::from_fn(|axis| {
+            let step = std::array::from_fn(|i| i32::from(i == axis));
+            let along = cells.iter().map(|(cell, _)| cell[axis].unsigned_abs());
+            let vector = position(&Particle::home(0).moved(&step)) - home(0);
+            (vector, along.max().unwrap_or(0) as usize)
+        });
         let count = crystal.sites().len();
         Self {
             sites: (0..count).map(|n| home(n) - home(0)).collect(),
             cells,
+            primitive,
             terms,
         }
     }
@@ -135,8 +144,35 @@ impl<const D: usize> BlochSum<D> {
         };
         Phases {
             sites: self.sites.iter().map(phase).collect(),
-            cells: self.cells.iter().map(phase).collect(),
+            cells: self.cell_phases(phase),
         }
+    }
+
+    /// Those of the cells: products of powers of `exp(i k.a)` of the primitive vectors, which take a tenth of the time of sines, unless the basis is so
+    /// oblique that there are more powers than cells.
+    fn cell_phases(&self, phase: impl Fn(&SVector<f64, D>) -> Complex) -> Vec<Complex> {
+        let steps: usize = self.primitive.iter().map(|(_, most)| most).sum();
+        if steps > self.cells.len() {
+            return self.cells.iter().map(|(_, vector)| phase(vector)).collect();
+        }
+        let powers = self.primitive.each_ref().map(|(vector, most)| {
+            let mut powers = vec![Complex::new(1.0, 0.0), phase(vector)];
+            for n in 2..=*most {
+                // Few factors, little rounding.
+                powers.push(powers[n / 2] * powers[n - n / 2]);
+            }
+            powers
+        });
+        let along = |axis: usize, n: i32| {
+            let power = powers[axis][n.unsigned_abs() as usize];
+            if n < 0 { power.conj() } else { power }
+        };
+        let product = |(cell, _): &([i32; D], SVector<f64, D>)| {
+            (1..D).fold(along(0, cell[0]), |phase, axis| {
+                phase * along(axis, cell[axis])
+            })
+        };
+        self.cells.iter().map(product).collect()
     }
 
     /// The blocks: the site of the row, the particle of the column, and the block itself.
