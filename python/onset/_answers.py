@@ -335,8 +335,9 @@ class Bands(_Moving):
 
     @asks
     def mode(self, at: int | str, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
-        """A wave of the path on a patch of particles: of the sample with the index `at`, or of the corner of that name. Other arguments as of `Waves.mode`."""
+        """A wave of the path on a patch of particles: of the sample with the index `at`, or of the first corner of that name. Other arguments as of `Waves.mode`."""
         if isinstance(at, str):
+            at = {"G": "Γ", "Gamma": "Γ"}.get(at, at.replace("'", "′"))
             if at not in self.labels:
                 raise InputError(f"the path has no corner {at!r}\n  hint: it has {', '.join(self.labels)}")
             index = int(np.searchsorted(self.lengths, self.corners[self.labels.index(at)]))
@@ -463,7 +464,9 @@ class Modes(_Moving):
         cell = self._cell()
         # Uniform displacements have no energy either.
         is_uniform = float(np.linalg.norm(k)) * cell.spacing < 1e-9
-        values, vectors = cell.waves(cell.dynamical_matrix(k), without_translations=is_uniform)
+        # A mode without energy is told from others by them.
+        size = float(np.max(np.abs(cell.dynamical_matrix(k + 0.5 / cell.spacing))))
+        values, vectors = cell.waves(cell.dynamical_matrix(k), size=size, without_translations=is_uniform)
         own = int(np.argsort(np.abs(values), kind="stable")[whole(branch, "branch", 1, len(values)) - 1])
         return Mode(cell, k, values[own], vectors[:, own], cells, amplitude)
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 import importlib
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _onset
-from ._arrays import Complexes, Floats, numbers, place, positive, received, share, whole
+from ._arrays import Complexes, Floats, between, numbers, place, positive, received, share, whole
 from ._errors import InputError, MachineError, OnsetError, asks
 
 if TYPE_CHECKING:
@@ -26,8 +27,12 @@ if TYPE_CHECKING:
 FEWEST, SOUGHT, ELSE = 4, 24, 12
 #: Wavelengths that so many cells hold are whole within this.
 WHOLE = 1e-6
-#: Particles of the largest patch.
-LARGEST = 1_000_000
+#: Particles of the largest patch, and of all its frames.
+LARGEST, MOVING = 1_000_000, 50_000_000
+#: The largest phase.
+LATEST = 1e9
+#: What ``omega^2`` may be by rounding, as a share of the largest entry of the matrix.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,7 @@ class Cell:
             values, vectors = np.linalg.eigh(0.5 * (weighted + weighted.conj().T))
         else:
             values, vectors = np.linalg.eig(weighted)
+        values = np.where(np.abs(values) <= ROUNDING * np.max(np.abs(weighted), initial=size), 0.0, values)
         order = np.argsort(values.real, kind="stable")
         return values[order].astype(np.complex128), (basis @ vectors[:, order]).astype(np.complex128)
 
@@ -144,9 +150,11 @@ class Mode:
     def __repr__(self) -> str:
         return f"<onset.Mode of {len(self.positions)} particles, k = {self.wave_vector.tolist()}, omega^2 = {self.omega_squared:.6g}>"
 
+    @asks
     def at(self, phase: float) -> Floats:
         """The displacements ``Re(u exp(-i p))`` at a phase in radians, shape (n, 3); length."""
-        return np.asarray((self.displacements * np.exp(-1j * phase)).real, dtype=np.float64)
+        turned = np.exp(-1j * between(phase, "phase", -np.inf, LATEST, f"a finite number of radians up to {LATEST:g}"))
+        return np.asarray((self.displacements * turned).real, dtype=np.float64)
 
     @asks
     def to_ase(self, *, frames: int = 24, unit: float = 1.0, symbol: str = "X") -> list[Atoms]:
@@ -161,6 +169,13 @@ class Mode:
         """
         ase = _package("ase")
         count, length = whole(frames, "frames", 1, 10_000), positive(unit, "unit")
+        if count * len(self.positions) > MOVING:
+            raise InputError(f"{count} frames of {len(self.positions)} particles are too many; expected {MOVING} places at most")
+        reach = float(np.max(np.abs(self.edges)))
+        if not 1e-300 < reach / length < 1e300:
+            raise InputError(f"unit is {length!r}, and the patch is {reach!r} long; expected a length in which it can be told")
+        if symbol_of(symbol) not in importlib.import_module("ase.data").atomic_numbers:
+            raise InputError(f"symbol is {symbol!r}; expected that of a chemical element, or X")
         omega = np.sqrt(self.omega_squared)
         known = {"wave_vector": self.wave_vector * length, "omega": abs(omega.real), "growth_rate": abs(omega.imag)}
         made: list[Atoms] = []
@@ -189,6 +204,15 @@ class Mode:
         """
         data = {"displacement": self.at(0.0), "quarter": self.at(0.5 * np.pi), "site": self.sites}
         return _package("meshio").Mesh(self.positions, [("vertex", np.arange(len(self.positions))[:, None])], point_data=data)
+
+
+def symbol_of(symbol: object) -> str:
+    """A chemical symbol, or what stands for one."""
+    if not isinstance(symbol, str):
+        raise TypeError(f"symbol is {type(symbol).__name__}; expected a text")
+    if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", symbol):
+        raise InputError(f"symbol is {symbol!r}; expected a capital with letters and digits, such as Cu or X")
+    return symbol
 
 
 def _package(name: str) -> Any:
@@ -255,7 +279,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
     for n, (site, mass) in enumerate(zip(cell.sites, cell.masses, strict=True)):
         coordinates = np.zeros(3)
         coordinates[:dimension] = site @ np.linalg.inv(cell.vectors)
-        lines += [f"- symbol: {symbol} # {n + 1}", f"  coordinates: {row(coordinates)}", f"  mass: {float(mass)!r}"]
+        lines += [f"- symbol: {quoted(symbol_of(symbol))} # {n + 1}", f"  coordinates: {row(coordinates)}", f"  mass: {float(mass)!r}"]
     lines += ["", "phonon:"]
     matrices, k = answer.dynamical_matrices, answer.k
     # Corners between segments stand in both.

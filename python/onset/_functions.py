@@ -102,6 +102,8 @@ def _values(functions: list[_Function], parameters: Mapping[str, object]) -> dic
 
 
 def _shaped(result: Any, shape: tuple[int, ...], what: str) -> Floats:
+    if np.iscomplexobj(result):
+        raise TypeError(f"{what} is complex; expected real numbers")
     array = np.asarray(result, dtype=np.float64)
     if array.shape != shape:
         raise TypeError(f"{what} has the shape {array.shape}; expected {shape or 'a number'}")

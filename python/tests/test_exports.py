@@ -255,3 +255,35 @@ def test_what_cannot_be_exported_is_said(monkeypatch: pytest.MonkeyPatch, tmp_pa
         with pytest.raises(onset.OnsetError, match=f"this needs {name}") as missing:
             export()
         assert missing.value.hint == f"pip install {name}"
+
+
+def test_arguments_that_cannot_be_are_told(tmp_path: Path) -> None:
+    import yaml  # type: ignore[import-untyped]
+
+    bands = onset.bands("neo-hooke", onset.Method("total-lagrangian-sph", lattice="square"), stretch=(1.1, 1.0))
+    assert np.array_equal(bands.mode("G").wave_vector, bands.mode("Γ").wave_vector)
+    assert np.array_equal(bands.mode("X'").wave_vector, bands.mode("X′").wave_vector)
+    assert {point["symbol"] for point in yaml.safe_load(bands.to_yaml(symbol="No"))["points"]} == {"No"}
+    for symbol in ("X: y", "a\nb", "1", ""):
+        with pytest.raises(onset.InputError, match="symbol is"):
+            bands.to_yaml(symbol=symbol)
+    wave = bands.mode("X")
+    with pytest.raises(onset.InputError, match="chemical element"):
+        wave.to_ase(symbol="Zz")
+    with pytest.raises(TypeError, match="symbol is int"):
+        wave.to_ase(symbol=5)  # type: ignore[arg-type]
+    for unit in (1e-310, 1e308):
+        with pytest.raises(onset.InputError, match="unit is"):
+            wave.to_ase(unit=unit)
+    with pytest.raises(onset.InputError, match="too many"):
+        bands.mode("X", cells=400).to_ase(frames=10_000)
+    for phase in (np.nan, np.inf):
+        with pytest.raises(onset.InputError, match="phase"):
+            wave.at(phase)
+    with pytest.raises(onset.InputError, match="character 0"):
+        bands.to_yaml(str(tmp_path / "\0x"))
+
+
+def test_zero_energy_modes_do_not_grow() -> None:
+    (first, *_) = onset.modes(onset.Method("total-lagrangian-sph", lattice="square", support=2.6)).mode(1).to_ase()
+    assert first.info["growth_rate"] == 0.0

@@ -151,6 +151,7 @@ def test_parameters_can_be_replaced_and_make_laws_different() -> None:
         (lambda: onset.Material(lambda F: math.nan, stress=stress, tangent=tangent, mu=1, lambda_=1), "the energy of the material is not finite"),
         (lambda: onset.Material(energy, stress=stress, tangent=lambda F: np.full((3,) * 4, np.inf), mu=1, lambda_=1), "the tangent of the material is not"),
         (lambda: onset.Material(energy, mu=1, lambda_=1), "plain number"),
+        (lambda: onset.Material(energy, stress=lambda F: F * 1j, tangent=tangent, mu=1, lambda_=1), "the stress is complex"),
     ],
 )
 def test_what_is_no_law_is_refused_in_words(make: Callable[[], object], told: str) -> None:

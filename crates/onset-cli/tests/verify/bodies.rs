@@ -414,6 +414,13 @@ fn bodies_that_cannot_be_are_refused() {
             "--steps 9",
             "repel all that come near",
         ),
+        (
+            format!("{bar}second = [30, 0]\ncontact = 1")
+                .replace("total-lagrangian-sph", "kernel")
+                .replace("penalty = 0.5\n", ""),
+            "--steps 9",
+            "has no bodies",
+        ),
     ] {
         let told = refused(&study, line);
         assert!(told.contains(words), "no `{words}` in {told}");
@@ -455,4 +462,29 @@ fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
         let told = told(&place, "--steps 20", 2);
         assert!(told.contains(words), "no `{words}` in {told}");
     }
+}
+
+#[test]
+fn times_of_grips_have_units_where_the_problem_has_them() {
+    let grips = "[[grips]]\nfrom = [0, 0]\nto = [2, 6]\nvelocity = [0.1, 0]\nramp = '2 ms'\n";
+    let bar = "[body]\nshape = 'bar'\nsize = [20, 6]\n";
+    let told = told(&Body::new(&format!("{METHOD}{bar}{grips}")), "--steps 9", 2);
+    assert!(told.contains("`grips.ramp` has a unit"), "{told}");
+    let units = METHOD
+        .replace("'neo-hooke'", "'neo-hooke'\nmu = '1 MPa'\nlambda = '1 MPa'")
+        .replace(
+            "support",
+            "spacing = '1 mm'\ndensity = '1000 kg/m^3'\nsupport",
+        );
+    let run = |ramp: &str| {
+        let grips = grips.replace("'2 ms'", ramp);
+        let answer = Answer::of(Body::new(&format!("{units}{bar}{grips}")).command("--steps 9"));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        answer.stdout
+    };
+    assert_eq!(run("'2 ms'"), run("0.002"));
+    let wrong = Body::new(&format!("{units}{bar}{}", grips.replace("ms", "mm")));
+    let answer = Answer::of(wrong.command("--steps 9"));
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("time"), "{}", answer.stderr);
 }

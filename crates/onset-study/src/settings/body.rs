@@ -266,7 +266,7 @@ impl BodySettings {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(wrong(value));
         };
-        let mut grip = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+        let grip = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
             DeValue::Table(table) => Ok((
                 read(file, "grips", GRIP_KEYS, table, measured)?,
                 file.of(item),

@@ -32,6 +32,8 @@ pub enum Ground {
     Inverted,
     /// The law is not defined there.
     OutsideDomain,
+    /// It is nearer than half a spacing to a particle of another piece: it would pass through.
+    Overlapping,
     /// The method has no forces there.
     Method(MethodError),
     /// A number beyond all numbers, or none.
@@ -43,6 +45,9 @@ impl fmt::Display for Fault {
         let what = match &self.ground {
             Ground::Inverted => "the material about it is inverted".to_owned(),
             Ground::OutsideDomain => "the law is not defined there".to_owned(),
+            Ground::Overlapping => {
+                "it is nearer than half a spacing to a particle of another piece, and would pass through it: the contact is too soft, or the pieces meet too fast".to_owned()
+            }
             Ground::Method(error) => error.to_string(),
             Ground::NotFinite => "its motion is beyond all numbers".to_owned(),
         };

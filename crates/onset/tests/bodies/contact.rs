@@ -4,7 +4,7 @@ use super::{at_rest, block, choices, law, method, twice};
 use onset::algebra::uniform;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::LatticeKind;
-use onset::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, Start};
+use onset::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, Ground, Start};
 use onset::scheme::stabilization::PenaltyForm;
 
 const HARD: Option<Contact> = Some(Contact { stiffness: 0.7 });
@@ -164,6 +164,36 @@ fn blocks_that_collide_bounce_and_keep_energy_and_momentum() {
     assert!(after[0] < -0.02 && after[1] > 0.02, "{after:?}");
     let (_, _, through) = collision(0.4, None);
     assert!(through[0] > 0.049 && through[1] < -0.049, "{through:?}");
+}
+
+#[test]
+fn pieces_that_would_pass_through_each_other_end_the_motion() {
+    let thrown = |low: f64, high: f64, speed: f64| Grip {
+        low: vec![low, -1.0],
+        high: vec![high, 20.0],
+        velocity: vec![speed, 0.0],
+        ramp: 0.0,
+        until: 0.0,
+    };
+    let grips = [thrown(-1.0, 9.0, 3.0), thrown(9.0, 30.0, -3.0)];
+    let fault = touching(
+        LatticeKind::Square,
+        &twice(&[6.0, 5.0], 12.0),
+        &grips,
+        HARD,
+        |body| {
+            let start = Start {
+                f: DeformationGradient::identity(),
+                noise: 0.0,
+                seed: 1,
+            };
+            body.start(&start, 0.02).expect("a start");
+            (0..500).find_map(|_| body.advance(0.02).err())
+        },
+    );
+    let fault = fault.expect("a body").expect("a fault");
+    assert_eq!(fault.ground, Ground::Overlapping);
+    assert!(fault.to_string().contains("too soft"), "{fault}");
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl<'a, const D: usize> Engine<'a, D> {
     /// `F_I` and `T_I` at displacements, and who touches whom.
     pub(super) fn deform(&mut self, u: &Field<D>) -> Result<(), Lost> {
         if let Some(pieces) = &mut self.pieces {
-            pieces.meet(u);
+            pieces.meet(u)?;
         }
         let Self {
             material,
@@ -145,6 +145,12 @@ impl<'a, const D: usize> Engine<'a, D> {
         if let Some(pieces) = &self.pieces {
             pieces.kick(v, dt, |particle| self.density * self.volumes[particle]);
         }
+    }
+
+    /// Whether a particle is about to pass through one of another piece.
+    pub(super) fn is_passing(&self, particle: usize) -> bool {
+        let pieces = self.pieces.as_ref();
+        pieces.is_some_and(|pieces| pieces.is_passing(particle))
     }
 
     /// What contacts add to the largest `omega^2`, at most; 1/time^2.

@@ -105,7 +105,11 @@ pub(crate) fn with_body<const D: usize>(
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
     let Some(law) = discretization.pairs(material)? else {
-        if contact.is_some() {
+        if contact.is_some()
+            && discretization
+                .current_pairs(material, &DeformationGradient::identity())?
+                .is_some()
+        {
             return Err(BodyError::NoContact(
                 "particles of this method repel all that come near",
             ));
@@ -229,6 +233,7 @@ impl<const D: usize> MovingBody<'_, D> {
         let volume = DeformationGradient::from_components(f).determinant();
         let ground = match never {
             Some(_) => Ground::NotFinite,
+            None if self.engine.is_passing(particle) => Ground::Overlapping,
             None if volume <= 0.0 => Ground::Inverted,
             None => Ground::OutsideDomain,
         };

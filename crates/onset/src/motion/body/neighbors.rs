@@ -15,7 +15,8 @@ pub(super) struct Neighbors<const D: usize> {
     pairs: Vec<[u32; 2]>,
 }
 
-fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+/// The squared distance of two places.
+pub(super) fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
