@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 const SECONDS: u64 = if cfg!(debug_assertions) { 30 } else { 10 };
 /// Seconds after which a process that needs no processor time waits for something that never comes.
 const WAITING: Duration = Duration::from_secs(300);
-/// Commands that ask hundreds or thousands of states and tell of it: where these take longer than [`SECONDS`] they are interrupted, and must
-/// end at once.
-const LONG: [&str; 2] = ["path", "boundary"];
+/// Commands that ask thousands of states, or try method after method, and show that they work: where these take longer than [`SECONDS`] they are
+/// interrupted, and must end at once.
+const LONG: [&str; 5] = ["path", "boundary", "tune", "recommend", "compare"];
 /// Exit code of a command that was interrupted.
 const INTERRUPTED: i32 = 130;
 /// Kibibytes of address space: a gibibyte, and what threads and the program itself reserve.
