@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _onset
-from ._arrays import Complexes, Floats, place, received, whole
+from ._arrays import Complexes, Floats, place, received, whole, write
 from ._errors import InputError, asks
-from ._exports import Cell, Mode, band_yaml, written
+from ._exports import Cell, Mode, band_yaml
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -357,7 +357,10 @@ class Bands(_Moving):
         units of the reciprocal vectors, where reference and current configuration agree. Each segment has both of its ends. ``mass`` is per unit of the
         dimensions that are left out. All particles have one chemical `symbol`, by default that of no element. A ``MachineError`` where the file cannot be written.
         """
-        return written(band_yaml(self, self._cell(), symbol), path)
+        text = band_yaml(self, self._cell(), symbol)
+        if path is not None:
+            write(text, path, "path")
+        return text
 
     @property
     def k(self) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._errors import InputError
+from ._errors import InputError, MachineError
 
 #: An array of doubles.
 Floats = NDArray[np.float64]
@@ -100,6 +100,16 @@ def place(value: object, what: str) -> str:
     if "\0" in path:
         raise InputError(f"{what} has the character 0; expected a path")
     return path
+
+
+def write(text: str, path: object, what: str) -> None:
+    """Writes a text into a file."""
+    name = place(path, what)
+    try:
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as error:
+        raise MachineError(f"cannot write {name}: {error.strerror}\n  hint: expected the name of a file in a folder that exists") from error
 
 
 def listed(value: object, what: str) -> list[Any]:

@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _onset
-from ._arrays import Complexes, Floats, between, numbers, place, positive, received, share, whole
-from ._errors import InputError, MachineError, OnsetError, asks
+from ._arrays import Complexes, Floats, between, numbers, positive, received, share, whole
+from ._errors import InputError, OnsetError, asks
 
 if TYPE_CHECKING:
-    import os
-
     from ase import Atoms
     import meshio  # type: ignore[import-untyped]
 
@@ -303,14 +301,3 @@ def _point(cell: Cell, k: Floats, waves: tuple[Complexes, Complexes], distance: 
             lines.append(f"    - # atom {site + 1}")
             lines += [f"      - {row([e.real, e.imag])}" for e in [*own, *[0j] * missing]]
     return [*lines, ""]
-
-
-def written(text: str, path: str | os.PathLike[str] | None) -> str:
-    """A text, put into a file where there is one."""
-    if path is not None:
-        try:
-            with open(place(path, "path"), "w", encoding="utf-8") as file:
-                file.write(text)
-        except OSError as error:
-            raise MachineError(f"cannot write {path}: {error}") from error
-    return text

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received
-from ._errors import InputError, MachineError, SettingError, asks
+from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received, write
+from ._errors import InputError, SettingError, asks
 from ._functions import Handed, delivered, differentiated, has_jax
 from ._trace import formula
 
@@ -487,11 +487,7 @@ class Study:
     @asks
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the study file, for ``onset map`` and all other commands. A `MachineError` where it cannot be written."""
-        name = place(path, "a study")
-        try:
-            Path(name).write_text(self.text, encoding="utf-8")
-        except OSError as error:
-            raise MachineError(f"cannot write {name}: {error.strerror}\n  hint: expected the name of a file in a folder that exists") from error
+        write(self.text, path, "a study")
 
     def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:
         return _restored, (self.text, self._libraries)

@@ -30,10 +30,10 @@ const TESTING: &str = "python/tests/requirements.txt";
 /// # Errors
 /// What failed, in words.
 pub fn run() -> Result<(), String> {
-    let own = environment("wheel", Path::new(MAKING))?;
-    let unlocked = FREE_THREADED.map(PathBuf::from).into_iter();
-    for interpreter in std::iter::once(own).chain(unlocked.filter(|name| is_installed(name))) {
-        let wheel = made("wheel", "target/wheels", &interpreter)?;
+    let unlocked = FREE_THREADED.into_iter().map(Path::new);
+    let unlocked = unlocked.filter(|name| is_installed(name)).map(Some);
+    for interpreter in std::iter::once(None).chain(unlocked) {
+        let wheel = made("wheel", "target/wheels", interpreter)?;
         let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
         println!(
             "{}: {:.1} MB",
@@ -58,8 +58,7 @@ fn is_installed(interpreter: &Path) -> bool {
 /// # Errors
 /// What failed, in words.
 pub fn test() -> Result<(), String> {
-    let making = environment("wheel", Path::new(MAKING))?;
-    let wheel = made("dev", "target/wheels-dev", &making)?;
+    let wheel = made("dev", "target/wheels-dev", None)?;
     let command = command()?;
     let interpreter = environment("python", Path::new(TESTING))?;
     succeed(
@@ -97,8 +96,8 @@ pub fn command() -> Result<PathBuf, String> {
     std::path::absolute(command).map_err(|error| error.to_string())
 }
 
-/// Makes a wheel for an interpreter, in a profile, into a folder; where it is.
-fn made(profile: &str, folder: &str, interpreter: &Path) -> Result<PathBuf, String> {
+/// Makes a wheel for an interpreter, by default that of all with a global lock, in a profile, into a folder; where it is.
+fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
     let making = environment("wheel", Path::new(MAKING))?;
     let since = SystemTime::now();
     succeed(
@@ -106,7 +105,7 @@ fn made(profile: &str, folder: &str, interpreter: &Path) -> Result<PathBuf, Stri
             .args(["-m", "maturin", "build", "--profile", profile, "--out"])
             .arg(std::path::absolute(folder).map_err(|error| error.to_string())?)
             .arg("--interpreter")
-            .arg(interpreter)
+            .arg(interpreter.unwrap_or(&making))
             .args(if profile == "wheel" { SMALL } else { &[] })
             .current_dir("python"),
     )?;

@@ -1,12 +1,12 @@
 //! Which commands to run after a verdict, with the settings at hand.
 
-use crate::settings::{Choice, Family, Key, Model, Settings, Value};
+use crate::settings::{Choice, Family, Key, Settings, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
 /// Commands to run after a verdict; none of a law that the calling program has handed over, which no command can name.
 pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
-    if Model::named(settings.material.model.name()).is_none() {
+    if settings.material.is_handed() {
         return Vec::new();
     }
     let coefficient = coefficient(settings);

@@ -112,15 +112,15 @@ pub const GRIP_KEYS: &[Key] = &[
 /// What keys were set to, with where.
 type Values = BTreeMap<&'static str, (Value, Origin)>;
 
-/// Those that have units, with where they are.
-type Measured = Vec<(&'static str, Origin)>;
+/// The first key that has a unit, with where it is.
+type Measured = Option<(&'static str, Origin)>;
 
 /// A body with its grips, as a study has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySettings {
     values: Values,
     grips: Vec<(Values, Origin)>,
-    /// What was given with a unit.
+    /// What was given with a unit, first.
     measured: Measured,
     /// Where the body is.
     origin: Origin,
@@ -149,7 +149,7 @@ fn read(
         let mut read = typed(known, value, file)?;
         if let Some(own) = units::converted(known, &read, &file.of(value))? {
             read = own;
-            measured.push((known.name, file.of(value)));
+            measured.get_or_insert_with(|| (known.name, file.of(value)));
         }
         if !known.kind.accepts(&read) {
             let message = format!("`{name}` cannot be {read}");
@@ -235,7 +235,7 @@ impl BodySettings {
             return Err(SettingError::new(file.of(key), message)
                 .hint("expected a table: [body] with its keys below"));
         };
-        let mut measured = Vec::new();
+        let mut measured = None;
         let own = Self {
             values: read(file, "body", BODY_KEYS, table, &mut measured)?,
             grips: match grips {
@@ -337,7 +337,7 @@ impl BodySettings {
     /// # Errors
     /// [`SettingError`] where one has.
     pub fn check_units(&self, units: Units) -> Result<(), SettingError> {
-        match self.measured.first() {
+        match &self.measured {
             Some((name, origin)) if !units.are_si() => Err(SettingError::new(
                 origin.clone(),
                 format!("`{name}` has a unit, and material and discretization have none"),

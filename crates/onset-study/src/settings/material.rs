@@ -44,6 +44,11 @@ impl MaterialSettings {
         }
     }
 
+    /// Whether the law is one of the calling program, which no file or command can name.
+    pub(crate) fn is_handed(&self) -> bool {
+        self.handed.is_some()
+    }
+
     /// That the value of a key has a unit.
     pub(super) fn measure(&mut self, key: &'static Key) {
         self.with_units.insert(key.parts().1);

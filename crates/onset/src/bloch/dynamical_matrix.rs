@@ -2,6 +2,7 @@
 
 use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
+use super::powers::Powers;
 use super::short_range::ShortRange;
 use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
@@ -545,15 +546,11 @@ impl<const D: usize> DynamicalMatrix<D> {
     }
 }
 
-/// Multiples of a primitive vector whose phases fit on the stack.
-const NEAR: usize = 16;
-
 /// The phases `exp(i k.R / 2)` of all vectors from those of the primitive vectors: a sine and cosine for each
 /// primitive vector and site, a product for each vector.
 struct HalfPhases<const D: usize> {
-    /// `exp(i n k.a_d / 2)` at `[n][d]`, `n = 0 ..= reach`; those that are many are on the heap.
-    powers: [[Complex; D]; NEAR],
-    far: Vec<[Complex; D]>,
+    /// `exp(i n k.a_d / 2)`.
+    powers: Powers<D>,
     /// `exp(i k.site / 2)`.
     sites: Vec<Complex>,
 }
@@ -566,47 +563,23 @@ impl<const D: usize> HalfPhases<D> {
         };
         let steps: [Complex; D] =
             std::array::from_fn(|d| half_phase(matrix.vectors.column(d).into_owned()));
-        let one = [Complex::new(1.0, 0.0); D];
-        let turned =
-            |power: &[Complex; D]| -> [Complex; D] { std::array::from_fn(|d| power[d] * steps[d]) };
-        let mut powers = [one; NEAR];
-        for n in 1..NEAR.min(matrix.reach + 1) {
-            powers[n] = turned(&powers[n - 1]);
-        }
-        let mut far = Vec::new();
-        let mut last = powers[NEAR - 1];
-        for _ in NEAR..matrix.reach + 1 {
-            last = turned(&last);
-            far.push(last);
-        }
         let sites = matrix
             .sites
             .iter()
             .skip(1)
             .map(|site| half_phase(matrix.vectors * site))
             .collect();
-        Self { powers, far, sites }
+        Self {
+            powers: Powers::new(steps, matrix.reach),
+            sites,
+        }
     }
 
     fn of(&self, term: &Term<D>) -> Complex {
-        let mut phase = if term.site == 0 {
-            Complex::new(1.0, 0.0)
-        } else {
-            self.sites[term.site - 1]
+        let site = match term.site {
+            0 => Complex::new(1.0, 0.0),
+            own => self.sites[own - 1],
         };
-        for d in 0..D {
-            let n = term.cell[d].unsigned_abs() as usize;
-            let power = if n < NEAR {
-                self.powers[n][d]
-            } else {
-                self.far[n - NEAR][d]
-            };
-            phase *= if term.cell[d] < 0 {
-                power.conj()
-            } else {
-                power
-            };
-        }
-        phase
+        self.powers.turned(site, &term.cell)
     }
 }

@@ -12,6 +12,7 @@ mod mirror;
 mod moments;
 mod planar;
 mod pocket;
+mod powers;
 mod search;
 mod short_range;
 mod spatial;

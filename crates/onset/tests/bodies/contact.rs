@@ -97,22 +97,32 @@ fn forces_and_energy_of_a_contact_are_those_of_all_pairs_of_two_pieces() {
     assert_forces_are_those_of_all_pairs::<3>(LatticeKind::SimpleCubic);
 }
 
-/// Two blocks thrown at each other: the largest change of the energy, and velocity of the first at the end.
-fn collision(fraction: f64, contact: Option<Contact>) -> (f64, f64, [f64; 2]) {
-    let thrown = |low: f64, high: f64, speed: f64| Grip {
+fn undeformed() -> Start {
+    Start {
+        f: DeformationGradient::identity(),
+        noise: 0.0,
+        seed: 1,
+    }
+}
+
+/// Something done with two blocks that are thrown at each other.
+fn thrown<T>(speed: f64, contact: Option<Contact>, work: impl Fn(&mut dyn BodyMotion) -> T) -> T {
+    let grip = |low: f64, high: f64, speed: f64| Grip {
         low: vec![low, -1.0],
         high: vec![high, 20.0],
         velocity: vec![speed, 0.0],
         ramp: 0.0,
         until: 0.0,
     };
-    let grips = [thrown(-1.0, 9.0, 0.05), thrown(9.0, 30.0, -0.05)];
+    let grips = [grip(-1.0, 9.0, speed), grip(9.0, 30.0, -speed)];
+    let blocks = twice(&[6.0, 5.0], 12.0);
+    touching(LatticeKind::Square, &blocks, &grips, contact, work).expect("a body")
+}
+
+/// Two blocks thrown at each other: the largest change of the energy, and velocity of the first at the end.
+fn collision(fraction: f64, contact: Option<Contact>) -> (f64, f64, [f64; 2]) {
     let run = |body: &mut dyn BodyMotion| {
-        let start = Start {
-            f: DeformationGradient::identity(),
-            noise: 0.0,
-            seed: 1,
-        };
+        let start = undeformed();
         body.start(&start, 0.0).expect("a start");
         let step = fraction * body.critical_time_step().expect("a step");
         body.start(&start, step).expect("a start");
@@ -143,14 +153,7 @@ fn collision(fraction: f64, contact: Option<Contact>) -> (f64, f64, [f64; 2]) {
         };
         (drift, turned, [mean(&|x| x < 9.0), mean(&|x| x > 9.0)])
     };
-    touching(
-        LatticeKind::Square,
-        &twice(&[6.0, 5.0], 12.0),
-        &grips,
-        contact,
-        run,
-    )
-    .expect("a body")
+    thrown(0.05, contact, run)
 }
 
 #[test]
@@ -168,30 +171,11 @@ fn blocks_that_collide_bounce_and_keep_energy_and_momentum() {
 
 #[test]
 fn pieces_that_would_pass_through_each_other_end_the_motion() {
-    let thrown = |low: f64, high: f64, speed: f64| Grip {
-        low: vec![low, -1.0],
-        high: vec![high, 20.0],
-        velocity: vec![speed, 0.0],
-        ramp: 0.0,
-        until: 0.0,
-    };
-    let grips = [thrown(-1.0, 9.0, 3.0), thrown(9.0, 30.0, -3.0)];
-    let fault = touching(
-        LatticeKind::Square,
-        &twice(&[6.0, 5.0], 12.0),
-        &grips,
-        HARD,
-        |body| {
-            let start = Start {
-                f: DeformationGradient::identity(),
-                noise: 0.0,
-                seed: 1,
-            };
-            body.start(&start, 0.02).expect("a start");
-            (0..500).find_map(|_| body.advance(0.02).err())
-        },
-    );
-    let fault = fault.expect("a body").expect("a fault");
+    let fault = thrown(3.0, HARD, |body| {
+        body.start(&undeformed(), 0.02).expect("a start");
+        (0..500).find_map(|_| body.advance(0.02).err())
+    })
+    .expect("a fault");
     assert_eq!(fault.ground, Ground::Overlapping);
     assert!(fault.to_string().contains("too soft"), "{fault}");
 }

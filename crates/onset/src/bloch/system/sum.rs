@@ -2,6 +2,7 @@
 
 use super::expansion::MatrixExpansion;
 use crate::algebra::Complex;
+use crate::bloch::powers::Powers;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -16,8 +17,9 @@ pub struct BlochSum<const D: usize> {
     sites: Vec<SVector<f64, D>>,
     /// The cells with particles of columns, lattice coordinates and where they are. Of many pairs with the same cells the phase is computed once.
     cells: Vec<([i32; D], SVector<f64, D>)>,
-    /// The primitive vectors, each with the largest coordinate of a cell along it.
-    primitive: [(SVector<f64, D>, usize); D],
+    primitive: [SVector<f64, D>; D],
+    /// The largest lattice coordinate of a cell.
+    reach: usize,
     terms: Vec<Term<D>>,
 }
 
@@ -119,15 +121,16 @@ impl<const D: usize> BlochSum<D> {
         let home = |site: usize| position(&Particle::home(site));
         let primitive = std::array::from_fn(|axis| {
             let step = std::array::from_fn(|i| i32::from(i == axis));
-            let along = cells.iter().map(|(cell, _)| cell[axis].unsigned_abs());
-            let vector = position(&Particle::home(0).moved(&step)) - home(0);
-            (vector, along.max().unwrap_or(0) as usize)
+            position(&Particle::home(0).moved(&step)) - home(0)
         });
+        let coordinates = cells.iter().flat_map(|(cell, _)| cell);
+        let reach = coordinates.map(|n| n.unsigned_abs()).max().unwrap_or(0) as usize;
         let count = crystal.sites().len();
         Self {
             sites: (0..count).map(|n| home(n) - home(0)).collect(),
             cells,
             primitive,
+            reach,
             terms,
         }
     }
@@ -148,31 +151,15 @@ impl<const D: usize> BlochSum<D> {
         }
     }
 
-    /// Those of the cells: products of powers of `exp(i k.a)` of the primitive vectors, which take a tenth of the time of sines, unless the basis is so
-    /// oblique that there are more powers than cells.
+    /// Those of the cells, by powers unless the basis is so oblique that there are more of them than cells.
     fn cell_phases(&self, phase: impl Fn(&SVector<f64, D>) -> Complex) -> Vec<Complex> {
-        let steps: usize = self.primitive.iter().map(|(_, most)| most).sum();
-        if steps > self.cells.len() {
-            return self.cells.iter().map(|(_, vector)| phase(vector)).collect();
+        let cells = self.cells.iter();
+        if D * self.reach > self.cells.len() {
+            return cells.map(|(_, vector)| phase(vector)).collect();
         }
-        let powers = self.primitive.each_ref().map(|(vector, most)| {
-            let mut powers = vec![Complex::new(1.0, 0.0), phase(vector)];
-            for n in 2..=*most {
-                // Few factors, little rounding.
-                powers.push(powers[n / 2] * powers[n - n / 2]);
-            }
-            powers
-        });
-        let along = |axis: usize, n: i32| {
-            let power = powers[axis][n.unsigned_abs() as usize];
-            if n < 0 { power.conj() } else { power }
-        };
-        let product = |(cell, _): &([i32; D], SVector<f64, D>)| {
-            (1..D).fold(along(0, cell[0]), |phase, axis| {
-                phase * along(axis, cell[axis])
-            })
-        };
-        self.cells.iter().map(product).collect()
+        let powers = Powers::new(self.primitive.each_ref().map(&phase), self.reach);
+        let one = Complex::new(1.0, 0.0);
+        cells.map(|(cell, _)| powers.turned(one, cell)).collect()
     }
 
     /// The blocks: the site of the row, the particle of the column, and the block itself.
@@ -288,8 +275,7 @@ impl<const D: usize> BlochSum<D> {
 
     /// The largest lattice coordinate of a vector.
     pub fn reach(&self) -> usize {
-        let coordinates = self.terms.iter().flat_map(|term| term.to.cell);
-        coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize
+        self.reach
     }
 
     /// The sum of the largest entries of the blocks: rounding errors are a few [`f64::EPSILON`] of it.

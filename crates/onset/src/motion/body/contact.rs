@@ -103,13 +103,13 @@ impl<const D: usize> Pieces<D> {
         let moved = |(n, x): (usize, &[f64; D])| std::array::from_fn(|i| x[i] + u[i][n]);
         places.extend(positions.iter().enumerate().map(moved));
         touching.clear();
-        let mut deepest = None;
+        let mut passing = None;
         for ends in neighbors.near_of(places, &|a, b| piece[a as usize] != piece[b as usize]) {
             let [a, b] = ends.map(|own| places[own as usize]);
             let apart: [f64; D] = std::array::from_fn(|i| a[i] - b[i]);
-            let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let distance = squared(&a, &b).sqrt();
             if distance < 0.5 * *spacing {
-                deepest = deepest.or(Some(Lost(ends[0] as usize)));
+                passing = passing.or(Some(Lost::Passing(ends[0] as usize)));
             } else if distance < *spacing {
                 let factor = *force * (distance.recip() - spacing.recip());
                 touching.push(Touch {
@@ -118,19 +118,7 @@ impl<const D: usize> Pieces<D> {
                 });
             }
         }
-        deepest.map_or(Ok(()), Err)
-    }
-
-    /// Whether a particle is about to pass through another one, as [`Self::meet`] has told.
-    pub(super) fn is_passing(&self, particle: usize) -> bool {
-        let own = self.places.get(particle);
-        own.is_some_and(|own| {
-            let piece = self.piece[particle];
-            let others = self.places.iter().zip(&self.piece);
-            others
-                .filter(|(_, other)| **other != piece)
-                .any(|(x, _)| squared(own, x) < 0.25 * self.spacing * self.spacing)
-        })
+        passing.map_or(Ok(()), Err)
     }
 
     /// `v += dt f / m`, of which [`Self::meet`] was called.

@@ -26,9 +26,14 @@ pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
     std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
 }
 
-/// The particle about which there is no stress.
+/// The particle at which the motion ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Lost(pub(super) usize);
+pub(super) enum Lost {
+    /// About it there is no stress.
+    Strained(usize),
+    /// It is about to pass through one of another piece.
+    Passing(usize),
+}
 
 /// What forces need, and what they leave.
 pub(super) struct Engine<'a, const D: usize> {
@@ -108,7 +113,7 @@ impl<'a, const D: usize> Engine<'a, D> {
                 f: &mut f,
             });
             let lost = stressed.block(groups, &f, &mut t, count - first);
-            lost.map(|own| Lost(first + own))
+            lost.map(|own| Lost::Strained(first + own))
         });
         lost.into_iter().flatten().min().map_or(Ok(()), Err)
     }
@@ -145,12 +150,6 @@ impl<'a, const D: usize> Engine<'a, D> {
         if let Some(pieces) = &self.pieces {
             pieces.kick(v, dt, |particle| self.density * self.volumes[particle]);
         }
-    }
-
-    /// Whether a particle is about to pass through one of another piece.
-    pub(super) fn is_passing(&self, particle: usize) -> bool {
-        let pieces = self.pieces.as_ref();
-        pieces.is_some_and(|pieces| pieces.is_passing(particle))
     }
 
     /// What contacts add to the largest `omega^2`, at most; 1/time^2.

@@ -105,16 +105,7 @@ pub(crate) fn with_body<const D: usize>(
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
     let Some(law) = discretization.pairs(material)? else {
-        if contact.is_some()
-            && discretization
-                .current_pairs(material, &DeformationGradient::identity())?
-                .is_some()
-        {
-            return Err(BodyError::NoContact(
-                "particles of this method repel all that come near",
-            ));
-        }
-        return with_updated_body(discretization, material, particles, grips, work);
+        return with_updated_body(discretization, material, particles, grips, contact, work);
     };
     let crystal = discretization.crystal();
     let placed = placed(crystal, particles)?;
@@ -222,18 +213,19 @@ impl<const D: usize> MovingBody<'_, D> {
         f
     }
 
-    fn fault(&self, Lost(particle): Lost, step: f64) -> Box<Fault> {
+    fn fault(&self, lost: Lost, step: f64) -> Box<Fault> {
         let is_lost = |n: usize| {
             let mut numbers = self.u.iter().chain(&self.v).map(|own| own[n]);
             numbers.any(|x| !x.is_finite())
         };
         let never = (0..self.len()).find(|n| is_lost(*n));
-        let particle = never.unwrap_or(particle);
+        let (Lost::Strained(told) | Lost::Passing(told)) = lost;
+        let particle = never.unwrap_or(told);
         let f = self.deformation(particle);
         let volume = DeformationGradient::from_components(f).determinant();
         let ground = match never {
             Some(_) => Ground::NotFinite,
-            None if self.engine.is_passing(particle) => Ground::Overlapping,
+            None if matches!(lost, Lost::Passing(_)) => Ground::Overlapping,
             None if volume <= 0.0 => Ground::Inverted,
             None => Ground::OutsideDomain,
         };
@@ -360,7 +352,7 @@ impl<const D: usize> BodyMotion for MovingBody<'_, D> {
         let sum: f64 = self.u.iter().flatten().sum();
         match sum.is_finite() {
             true => Ok(()),
-            false => Err(self.fault(Lost(0), step)),
+            false => Err(self.fault(Lost::Strained(0), step)),
         }
     }
 

@@ -14,6 +14,7 @@
 //! With the momentum form `mean`, densities by continuity and gradients that are not corrected, the energy of the strains is what the forces take:
 //! `d/dt sum_I V_I0 W(F_I) = sum_I V_I s_I : L_I = sum_IJ V_I V_J (v_J - v_I).s_I grad W_IJ = -sum_I f_I.v_I`. Other choices have no potential.
 
+use super::contact::Contact;
 use super::grip::{Grip, held, work_of};
 use super::moving::{BodyMotion, Start};
 use super::neighbors::Neighbors;
@@ -82,12 +83,18 @@ pub(super) fn with_updated_body<const D: usize>(
     material: &dyn Hyperelastic,
     particles: &BodyParticles,
     grips: &[Grip],
+    contact: Option<Contact>,
     work: &mut dyn FnMut(&mut dyn BodyMotion),
 ) -> Result<(), BodyError> {
     let base = DeformationGradient::identity();
     let law = discretization
         .current_pairs(material, &base)?
         .ok_or(BodyError::NoBodies)?;
+    if contact.is_some() {
+        return Err(BodyError::NoContact(
+            "particles of this method repel all that come near",
+        ));
+    }
     let placed = placed(discretization.crystal(), particles)?;
     let held = held(&placed.positions, grips)?;
     check_apart(&placed.positions, SAME_PLACE * law.radius())?;
