@@ -74,18 +74,21 @@ pub(crate) fn cover(
     Cover::Above
 }
 
+/// `Q(a, b) - level a.b`.
+fn lowered<R: Real>(form: &Form<R>, level: f64, a: &Axes<R>, b: &Axes<R>) -> [[R; 3]; 3] {
+    let mut matrix = form.acoustic(a, b);
+    let shift = dot(a, b) * level;
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row[i] = row[i] - shift;
+    }
+    matrix
+}
+
 /// Whether the smallest eigenvalue exceeds a level in the directions of a triangle.
 pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) -> Cover {
     let corners = triangle.map(|corner| corner.map(R::constant));
-    let is_above = |m: usize, n: usize| {
-        let (a, b) = (&corners[m], &corners[n]);
-        let mut matrix = form.acoustic(a, b);
-        let shift = dot(a, b) * level;
-        for (i, row) in matrix.iter_mut().enumerate() {
-            row[i] = row[i] - shift;
-        }
-        is_positive_definite(&matrix)
-    };
+    let is_above =
+        |m: usize, n: usize| is_positive_definite(&lowered(form, level, &corners[m], &corners[n]));
     if let Some(corner) = (0..3).find(|&m| !is_above(m, m)) {
         Cover::Fails(triangle[corner])
     } else if is_above(0, 1) && is_above(1, 2) && is_above(2, 0) {
@@ -95,20 +98,21 @@ pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) 
     }
 }
 
-/// A lower bound of the smallest eigenvalue in the directions of a triangle: the largest level that passes.
-pub(crate) fn lower_bound(form: &Form<f64>, triangle: &Triangle) -> f64 {
-    let level = |m: usize, n: usize| {
-        let (a, b) = (&triangle[m], &triangle[n]);
-        let product = dot(a, b);
-        if product > 0.0 {
-            symmetric_eigen(&form.acoustic(a, b)).0[0] / product
-        } else {
-            f64::NEG_INFINITY
+/// A lower bound, not above `least`, of the smallest eigenvalue in the directions of some triangles: the largest level that
+/// passes in all of them.
+pub(crate) fn lower_bound(form: &Form<f64>, triangles: &[Triangle], mut least: f64) -> f64 {
+    for triangle in triangles {
+        for (m, n) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)] {
+            let (a, b) = (&triangle[m], &triangle[n]);
+            let product = dot(a, b);
+            if product <= 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            // Eigenvalues, which take longer, only of the few pairs that lie lower than all before them.
+            if !is_positive_definite(&lowered(form, least, a, b)) {
+                least = least.min(symmetric_eigen(&form.acoustic(a, b)).0[0] / product);
+            }
         }
-    };
-    let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-    pairs
-        .into_iter()
-        .map(|(m, n)| level(m, n))
-        .fold(f64::INFINITY, f64::min)
+    }
+    least
 }

@@ -108,8 +108,7 @@ pub(crate) fn symmetric_minimum(form: &Form<f64>) -> (Wave, f64) {
             Cover::Above => bound = level,
             Cover::Fails(direction) => wave = lower(wave, &direction),
             Cover::Open(triangles) => {
-                let least = triangles.iter().map(|triangle| lower_bound(form, triangle));
-                bound = bound.max(least.fold(level, f64::min));
+                bound = bound.max(lower_bound(form, &triangles, level));
                 break;
             }
         }
