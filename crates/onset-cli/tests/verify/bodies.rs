@@ -335,8 +335,13 @@ fn a_particle_beyond_the_domain_of_its_law_is_told() {
         .replace("model = 'neo-hooke'", "model = 'gent'\njm = 0.05")
         .replace("[0.05, 0]", "[0.3, 0]");
     let told = told(&Body::new(&study), "--steps 100000 --quiet", 1);
-    assert!(told.contains("the law is not defined there"), "{told}");
-    assert!(told.contains("at particle"), "{told}");
+    for word in [
+        "the law is not defined at this deformation",
+        "jm",
+        "at particle",
+    ] {
+        assert!(told.contains(word), "no `{word}` in {told}");
+    }
 }
 
 #[test]

@@ -257,3 +257,135 @@ fn noisy_and_cut_dumps_of_lammps_are_undecided_and_wrong_ones_refused() {
         assert!(answer.stderr.contains(expected), "{}", answer.stderr);
     }
 }
+
+/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that rise as those of a grip.
+const STRIP: &str = "units si
+dimension 2
+boundary sm sm p
+atom_style smd
+atom_modify map array sort 0 0
+comm_modify vel yes
+neigh_modify every 10 delay 0 check yes
+newton off
+lattice sq 1.0 origin 0.5 0.5 0
+region box block 0 20 0 20 -0.1 0.1 units box
+create_box 1 box
+create_atoms 1 box
+group tlsph type 1
+neighbor 2.01 bin
+set group all volume 1
+set group all smd/mass/density 1
+set group all diameter 2.01
+region last block EDGE EDGE 19.2 EDGE EDGE EDGE units box
+region first block EDGE EDGE EDGE 0.8 EDGE EDGE units box
+group last region last
+group first region first
+variable s equal (time<200)*time/200+(time>=200)
+variable up equal 0.005*(3-2*v_s)*v_s^2
+variable down equal -v_up
+fix up last smd/setvel 0 v_up 0
+fix down first smd/setvel 0 v_down 0
+pair_style smd/tlsph
+pair_coeff 1 1 *COMMON 1 1.0 0.3 0.06 0.0 10.0 1.0 *STRENGTH_LINEAR *EOS_LINEAR *END
+fix integrate all smd/integrate_tlsph
+timestep 0.1
+variable force equal 0.5*(f_down[2]-f_up[2])
+thermo 4000
+thermo_style custom step v_force
+dump strip all custom 4000 strip.dump id x y
+run 4000
+";
+
+/// The places of the particles in a frame of a dump, by their number.
+fn frame(dump: &str, number: usize) -> Vec<[f64; 2]> {
+    let frame = dump.split("ITEM: ATOMS").nth(number).expect("a frame");
+    let lines = frame
+        .lines()
+        .skip(1)
+        .take_while(|line| !line.starts_with("ITEM"));
+    let numbers = |line: &str| -> Vec<f64> {
+        let words = line.split_whitespace();
+        words.map(|word| word.parse().expect("a number")).collect()
+    };
+    let mut rows: Vec<Vec<f64>> = lines.map(numbers).collect();
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    rows.iter().map(|row| [row[1], row[2]]).collect()
+}
+
+#[test]
+fn the_rubber_strip_moves_as_in_lammps() {
+    let Some(program) = lammps() else { return };
+    let place = Place::new();
+    place.write("in.strip", STRIP);
+    let mut theirs = std::process::Command::new(program);
+    theirs
+        .args(["-in", "in.strip", "-log", "none"])
+        .current_dir(place.path());
+    let theirs = Answer::of(theirs);
+    assert_eq!(theirs.code, Some(0), "{}{}", theirs.stdout, theirs.stderr);
+    let mut ours = std::process::Command::new(env!("CARGO_BIN_EXE_onset"));
+    let study = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../studies/bodies/rubber-strip.toml"
+    );
+    ours.args([
+        "simulate", study, "--quiet", "--fields", "2", "--every", "10",
+    ])
+    .args(["--time-step", "0.1", "--steps", "4000", "--out"])
+    .arg(place.path().join("strip"));
+    let ours = Answer::of(ours);
+    assert_eq!(ours.code, Some(0), "{}", ours.stderr);
+
+    let dump = place.read("strip.dump");
+    let (first, last) = (frame(&dump, 1), frame(&dump, 2));
+    assert_eq!(first.len(), 400);
+    let field = place.read("strip/field-0001.vtu");
+    let numbers = |name: &str| -> Vec<[f64; 2]> {
+        let start = field.find(&format!("Name=\"{name}\"")).expect("an array");
+        let (_, array) = field[start..].split_once('>').expect("its numbers");
+        let (array, _) = array.split_once('<').expect("their end");
+        let numbers: Vec<f64> = array
+            .split_whitespace()
+            .map(|word| word.parse().expect("a number"))
+            .collect();
+        numbers.chunks_exact(3).map(|x| [x[0], x[1]]).collect()
+    };
+    let mut widest = [0.0_f64; 2];
+    let mut largest = [0.0_f64; 2];
+    for (x, u) in numbers("position").iter().zip(numbers("displacement")) {
+        let is_own = |own: &&[f64; 2]| (0..2).all(|i| (own[i] - (x[i] - u[i])).abs() < 1e-9);
+        let own = first.iter().zip(&last).find(|(start, _)| is_own(start));
+        let (start, end) = own.expect("the same particle");
+        for i in 0..2 {
+            widest[i] = widest[i].max((end[i] - start[i] - u[i]).abs());
+            largest[i] = largest[i].max(u[i].abs());
+        }
+    }
+    // Across it narrows by 0.6, along it is pulled by 1.5 at each end.
+    assert!(largest[0] > 0.55 && largest[1] > 1.45, "{largest:?}");
+    assert!(widest[0] < 0.003 && widest[1] < 0.005, "{widest:?}");
+
+    // Hencky's law has for Kirchhoff's stress what LAMMPS integrates as Cauchy's: its force is larger by a volume ratio.
+    let line = theirs
+        .stdout
+        .lines()
+        .find(|line| line.trim_start().starts_with("4000 "));
+    let word = line
+        .and_then(|line| line.split_whitespace().nth(1))
+        .expect("a force");
+    let force: f64 = word.parse().expect("a number");
+    let history = place.read("strip/history.csv");
+    let column = |line: &str, name: &str| -> f64 {
+        let names = history.lines().next().expect("a header").split(',');
+        let mut both = names.zip(line.split(','));
+        let (_, word) = both.find(|(own, _)| *own == name).expect("a column");
+        word.parse().expect("a number")
+    };
+    let rows: Vec<&str> = history.lines().collect();
+    let (before, now) = (rows[rows.len() - 2], rows[rows.len() - 1]);
+    let gained = |name: &str| column(now, name) - column(before, name);
+    let ratio = force / (gained("work_of_grips") / (0.01 * gained("time")));
+    let volumes = column(now, "smallest_volume_ratio")..column(now, "largest_volume_ratio");
+    eprintln!("rubber strip: displacements differ by {widest:?}, forces by {ratio}");
+    assert!(volumes.contains(&ratio), "{ratio} {volumes:?}");
+}

@@ -1,5 +1,7 @@
 //! Why a motion ends.
 
+use crate::kinematics::DeformationGradient;
+use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use std::fmt;
 use thiserror::Error;
@@ -30,14 +32,25 @@ pub struct Fault {
 pub enum Ground {
     /// The material is turned inside out: the determinant of a deformation gradient is not positive.
     Inverted,
-    /// The law is not defined there.
+    /// There is no stress about it, and the law does not say why.
     OutsideDomain,
     /// It is nearer than half a spacing to a particle of another piece: it would pass through.
     Overlapping,
-    /// The method has no forces there.
+    /// The method has no forces there, or the law no stress.
     Method(MethodError),
     /// A number beyond all numbers, or none.
     NotFinite,
+}
+
+impl Ground {
+    /// Why there is no stress at a deformation gradient.
+    pub(crate) fn without_stress(material: &dyn Hyperelastic, f: &DeformationGradient) -> Self {
+        match material.response(f) {
+            _ if f.determinant() <= 0.0 => Self::Inverted,
+            Err(error) => Self::Method(error.into()),
+            Ok(_) => Self::OutsideDomain,
+        }
+    }
 }
 
 impl fmt::Display for Fault {

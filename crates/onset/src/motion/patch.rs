@@ -11,7 +11,7 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::scheme::{Discretization, NoForce, PatchForces, PeriodicPatch};
 use crate::time_step::Integrator;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use std::f64::consts::TAU;
 
 /// Where the particles of a patch are and how fast they move; vectors one after the other.
@@ -88,6 +88,7 @@ pub trait PatchMotion {
 /// A patch of `D` dimensions in motion.
 pub struct MovingPatch<'a, const D: usize> {
     discretization: &'a dyn Discretization<D>,
+    material: &'a dyn Hyperelastic,
     f: DeformationGradient,
     patch: PeriodicPatch<D>,
     system: WaveSystem<D>,
@@ -113,6 +114,7 @@ pub(crate) fn with_motion<const D: usize>(
     let mut result = Ok(());
     discretization.with_forces(material, f, &patch, &mut |forces| match MovingPatch::new(
         discretization,
+        material,
         f,
         patch,
         system.clone(),
@@ -127,6 +129,7 @@ pub(crate) fn with_motion<const D: usize>(
 impl<'a, const D: usize> MovingPatch<'a, D> {
     fn new(
         discretization: &'a dyn Discretization<D>,
+        material: &'a dyn Hyperelastic,
         f: &DeformationGradient,
         patch: PeriodicPatch<D>,
         system: WaveSystem<D>,
@@ -143,6 +146,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
             v: at_rest,
             count: 0,
             discretization,
+            material,
             f: *f,
             patch,
             system,
@@ -236,8 +240,11 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
         let ground = match (none.source, &compressed) {
             _ if !is_finite(&self.u) || !is_finite(&self.v) => Ground::NotFinite,
             (Some(source), _) => Ground::Method(source),
-            (None, Some((volume, _))) if *volume <= 0.0 => Ground::Inverted,
-            _ => Ground::OutsideDomain,
+            (None, Some((_, own))) => {
+                let own = SMatrix::<f64, D, D>::from_row_slice(own);
+                Ground::without_stress(self.material, &self.f.with_leading(&own))
+            }
+            (None, None) => Ground::OutsideDomain,
         };
         Box::new(Fault {
             time: self.count as f64 * step,

@@ -7,9 +7,10 @@
 //! each other.
 
 use super::BodyError;
-use super::engine::{Field, Lost};
+use super::error::Lost;
 use super::links::Links;
 use super::neighbors::{Neighbors, squared};
+use super::vectors::Field;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;

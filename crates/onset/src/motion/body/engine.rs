@@ -4,8 +4,9 @@
 //! come out of vectors of any width, and of any number of cores.
 
 use super::contact::Pieces;
+use super::error::Lost;
 use super::links::{Kind, Links, Pair, Stencil};
-use super::vectors::{MASKS, load, part, store};
+use super::vectors::{Component, Field, MASKS, Tensors, load, part, store, zeros};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::{LANES, Lanes};
@@ -13,27 +14,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Groups that one core works on at a time.
 const BLOCK: usize = 128;
-
-/// A component of all particles, filled up with zeros to whole groups.
-pub(super) type Component = Vec<f64>;
-/// A vector of all particles.
-pub(super) type Field<const D: usize> = [Component; D];
-/// A tensor of all particles.
-pub(super) type Tensors<const D: usize> = [[Component; D]; D];
-
-/// A vector of zeros for so many particles.
-pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
-    std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
-}
-
-/// The particle at which the motion ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Lost {
-    /// About it there is no stress.
-    Strained(usize),
-    /// It is about to pass through one of another piece.
-    Passing(usize),
-}
 
 /// What forces need, and what they leave.
 pub(super) struct Engine<'a, const D: usize> {

@@ -1,4 +1,4 @@
-//! What is wrong with a body.
+//! What is wrong with a body, and where its motion ends.
 
 use crate::method::MethodError;
 use thiserror::Error;
@@ -80,4 +80,13 @@ pub enum BodyError {
         /// The other one.
         second: usize,
     },
+}
+
+/// The particle at which the motion ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Lost {
+    /// About it there is no stress.
+    Strained(usize),
+    /// It is about to pass through one of another piece.
+    Passing(usize),
 }

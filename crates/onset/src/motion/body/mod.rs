@@ -29,6 +29,7 @@ mod contact;
 mod engine;
 mod error;
 mod grip;
+mod lagrangian;
 mod links;
 mod moving;
 mod neighbors;
@@ -45,4 +46,25 @@ pub use moving::{BodyMotion, Start};
 pub use quantities::BodyQuantities;
 pub use shape::{BodyParticles, Notch, PlacedParticle, Shape};
 
-pub(crate) use moving::with_body;
+use crate::material::Hyperelastic;
+use crate::scheme::Discretization;
+use lagrangian::with_lagrangian_body;
+use updated::with_updated_body;
+
+/// Does something with a body.
+pub(crate) fn with_body<const D: usize>(
+    discretization: &dyn Discretization<D>,
+    material: &dyn Hyperelastic,
+    particles: &BodyParticles,
+    grips: &[Grip],
+    contact: Option<Contact>,
+    work: &mut dyn FnMut(&mut dyn BodyMotion),
+) -> Result<(), BodyError> {
+    match discretization.pairs(material)? {
+        Some(law) => {
+            let crystal = discretization.crystal();
+            with_lagrangian_body(&*law, crystal, material, particles, grips, contact, work)
+        }
+        None => with_updated_body(discretization, material, particles, grips, contact, work),
+    }
+}

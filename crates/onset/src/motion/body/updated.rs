@@ -31,6 +31,7 @@ use crate::motion::{Fault, Ground, PatchState};
 use crate::real::{LANES, Lanes};
 use crate::scheme::sph::{CurrentPairs, Laden, correction};
 use crate::scheme::{Discretization, NoForce, Weighed, determinant, inverse};
+use nalgebra::SMatrix;
 
 /// Particles nearer to each other than this share of the support are at one place.
 const SAME_PLACE: f64 = 1e-9;
@@ -600,8 +601,10 @@ impl<const D: usize> UpdatedBody<'_, D> {
         let ground = match (never, none.source) {
             (Some(_), _) => Ground::NotFinite,
             (None, Some(source)) => Ground::Method(source),
-            (None, None) if determinant(f) <= 0.0 => Ground::Inverted,
-            (None, None) => Ground::OutsideDomain,
+            (None, None) => {
+                let own = SMatrix::from_fn(|i, j| f[i][j]);
+                Ground::without_stress(self.material, &self.base.with_leading::<D>(&own))
+            }
         };
         Box::new(Fault {
             time: self.count as f64 * step,

@@ -3,6 +3,18 @@
 use crate::real::LANES;
 use pulp::Simd;
 
+/// A component of all particles, filled up with zeros to whole groups.
+pub(super) type Component = Vec<f64>;
+/// A vector of all particles.
+pub(super) type Field<const D: usize> = [Component; D];
+/// A tensor of all particles.
+pub(super) type Tensors<const D: usize> = [[Component; D]; D];
+
+/// A vector of zeros for so many particles.
+pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
+    std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
+}
+
 /// For each of some particles of a group one where it is among those that bits tell, and zero where not.
 pub(super) const MASKS: [[f64; LANES]; 1 << LANES] = masks();
 
