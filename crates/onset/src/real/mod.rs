@@ -71,6 +71,7 @@ pub trait Real:
     }
 
     /// On which side of a threshold the number is; `None` where an interval holds numbers of both, and where there is no number.
+    #[inline]
     fn side(self, threshold: f64) -> Option<Side> {
         let value = self.value();
         if value < threshold {

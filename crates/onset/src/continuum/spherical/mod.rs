@@ -25,8 +25,9 @@ pub(crate) type Axes<R> = [R; 3];
 
 /// How far below the value found a bound counts as the same, in units of the largest component.
 const RESOLUTION: f64 = 1e-10;
-/// Triangles of the sphere at most.
-const BUDGET: usize = 20_000;
+/// Triangles of the sphere at most. Where the lowest waves have one speed along a whole curve of directions no number is enough: the bound stays below the value by the
+/// square of the size of the triangles along the curve.
+const BUDGET: usize = 4_000;
 /// Covers that may find something lower.
 const COVERS: usize = 20;
 /// Directions to go down from.
