@@ -34,6 +34,8 @@ pub fn run() -> Result<(), String> {
     let unlocked = unlocked.filter(|name| is_installed(name)).map(Some);
     for interpreter in std::iter::once(None).chain(unlocked) {
         let wheel = made("wheel", "target/wheels", interpreter)?;
+        let making = environment("wheel", Path::new(MAKING))?;
+        succeed(Command::new(making).arg("python/smaller.py").arg(&wheel))?;
         let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
         println!(
             "{}: {:.1} MB",
