@@ -358,6 +358,18 @@ fn a_card_tells_every_limit_with_nominal_strain_and_stress() {
 }
 
 #[test]
+fn limits_where_free_faces_branch_have_the_stress_close_before() {
+    // Waves along the faces stop where a second state with free faces branches off, and states of the path end.
+    let card = document(
+        "card --set material.model=ogden --set material.mu3=0.8479413870763222 --set material.mu5=0.6401741403941579 \
+         --set material.mu6=6.0021899710915445 --set material.alpha6=0.9981311104709767 --set material.kappa=0.7291015901767021 --mode uniaxial",
+    );
+    let bar = &card["loadings"][0];
+    let stress = |name: &str| number(criterion(bar, name), "/tension/nominal_stress");
+    assert_close(stress("drucker-abaqus"), stress("strong-ellipticity"), 1e-6);
+}
+
+#[test]
 fn an_incompressible_card_has_limits_and_no_boxes() {
     let card = document("card --set material.model=ogden --incompressible --mode equibiaxial");
     assert_eq!(card["material"]["incompressible"], true);

@@ -47,6 +47,25 @@ fn unknown_keys_name_the_nearest_known_one() {
 }
 
 #[test]
+fn what_does_not_go_together_or_has_no_meaning_comes_with_what_does() {
+    assert_assignment_refused(
+        &[
+            "discretization.method=updated-sph",
+            "discretization.artificial-stress=0.3",
+            "discretization.momentum=difference",
+        ],
+        &["an artificial stress", "choose the form \"symmetric\""],
+    );
+    assert_assignment_refused(
+        &["discretization.kernel=(1-q)^3#"],
+        &[
+            "`#` has no meaning in a formula",
+            "hint: a formula has numbers",
+        ],
+    );
+}
+
+#[test]
 fn unknown_words_name_the_known_ones() {
     for (assignment, expected) in [
         (

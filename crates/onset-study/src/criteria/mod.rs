@@ -608,13 +608,19 @@ fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
     }
 }
 
+/// How far before a change its state is taken, in shares of `ln lambda`, where it has none of its own.
+const BEFORE: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
+
 fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {
     let Some(track) = track else {
         return SideAnswer::default();
     };
     let change = |event: &Event| {
         let s = event.stretch.ln();
-        let state = path.at(s).or_else(|| path.at(s * (1.0 - 1e-12)));
+        // Where the free faces branch, the path has no state at the change, and one close before it.
+        let state = path
+            .at(s)
+            .or_else(|| BEFORE.iter().find_map(|share| path.at(s * (1.0 - share))));
         ChangeAnswer {
             change: event.change,
             stretch: event.stretch,

@@ -359,7 +359,7 @@ impl Problem {
             Self::TooLong { .. } | Self::TooManyOperations { .. } | Self::TooDeep { .. } => {
                 fixed("name parts that occur again: let a = ...; let b = ...; a*b")
             }
-            Self::Character { character } => words::instead_of(*character).map(str::to_owned),
+            Self::Character { character } => fixed(words::instead_of(*character)),
             Self::Number { text } if text.contains(|c: char| c.is_ascii_alphabetic()) => {
                 fixed("write products with `*`: 2*mu; exponents as in 1.5e-3")
             }

@@ -227,8 +227,8 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
 }
 
 /// What to write instead of a character.
-pub(super) fn instead_of(character: char) -> Option<&'static str> {
-    Some(match character {
+pub(super) fn instead_of(character: char) -> &'static str {
+    match character {
         '\u{2212}' | '\u{2013}' | '\u{2014}' => "write the minus sign as -",
         '\u{d7}' | '\u{b7}' | '\u{22c5}' => "write products with *",
         '\u{f7}' | ':' => "write quotients with /",
@@ -245,8 +245,8 @@ pub(super) fn instead_of(character: char) -> Option<&'static str> {
         '"' | '\'' => "a formula has no quotation marks",
         '\u{391}'..='\u{3c9}' => "spell Greek letters out: mu, kappa, lambda",
         '_' => "names begin with a letter",
-        _ => return None,
-    })
+        _ => "a formula has numbers, names, operators + - * / ^, parentheses and commas",
+    }
 }
 
 /// What to write instead of a name that other programs know.

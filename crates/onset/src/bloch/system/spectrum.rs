@@ -1,7 +1,7 @@
 //! Frequencies and modes at a wave vector.
 
 use super::{Mass, WaveSystem};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS, without_rounding};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value, without_rounding};
 use nalgebra::{DMatrix, DVector, SVector};
 
 impl<const D: usize> WaveSystem<D> {
@@ -174,7 +174,7 @@ impl<const D: usize> WaveSystem<D> {
                 Some((value, oriented(vector)))
             })
             .collect::<Option<Vec<_>>>()?;
-        modes.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));
+        sort_by_value(&mut modes, |mode| mode.0.re);
         Some(modes)
     }
 
@@ -256,6 +256,6 @@ fn null_vector(matrix: &DMatrix<Complex>, eigenvalue: Complex, nth: usize) -> DV
         return DVector::repeat(size, Complex::new(f64::NAN, f64::NAN));
     };
     let mut order: Vec<usize> = (0..size).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    sort_by_value(&mut order, |own| values[*own]);
     adjoint.row(order[nth.min(size - 1)]).adjoint()
 }

@@ -15,6 +15,7 @@ pub(crate) use descent::Wave;
 pub(crate) use form::Form;
 pub(crate) use polyconvexity::bound;
 
+use crate::algebra::sort_by_value;
 use crate::real::Real;
 use cover::lower_bound;
 use descent::{descended, slowest};
@@ -121,11 +122,7 @@ pub(crate) fn symmetric_minimum(form: &Form<f64>) -> (Wave, f64) {
 fn found(form: &Form<f64>, is_orthotropic: bool) -> Wave {
     let mut starts: Vec<Wave> = spread(is_orthotropic).map(|n| slowest(form, &n)).collect();
     // What differs by rounding only stays in order: the axes first.
-    starts.sort_by(|a, b| {
-        (a.eigenvalue * 1e14)
-            .round()
-            .total_cmp(&(b.eigenvalue * 1e14).round())
-    });
+    sort_by_value(&mut starts, |start| (start.eigenvalue * 1e14).round());
     let mut best = starts[0];
     for start in starts.into_iter().take(STARTS) {
         let wave = descended(form, start);

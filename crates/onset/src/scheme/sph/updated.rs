@@ -183,7 +183,7 @@ impl<const D: usize> UpdatedSph<D> {
                 return Err(MethodError::Incompatible {
                     choice: "an artificial stress",
                     other: "the momentum form \"difference\"",
-                    hint: "take the form \"symmetric\" or \"mean\", whose tensile instability it is for",
+                    hint: "choose the form \"symmetric\" or \"mean\", whose tensile instability it is for",
                 });
             }
         }
