@@ -58,7 +58,8 @@ def measured(command, folder):
 
 def onset(program, side, steps, folder):
     seconds, size, told = measured([program, str(side), str(steps)], folder)
-    return seconds, size, json.loads(told)["particles"]
+    told = json.loads(told)
+    return seconds, size, told["particles"], told["bytes_per_particle"]
 
 
 def lammps(program, side, steps, folder):
@@ -67,15 +68,24 @@ def lammps(program, side, steps, folder):
     command = [program, "-in", str(deck), "-log", "none"]
     seconds, size, told = measured(command, folder)
     created = [line for line in told.splitlines() if line.startswith("Created") and "atoms" in line]
-    return seconds, size, int(created[0].split()[1])
+    return seconds, size, int(created[0].split()[1]), None
 
 
 def rate(run, side, steps, folder):
     """Particle-steps per CPU second."""
     few, many = steps
-    first, _, particles = run(side, few, folder)
-    second, _, _ = run(side, many, folder)
+    first, _, particles, _ = run(side, few, folder)
+    second, *_ = run(side, many, folder)
     return particles * (many - few) / (second - first)
+
+
+def bandwidth(program, folder):
+    """Bytes a second that the memory delivers to all cores."""
+    return json.loads(measured([program, "bandwidth"], folder)[2])["bytes_per_second"]
+
+
+# What a step in space writes of a particle: deformation gradient, stress, displacement, velocity.
+WRITTEN = 8 * (9 + 9 + 3 + 3)
 
 
 def processor():
@@ -98,8 +108,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         rates = [(rate(ours, side, (2, 82), folder), rate(theirs, side, (2, 18), folder)) for _ in range(rounds)]
         many = rate(ours, large, (2, 12), folder)
-        _, own, count = ours(large, 2, folder)
-        _, other, atoms = theirs(side, 2, folder)
+        _, own, count, kept = ours(large, 2, folder)
+        _, other, atoms, _ = theirs(side, 2, folder)
+        memory = bandwidth(str(Path(arguments.onset).absolute()), folder)
     ratios = [a / b for a, b in rates]
     told = lambda numbers: f"{statistics.median(numbers):,.3g} ({min(numbers):,.3g} - {max(numbers):,.3g})"
     lines = [
@@ -115,6 +126,9 @@ def main():
         f"| onset, {count:,} particles | {many / 1e6:.3g} | {own / count / 1000:.3g} kB a particle |",
         f"| LAMMPS `smd/tlsph`, {side}^3 particles, one process | {told([b / 1e6 for _, b in rates])} | {other / atoms / 1000:.3g} kB a particle |",
         f"| onset over LAMMPS, round by round | {told(ratios)} | |",
+        "",
+        f"The memory delivers {memory / 1e9:.3g} GB a second to all cores (triad of STREAM). A step reads at least the {kept:.0f} bytes that are kept for a particle, and writes "
+        f"{WRITTEN} of them: with {count:,} particles that is a share of {many * os.cpu_count() * (kept + WRITTEN) / memory:.2g} of it. The rest of the time goes into arithmetic.",
         "",
     ]
     Path(arguments.out).write_text("\n".join(lines))

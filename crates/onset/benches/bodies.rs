@@ -1,7 +1,7 @@
 //! What a step of a body costs: a free cube of particles that shakes, total-Lagrangian SPH with a penalty.
 //!
 //! `bodies SIDE STEPS` runs so many steps of a cube with so many particles along each side, and prints what it kept for a particle. Its time and memory
-//! are measured from outside, in turns with other programs: `bench/bodies.py`.
+//! are measured from outside, in turns with other programs: `bench/bodies.py`. `bodies bandwidth` prints what the memory delivers to all cores.
 
 use onset::analysis::analysis;
 use onset::kernel::Kernel;
@@ -13,7 +13,9 @@ use onset::motion::{BodyMotion, BodyParticles, Shape, Start};
 use onset::scheme::MethodChoices;
 use onset::scheme::sph::TotalLagrangianChoices;
 use onset::scheme::stabilization::PenaltyForm;
+use std::hint::black_box;
 use std::sync::Arc;
+use std::time::Instant;
 
 fn shaken(body: &mut dyn BodyMotion, steps: u64) {
     // A fifth of what is stable: the largest frequency is not sought here.
@@ -34,7 +36,36 @@ fn shaken(body: &mut dyn BodyMotion, steps: u64) {
     );
 }
 
+/// Bytes a second that all cores together read and write in `a = b + 3 c` (the triad of STREAM), the best of some turns.
+fn bandwidth() -> f64 {
+    /// Numbers of an array of one core: 64 MiB, beyond all caches.
+    const COUNT: usize = 1 << 23;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut arrays: Vec<[Vec<f64>; 3]> = (0..cores)
+        .map(|_| [0.0, 1.0, 2.0].map(|value| vec![value; COUNT]))
+        .collect();
+    let mut turn = || {
+        let start = Instant::now();
+        std::thread::scope(|scope| {
+            for [a, b, c] in &mut arrays {
+                scope.spawn(move || {
+                    for ((a, b), c) in a.iter_mut().zip(&*b).zip(&*c) {
+                        *a = b + 3.0 * c;
+                    }
+                    black_box(a);
+                });
+            }
+        });
+        (3 * COUNT * size_of::<f64>() * cores) as f64 / start.elapsed().as_secs_f64()
+    };
+    (0..10).map(|_| turn()).fold(0.0, f64::max)
+}
+
 fn main() {
+    if std::env::args().any(|own| own == "bandwidth") {
+        println!("{{\"bytes_per_second\": {:e}}}", bandwidth());
+        return;
+    }
     // Cargo adds options of its own.
     let numbers: Vec<u64> = std::env::args()
         .filter_map(|own| own.parse().ok())
