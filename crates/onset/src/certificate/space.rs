@@ -83,7 +83,7 @@ impl SpaceCertificate {
         let form = form.map(|component| component * unit);
         let in_units = |value: Interval| value / Interval::point(unit) / Interval::point(scale);
         let middle = form.map(Interval::midpoint);
-        let (wave, _) = symmetric_minimum(&middle);
+        let (wave, _) = symmetric_minimum(&middle, f64::INFINITY);
         if wave.eigenvalue < 0.0 {
             let energy = energy(&form, &wave);
             if energy.high < 0.0 {

@@ -229,12 +229,19 @@ impl<const D: usize> Stiffness<D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn minimum(&self) -> AcousticMinimum<D> {
+        self.minimum_below(f64::INFINITY)
+    }
+
+    /// The smallest eigenvalue where it is below a level; elsewhere one above the level that a descent finds. In three dimensions
+    /// that is much cheaper where nearly the same wave goes in many directions.
+    pub(crate) fn minimum_below(&self, level: f64) -> AcousticMinimum<D> {
         let scale = self.magnitude();
         if scale != 1.0 && scale.is_normal() {
             // The products of the search must neither over- nor underflow, whatever the units.
-            return self.divided(scale).minimum_of_unit().scaled(scale);
+            let unit = self.divided(scale);
+            return unit.minimum_of_unit(level / scale).scaled(scale);
         }
-        self.minimum_of_unit()
+        self.minimum_of_unit(level)
     }
 
     fn divided(&self, scale: f64) -> Self {
@@ -281,11 +288,11 @@ impl<const D: usize> Stiffness<D> {
             .fold(0.0, f64::max)
     }
 
-    fn minimum_of_unit(&self) -> AcousticMinimum<D> {
+    fn minimum_of_unit(&self, below: f64) -> AcousticMinimum<D> {
         let direction = match D {
             1 => SVector::repeat(1.0),
             2 => planar::minimizing_direction(self),
-            _ => return self.minimum_on_sphere(),
+            _ => return self.minimum_on_sphere(below),
         };
         let (eigenvalue, polarization) = self.smallest_eigenpair(&direction);
         AcousticMinimum {
@@ -297,8 +304,8 @@ impl<const D: usize> Stiffness<D> {
         }
     }
 
-    fn minimum_on_sphere(&self) -> AcousticMinimum<D> {
-        let found = spherical::minimum(&self.0);
+    fn minimum_on_sphere(&self, below: f64) -> AcousticMinimum<D> {
+        let found = spherical::minimum(&self.0, below);
         let vector = |axes: [f64; 3]| SVector::from_fn(|i, _| axes[i]);
         let direction = vector(found.direction);
         let (eigenvalue, polarization) = match found.eigenpair {

@@ -1,7 +1,7 @@
 //! The largest box of principal stretches in which a law is strongly elliptic.
 
 use super::root::bracket_zero;
-use super::{Criterion, Measure, Range, State, Witness, is_isotropic};
+use super::{Measure, Range, State, Witness, is_isotropic};
 use crate::algebra::{GoldenSection, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
@@ -185,7 +185,8 @@ impl<'a> Field<'a> {
     fn measure(&self, logarithms: [f64; 3]) -> Option<Measure> {
         let f = DeformationGradient::from_stretches(logarithms.map(f64::exp)).ok()?;
         let response = self.material.response(&f).ok()?;
-        Criterion::StrongEllipticity.measure(&State::of_response(response, self.isotropic))
+        // Where it is positive, how much of it is left guides the search only.
+        Some(State::of_response(response, self.isotropic).strong_ellipticity(0.0))
     }
 
     /// A state that is not elliptic, or at which the law is not defined, has no positive value.
@@ -287,10 +288,14 @@ impl<'a> Field<'a> {
         let within = Grid::new(count, self.isotropic, |place| {
             self.value(shape.inside(place, size))
         });
+        let first = 0.5 / (count - 1) as f64;
+        let mut ends = Vec::new();
         for start in within.low_points() {
-            let Some(place) = self.descended(shape, size, start, 0.5 / (count - 1) as f64) else {
+            let (value, place) = self.descended(shape, size, start, first, &ends);
+            if value > 0.0 {
+                ends.push(place);
                 continue;
-            };
+            }
             let (length, point) = shape.ray(shape.inside(place, size));
             if let Some(length) = self.loss(shape, &point, along, length.min(size)) {
                 return Some(self.improved(shape, (length, point), along, edge));
@@ -299,39 +304,47 @@ impl<'a> Field<'a> {
         None
     }
 
-    /// From a place in a box to one at which ellipticity is lost, where a descent leads to one.
+    /// From a place in a box down to one at which ellipticity is lost, or as far as it goes: to a lowest value, or near the end of an
+    /// earlier descent.
     fn descended(
         &self,
         shape: &Shape,
         size: f64,
-        mut place: [f64; 3],
-        mut step: f64,
-    ) -> Option<[f64; 3]> {
-        let mut value = self.value(shape.inside(place, size));
-        let first = step;
-        while value > 0.0 {
-            if step < SMALLEST_STEP {
-                return None;
+        start: [f64; 3],
+        first: f64,
+        ends: &[[f64; 3]],
+    ) -> (f64, [f64; 3]) {
+        let value = |place: &[f64; 3]| self.value(shape.inside(*place, size));
+        let mut step = first;
+        let mut walk = Walk::new((value(&start), start));
+        while walk.value > 0.0 && step >= SMALLEST_STEP {
+            let is_near = |end: &[f64; 3]| (0..3).all(|i| (end[i] - walk.place[i]).abs() < step);
+            if step < first && ends.iter().any(is_near) {
+                break;
             }
-            let mut lower = None;
+            let mut lowest = (walk.value, walk.place);
             let mut rise: f64 = 0.0;
             for direction in 0..27 {
-                let trial = [1, 3, 9].map(|digit| f64::from(direction / digit % 3 - 1) * step);
-                let trial = [0, 1, 2].map(|axis| (place[axis] + trial[axis]).clamp(0.0, 1.0));
-                let found = self.value(shape.inside(trial, size));
-                rise = rise.max(found - value);
-                if found < lower.map_or(value, |(value, _)| value) {
-                    lower = Some((found, trial));
+                let turn = [1, 3, 9].map(|digit| f64::from(direction / digit % 3 - 1) * step);
+                let trial = moved(&walk.place, turn);
+                let found = value(&trial);
+                rise = rise.max(found - walk.value);
+                if found < lowest.0 {
+                    lowest = (found, trial);
                 }
             }
-            match lower {
-                Some(found) => (value, place) = found,
+            if lowest.0 < walk.value {
+                walk.go(lowest, |trial, least| {
+                    Some(value(trial)).filter(|value| *value < least)
+                });
+            } else if step < first && walk.value > FLAT * rise {
                 // A smooth measure falls between near states by less than it rises around them.
-                None if step < first && value > FLAT * rise => return None,
-                None => step *= 0.5,
+                break;
+            } else {
+                step *= 0.5;
             }
         }
-        Some(place)
+        (walk.value, walk.place)
     }
 
     fn critical(&self, shape: &Shape, length: f64, point: &Point) -> Critical {
@@ -369,42 +382,99 @@ impl<'a> Field<'a> {
     fn improved(
         &self,
         shape: &Shape,
-        (mut length, mut point): (f64, Point),
+        (length, point): (f64, Point),
         along: usize,
         edge: usize,
     ) -> (f64, Point) {
         let mut turn = 0.5 / (edge - 1) as f64;
+        let mut walk = Walk::new((length, point.within));
         while turn > SMALLEST_TURN {
-            let mut shorter = None;
-            for (first, second) in [
-                (turn, 0.0),
-                (-turn, 0.0),
-                (0.0, turn),
-                (0.0, -turn),
-                (turn, turn),
-                (-turn, -turn),
-                (turn, -turn),
-                (-turn, turn),
-            ] {
-                let trial = point.turned(first, second);
+            let shorter = |within: &[f64; 2], length: f64| {
+                let trial = Point {
+                    within: *within,
+                    ..point
+                };
                 // Only a shorter ray is of interest, so no more of it is looked at.
-                if trial == point || self.value(shape.state(&trial, length)) > 0.0 && turn < 1e-3 {
-                    continue;
+                if turn < 1e-3 && self.value(shape.state(&trial, length)) > 0.0 {
+                    return None;
                 }
-                if let Some(found) = self.loss(shape, &trial, along, length)
-                    && found < length
-                {
-                    shorter = Some((found, trial));
-                    break;
-                }
-            }
-            match shorter {
-                Some(found) => (length, point) = found,
+                let found = self.loss(shape, &trial, along, length);
+                found.filter(|found| *found < length)
+            };
+            let directions = [
+                [1.0, 0.0],
+                [-1.0, 0.0],
+                [0.0, 1.0],
+                [0.0, -1.0],
+                [1.0, 1.0],
+                [-1.0, -1.0],
+                [1.0, -1.0],
+                [-1.0, 1.0],
+            ];
+            let found = directions.iter().find_map(|direction| {
+                let trial = moved(&walk.place, direction.map(|x| x * turn));
+                (trial != walk.place)
+                    .then(|| shorter(&trial, walk.value))
+                    .flatten()
+                    .map(|length| (length, trial))
+            });
+            match found {
+                Some(found) => walk.go(found, shorter),
                 None => turn *= 0.5,
             }
         }
-        (length, point)
+        let point = Point {
+            within: walk.place,
+            ..point
+        };
+        (walk.value, point)
     }
+}
+
+/// A search for a lowest value by steps in a unit cube (R. Hooke and T. A. Jeeves, *J. ACM* 8 (1961) 212).
+struct Walk<const N: usize> {
+    value: f64,
+    place: [f64; N],
+    /// The last two places.
+    before: [[f64; N]; 2],
+}
+
+impl<const N: usize> Walk<N> {
+    fn new((value, place): (f64, [f64; N])) -> Self {
+        Self {
+            value,
+            place,
+            before: [place; 2],
+        }
+    }
+
+    /// A step down, and on along the last two steps as long as that is `lower`: a narrow valley is along none of the directions in
+    /// which steps are tried, but along two of them together.
+    fn go(
+        &mut self,
+        (value, place): (f64, [f64; N]),
+        lower: impl Fn(&[f64; N], f64) -> Option<f64>,
+    ) {
+        (self.value, self.place) = (value, place);
+        let mut along: [f64; N] = std::array::from_fn(|i| place[i] - self.before[0][i]);
+        self.before = [self.before[1], place];
+        loop {
+            let trial = moved(&self.place, along);
+            if trial == self.place {
+                break;
+            }
+            let Some(value) = lower(&trial, self.value) else {
+                break;
+            };
+            (self.value, self.place) = (value, trial);
+            along = along.map(|step| 2.0 * step);
+        }
+    }
+}
+
+/// A place of the unit cube after a step, which ends at the faces.
+fn moved<const N: usize>(place: &[f64; N], step: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| (place[i] + step[i]).clamp(0.0, 1.0))
 }
 
 /// A point on the surface of a box: one stretch is at an end, the two others are within.
@@ -419,16 +489,6 @@ struct Point {
 }
 
 impl Point {
-    fn turned(&self, first: f64, second: f64) -> Self {
-        Self {
-            within: [
-                (self.within[0] + first).clamp(0.0, 1.0),
-                (self.within[1] + second).clamp(0.0, 1.0),
-            ],
-            ..*self
-        }
-    }
-
     /// Whether a point is a neighbor on the grid of the same face.
     fn is_beside(&self, other: &Self, edge: usize) -> bool {
         let near = 2.5 / (edge - 1) as f64;

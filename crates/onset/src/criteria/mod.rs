@@ -378,7 +378,7 @@ impl Criterion {
     /// ```
     pub fn measure(self, state: &State) -> Option<Measure> {
         match self {
-            Self::StrongEllipticity => Some(state.strong_ellipticity()),
+            Self::StrongEllipticity => Some(state.strong_ellipticity(f64::INFINITY)),
             Self::PlaneEllipticity => Some(state.plane_ellipticity()),
             Self::RankOneConvexity => None,
             Self::BakerEricksen => state.isotropic.as_ref().map(|tangent| {
@@ -502,7 +502,8 @@ impl State {
         }
     }
 
-    fn strong_ellipticity(&self) -> Measure {
+    /// The slowest wave where its stiffness is below a level; elsewhere one above the level.
+    fn strong_ellipticity(&self, below: f64) -> Measure {
         if let Some(tangent) = &self.isotropic {
             let (value, wave) = match self.free_faces {
                 None => tangent.softest_wave(),
@@ -510,7 +511,7 @@ impl State {
             };
             return self.of(value, wave);
         }
-        let minimum = Stiffness::<3>::of(&self.response).minimum();
+        let minimum = Stiffness::<3>::of(&self.response).minimum_below(below);
         let witness = wave(&minimum.direction, &minimum.polarization);
         self.of(minimum.eigenvalue.re, witness)
     }

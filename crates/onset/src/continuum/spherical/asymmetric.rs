@@ -23,15 +23,19 @@ const RESOLUTIONS: [f64; 3] = [1e-8, 1e-4, 1e-2];
 
 type Blocks3 = [[Matrix3<f64>; 3]; 3];
 
-pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, symmetric_part: &Form<f64>) -> Minimum {
+pub(super) fn minimum<const D: usize>(
+    blocks: &Blocks<D>,
+    symmetric_part: &Form<f64>,
+    below: f64,
+) -> Minimum {
     let blocks = in_three_dimensions(blocks);
     let real_part = |n: &Axes<f64>| lowest_real_part(&blocks, n);
     let mut best = found(&blocks);
     // The real parts are not below the eigenvalues of the symmetric part (Bendixson).
-    let mut bound = symmetric_minimum(symmetric_part).1;
+    let mut bound = symmetric_minimum(symmetric_part, below).1;
     'resolutions: for resolution in RESOLUTIONS {
         for _ in 0..COVERS {
-            let level = best.0 - resolution;
+            let level = (best.0 - resolution).min(below);
             if bound >= level {
                 break 'resolutions;
             }

@@ -46,13 +46,13 @@ pub(super) struct Minimum {
 /// The blocks `T_JL` of a stiffness, each with rows `i` and columns `k`.
 type Blocks<const D: usize> = [[SMatrix<f64, D, D>; D]; D];
 
-/// The minimum over all directions.
-pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>) -> Minimum {
+/// The minimum over all directions. That nothing is lower than it is shown, and looked for, below a level only.
+pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum {
     let form = symmetric_part(blocks);
     if has_no_major_symmetry(blocks) {
-        return asymmetric::minimum(blocks, &form);
+        return asymmetric::minimum(blocks, &form, below);
     }
-    let (wave, bound) = symmetric_minimum(&form);
+    let (wave, bound) = symmetric_minimum(&form, below);
     Minimum {
         direction: wave.direction,
         eigenpair: Some((wave.eigenvalue, wave.polarization)),
@@ -81,11 +81,12 @@ fn has_no_major_symmetry<const D: usize>(blocks: &Blocks<D>) -> bool {
     asymmetry.any(|entry| entry > 1e-13)
 }
 
-/// The slowest wave of a form of magnitude one, and a lower bound of all eigenvalues.
-pub(crate) fn symmetric_minimum(form: &Form<f64>) -> (Wave, f64) {
+/// The slowest wave of a form of magnitude one, and a lower bound of all eigenvalues, at least the level below which it is asked for
+/// where none is lower.
+pub(crate) fn symmetric_minimum(form: &Form<f64>, below: f64) -> (Wave, f64) {
     let is_orthotropic = form.is_orthotropic();
     let mut wave = found(form, is_orthotropic);
-    let level = |wave: &Wave| wave.eigenvalue - RESOLUTION;
+    let level = |wave: &Wave| (wave.eigenvalue - RESOLUTION).min(below);
     let lower = |wave: Wave, direction: &Axes<f64>| {
         let next = descended(form, slowest(form, direction));
         if next.eigenvalue < wave.eigenvalue - 4.0 * f64::EPSILON {
