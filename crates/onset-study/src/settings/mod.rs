@@ -306,6 +306,17 @@ impl Settings {
                 return Err(SettingError::new(origin, message)
                     .hint(format!("leave `{name}` out ({})", key.meaning)));
             }
+            if BODY_KEYS
+                .iter()
+                .chain(GRIP_KEYS)
+                .any(|key| key.name == name)
+            {
+                let message =
+                    format!("`{name}` has no effect here: this question is not about a body");
+                return Err(SettingError::new(origin, message).hint(
+                    "[body] and [[grips]] are written in a study file, which `onset simulate` runs",
+                ));
+            }
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };
         let key = renamed::of_word(key, value);
@@ -732,6 +743,7 @@ mod tests {
         assert!(error_of("discretization.support=wide").contains("expected a positive number"));
         assert!(error_of("discretization.support").contains("not an assignment"));
         assert!(error_of("zzz=1").contains("known keys"));
+        assert!(error_of("body.contact=1").contains("written in a study file"));
     }
 
     #[test]

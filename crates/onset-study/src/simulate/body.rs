@@ -173,8 +173,8 @@ fn course(
     }
     let step = stable(step, critical, question.pace.is_supercritical)?;
     let steps = match question.pace.duration {
-        Duration::Steps(count) => checked(count as f64)?,
-        Duration::Time(time) => checked((time / step).round())?,
+        Duration::Steps(count) => checked(count as f64, step)?,
+        Duration::Time(time) => checked((time / step).round(), step)?,
         Duration::Natural => {
             return Err(refused(
                 "how long the body is to be run is not told",

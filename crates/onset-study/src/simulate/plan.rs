@@ -463,23 +463,25 @@ fn natural(wave: &PatchWave) -> Option<f64> {
 
 fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, SimulateError> {
     let count = match question.pace.duration {
-        Duration::Steps(count) => return checked(count as f64),
+        Duration::Steps(count) => return checked(count as f64, step),
         Duration::Time(time) => (time / step).round(),
         Duration::Natural => match natural(&wave.wave) {
             Some(time) => (time / step).ceil().max(FEWEST),
             None => OF_ZERO_ENERGY,
         },
     };
-    checked(count)
+    checked(count, step)
 }
 
 /// A number of steps, unless it is none or beyond all patience.
-pub(super) fn checked(count: f64) -> Result<u64, SimulateError> {
+pub(super) fn checked(count: f64, step: f64) -> Result<u64, SimulateError> {
     match count >= 1.0 && count <= STEPS as f64 {
         true => Ok(count as u64),
         false => Err(refused(
-            format!("the run would take {count:e} steps"),
-            format!("choose --steps from 1 to {STEPS}, or another --time"),
+            format!("the run would take {count:e} steps of {step:e}"),
+            format!(
+                "choose --steps from 1 to {STEPS}, or another --time; stiff laws, penalties and contacts make steps small"
+            ),
         )),
     }
 }
