@@ -8,9 +8,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// An answer that takes minutes on any machine (cells of 27 disordered particles at many states), and a folder for its files.
-const SLOW: &str = "tune discretization.viscosity --set discretization.method=updated-sph --set discretization.lattice=simple-cubic \
-     --set discretization.cells=3 --set discretization.perturbation=0.05 --out new/inner";
+/// An answer that takes minutes on any machine, without progress of its own: cells of 64 disordered particles; and a folder for its files.
+const SLOW: &str = "modes --set discretization.method=updated-sph --set discretization.lattice=simple-cubic \
+     --set discretization.cells=4 --set discretization.perturbation=0.05 --out new/inner";
 /// How long a loaded machine may take for anything.
 const PATIENCE: Duration = Duration::from_secs(120);
 const CTRL_C: &[u8] = b"\x03";
