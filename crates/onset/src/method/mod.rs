@@ -29,6 +29,8 @@ pub const MAXIMUM_NEIGHBORS: usize = 400;
 const MAXIMUM_PARTICLES: f64 = 1e3;
 /// Spacings of which the powers in volumes and in second derivatives of weights neither over- nor underflow.
 const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+/// The largest lattice coordinate.
+const COORDINATES: f64 = 1e6;
 /// Places of the lattice that are looked at for each admitted neighbor.
 const PLACES: f64 = 25.0;
 /// Gradients that add up to less than this, over the support radius, add up to zero but for rounding.
@@ -471,6 +473,7 @@ impl KernelMethodChoices {
     /// [`MethodError`] when there is no such lattice.
     pub fn cell_rule<const D: usize>(&self) -> Result<CellRule, MethodError> {
         let (_, basis) = self.lattice::<D>()?;
+        assert_near("points", &self.points)?;
         let mut points = self.points.clone();
         if !basis.is_given() && points.len().is_multiple_of(D + 1) {
             for point in points.chunks_exact_mut(D + 1) {
@@ -506,6 +509,7 @@ impl KernelMethodChoices {
                 expected: "as many numbers as particles times dimensions",
             });
         }
+        assert_near("basis", &self.basis)?;
         let own = self.basis.chunks_exact(D).map(SVector::from_column_slice);
         let own = own.map(|place| basis.inverse * place);
         let others = (!self.basis.is_empty())
@@ -704,6 +708,18 @@ impl<const D: usize> Method<D> {
             _ => nalgebra::SMatrix::identity(),
         }
     }
+}
+
+/// Refuses lattice coordinates of which too few digits are left behind the point: they repeat with the period one.
+fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodError> {
+    coordinates.iter().try_for_each(|value| {
+        MethodError::require(
+            value.abs() <= COORDINATES,
+            name,
+            *value,
+            "lattice coordinates from -1e6 to 1e6: those of the same place in another cell differ by whole numbers",
+        )
+    })
 }
 
 /// One of each pair of points that inversion exchanges, with the volume of both.

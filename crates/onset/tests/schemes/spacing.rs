@@ -171,6 +171,22 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     assert!((centered.spacing() - 0.5_f64.cbrt()).abs() < 1e-12);
 }
 
+/// Cells are counted in 32 bits, and 1e19 has no digit behind the point: particles so far away were taken for neighbors of others.
+#[test]
+fn particles_of_a_cell_are_not_astronomically_far_from_it() {
+    let with = |place: f64| KernelMethodChoices {
+        basis: vec![0.4, place],
+        ..KernelMethodChoices::default()
+    };
+    for place in [1e19, -2.7e29, f64::INFINITY] {
+        let error = with(place).crystal::<2>().expect_err("far away");
+        assert!(error.to_string().contains("basis"), "{error}");
+    }
+    let (near, far) = (crystal::<2>(&with(0.45)), crystal::<2>(&with(1024.45)));
+    let apart = near.nearest_distance() - far.nearest_distance();
+    assert!(apart.abs() < 1e-12, "{apart}");
+}
+
 #[test]
 fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
     let chain = crystal::<1>(&KernelMethodChoices {
