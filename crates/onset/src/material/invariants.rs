@@ -4,11 +4,15 @@
 //!
 //! `P = 2 W_1 F + 2 W_2 (I1 F - F C) + W_J cof F`, `cof F = J F^-T`:
 //!
-//! three derivatives instead of nine.
+//! three derivatives instead of nine. Within the plane, with `c = F_iJ F_iJ` and `j = det F` there,
+//!
+//! `A_iJkL = 2 W_c d_ik d_JL + 4 W_cc F_iJ F_kL + 2 W_cj (F_iJ G_kL + G_iJ F_kL) + W_jj G_iJ G_kL + W_j dG_iJ/dF_kL`, `G = cof F`:
+//!
+//! five derivatives instead of fourteen.
 
-use super::{LaneStress, MaterialError};
+use super::{LaneStress, MaterialError, StrainEnergy};
 use crate::kinematics::{DeformationGradient, Invariants};
-use crate::real::{Dual, LANES, Lanes, Real, Work};
+use crate::real::{Dual, Jet, LANES, Lanes, Real, Work};
 
 /// An energy in the principal invariants of `C` alone; what is needed to make it a [`StrainEnergy`](super::StrainEnergy) is written by
 /// `given_by_invariants`.
@@ -40,6 +44,14 @@ macro_rules! given_by_invariants {
                 crate::material::InvariantEnergy::admits_invariants(self, &f.invariants())
             }
 
+            fn plane_jet<R: crate::real::Real>(&self, f: &[[R; 3]; 3]) -> crate::real::Jet<4, R> {
+                crate::material::jet_of_invariants(self, f)
+            }
+
+            fn plane_hessian<R: crate::real::Real>(&self, f: &[[R; 3]; 3], _is_diagonal: bool) -> [[R; 4]; 4] {
+                crate::material::StrainEnergy::plane_jet(self, f).hessian
+            }
+
             fn lane_stress(
                 &self,
                 states: &crate::kinematics::DeformationGradient<crate::real::Lanes>,
@@ -51,6 +63,77 @@ macro_rules! given_by_invariants {
     )+};
 }
 pub(crate) use given_by_invariants;
+
+/// The energy of a law in the invariants with its derivatives by the components of `F` within the plane.
+pub(crate) fn jet_of_invariants<R: Real>(
+    law: &(impl InvariantEnergy + StrainEnergy),
+    f: &[[R; 3]; 3],
+) -> Jet<4, R> {
+    let across = [f[0][2], f[1][2], f[2][0], f[2][1]];
+    if across.iter().any(|own| own.value() != 0.0) {
+        return super::plane_jet(law, f);
+    }
+    let [f11, f12, f21, f22] = [f[0][0], f[0][1], f[1][0], f[1][1]];
+    let [square, volume] = Jet::<2, R>::variables([
+        f11 * f11 + f12 * f12 + f21 * f21 + f22 * f22,
+        f11 * f22 - f12 * f21,
+    ]);
+    let thickness = Jet::fixed(f[2][2]);
+    let thickness_squared = Jet::fixed(f[2][2] * f[2][2]);
+    let jacobian = volume * thickness;
+    let energy = law.of_invariants(&Invariants {
+        first: square + thickness_squared,
+        second: volume * volume + square * thickness_squared,
+        third: jacobian * jacobian,
+        jacobian,
+    });
+    R::vectorized(InPlane {
+        f: &[f11, f12, f21, f22],
+        energy: &energy,
+    })
+}
+
+/// Derivatives by `F_11`, `F_12`, `F_21`, `F_22` from those by `c = F_iJ F_iJ` and `j = det F` within the plane.
+struct InPlane<'a, R> {
+    f: &'a [R; 4],
+    energy: &'a Jet<2, R>,
+}
+
+impl<R: Real> Work for InPlane<'_, R> {
+    type Output = Jet<4, R>;
+
+    #[inline(always)]
+    fn done(self) -> Jet<4, R> {
+        let f = self.f;
+        let g = [f[3], -f[2], -f[1], f[0]];
+        let Jet {
+            value,
+            gradient: [by_c, by_j],
+            hessian: [[cc, cj], [_, jj]],
+        } = *self.energy;
+        let (by_c, cc, cj) = (by_c * 2.0, cc * 4.0, cj * 2.0);
+        let mut jet = Jet {
+            value,
+            gradient: *f,
+            hessian: [*f; 4],
+        };
+        for p in 0..4 {
+            jet.gradient[p] = by_c * f[p] + by_j * g[p];
+            let (along, across) = (cc * f[p] + cj * g[p], cj * f[p] + jj * g[p]);
+            for q in 0..=p {
+                let mut second = along * f[q] + across * g[q];
+                if p == q {
+                    second = second + by_c;
+                } else if p + q == 3 {
+                    second = if p == 3 { second + by_j } else { second - by_j };
+                }
+                jet.hessian[p][q] = second;
+                jet.hessian[q][p] = second;
+            }
+        }
+        jet
+    }
+}
 
 /// The invariants of several states.
 struct Measured<'a>(&'a DeformationGradient<Lanes>);

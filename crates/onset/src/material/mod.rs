@@ -11,7 +11,7 @@ mod laws;
 mod principal;
 mod tensors;
 
-pub(crate) use invariants::{InvariantEnergy, given_by_invariants};
+pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invariants};
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
@@ -146,6 +146,24 @@ pub trait StrainEnergy {
     /// side bound nothing.
     fn is_smooth(&self, _f: &DeformationGradient<Interval>) -> bool {
         true
+    }
+
+    /// The energy with its first and second derivatives by `F_11`, `F_12`, `F_21`, `F_22`, unless a law has a shorter way.
+    fn plane_jet<R: Real>(&self, f: &[[R; 3]; 3]) -> Jet<4, R>
+    where
+        Self: Sized,
+    {
+        plane_jet(self, f)
+    }
+
+    /// The second derivatives of [`StrainEnergy::plane_jet`] alone, at diagonal states by the mirror symmetry that most laws have there.
+    fn plane_hessian<R: Real>(&self, f: &[[R; 3]; 3], is_diagonal: bool) -> [[R; 4]; 4]
+    where
+        Self: Sized,
+    {
+        let mirrored = || mirrored_tangent(self, [f[0][0], f[1][1], f[2][2]]);
+        let mirrored = is_diagonal.then(mirrored).flatten();
+        mirrored.unwrap_or_else(|| self.plane_jet(f).hessian)
     }
 
     /// Energy and stress of several states, as [`Hyperelastic::lane_stress`] has them; by the derivatives of the energy by the components of `F`, unless a law
@@ -482,12 +500,8 @@ fn lane_tangents(law: &impl StrainEnergy, states: &[DeformationGradient]) -> [[L
     let components: [[Lanes; 3]; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| Lanes(std::array::from_fn(|n| state(n)[i][j])))
     });
-    let mirrored = states
-        .iter()
-        .all(DeformationGradient::is_diagonal)
-        .then(|| mirrored_tangent(law, [0, 1, 2].map(|i| components[i][i])))
-        .flatten();
-    mirrored.unwrap_or_else(|| plane_jet(law, &components).hessian)
+    let is_diagonal = states.iter().all(DeformationGradient::is_diagonal);
+    law.plane_hessian(&components, is_diagonal)
 }
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
@@ -512,18 +526,12 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
         self.admits(f)?;
-        let components = f.components();
-        let mirrored = f
-            .is_diagonal()
-            .then(|| mirrored_tangent(self, [0, 1, 2].map(|i| components[i][i])))
-            .flatten();
-        let tangent = mirrored.unwrap_or_else(|| plane_jet(self, components).hessian);
-        finite(tangent, f)
+        finite(self.plane_hessian(f.components(), f.is_diagonal()), f)
     }
 
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         self.admits(f)?;
-        let energy = plane_jet(self, f.components());
+        let energy = StrainEnergy::plane_jet(self, f.components());
         let mut values = energy.gradient.iter().chain(energy.hessian.as_flattened());
         if values.all(|value| value.is_finite()) {
             Ok(PlaneResponse {
@@ -546,7 +554,9 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         for chunk in runs.flat_map(|run| run.chunks(LANES)) {
             let lanes = lane_tangents(self, chunk);
             tangents.extend(chunk.iter().enumerate().map(|(n, f)| {
-                let tangent = lanes.map(|row| row.map(|entry| entry.0[n]));
+                // By reference: a tangent of all lanes is a kilobyte.
+                let of_row = |p: usize| std::array::from_fn(|q| lanes[p][q].0[n]);
+                let tangent = std::array::from_fn(of_row);
                 self.admits(f)?;
                 // A law may ask for the one number that lanes do not have in common.
                 finite(tangent, f).or_else(|_| self.plane_tangent(f))

@@ -4,6 +4,7 @@
 //! which an extreme point of the set of all `H(k)` minimizes. Of those, each region of the zone keeps so many that one of
 //! them comes near to the extreme in every direction `w`.
 
+use super::sums::{Polynomial, Sums};
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
 use std::collections::BTreeSet;
@@ -49,6 +50,8 @@ pub(super) struct Candidates<const D: usize> {
     pub(super) moments: Vec<[f64; 3]>,
     /// `k.a_1` and `k.a_2`, from `-pi` to `pi`.
     pub(super) phases: Vec<[f64; 2]>,
+    /// `H` near them, scaled or not: without the lattice Laplacian.
+    pub(super) polynomials: Vec<Polynomial>,
     /// From there to the equivalent wave vectors.
     pub(super) shifts: Vec<SVector<f64, D>>,
     /// Where the candidates of each region end.
@@ -64,6 +67,7 @@ impl<const D: usize> Candidates<D> {
     pub(super) fn new(
         lattice: &BravaisLattice<D>,
         grid: &WaveGrid<D>,
+        sums: &Sums,
         moments: &[[f64; 3]],
         mirrored: bool,
     ) -> Self {
@@ -139,6 +143,7 @@ impl<const D: usize> Candidates<D> {
         Self {
             moments: kept.iter().map(|n| moments[*n]).collect(),
             phases: kept.iter().map(|n| phases[*n]).collect(),
+            polynomials: kept.iter().map(|n| sums.near(phases[*n])).collect(),
             shifts: shifts.collect(),
             wave_vectors,
             ends,

@@ -14,21 +14,23 @@ pub(super) struct Columns {
 /// The coefficients of one tangent.
 pub(super) type Coefficients = [[f64; 3]; 3];
 
-/// The coefficients of a tangent.
-pub(super) fn coefficients(a: &PlaneTangent) -> Coefficients {
+/// The coefficients of a tangent times a factor.
+pub(super) fn coefficients(a: &PlaneTangent, factor: f64) -> Coefficients {
     let entry = |i: usize, k: usize| {
         [
-            a[2 * i][2 * k],
-            a[2 * i][2 * k + 1] + a[2 * i + 1][2 * k],
-            a[2 * i + 1][2 * k + 1],
+            factor * a[2 * i][2 * k],
+            factor * a[2 * i][2 * k + 1] + factor * a[2 * i + 1][2 * k],
+            factor * a[2 * i + 1][2 * k + 1],
         ]
     };
     let (d11, d12, d22) = (entry(0, 0), entry(0, 1), entry(1, 1));
-    [
-        [0, 1, 2].map(|e| 0.5 * (d11[e] + d22[e])),
-        [0, 1, 2].map(|e| 0.5 * (d11[e] - d22[e])),
-        d12,
-    ]
+    let mut result = [[0.0; 3]; 3];
+    for e in 0..3 {
+        result[0][e] = 0.5 * (d11[e] + d22[e]);
+        result[1][e] = 0.5 * (d11[e] - d22[e]);
+        result[2][e] = d12[e];
+    }
+    result
 }
 
 /// Whether the coordinate axes are mirror axes of the tangent: `D` then depends on `H_12` through its square alone.
@@ -39,16 +41,15 @@ pub(super) fn is_mirrored([mean, half, mixed]: &Coefficients) -> bool {
 impl Columns {
     pub(super) fn new(rows: &[Coefficients]) -> Self {
         let length = rows.len().next_multiple_of(WIDEST);
-        let column = |q: usize, e: usize| {
-            let mut column = vec![0.0; length];
-            for (value, row) in column.iter_mut().zip(rows) {
-                *value = row[q][e];
+        let mut columns = Self::default();
+        for (q, triple) in columns.coefficients.iter_mut().enumerate() {
+            for (e, column) in triple.iter_mut().enumerate() {
+                column.reserve_exact(length);
+                column.extend(rows.iter().map(|row| row[q][e]));
+                column.resize(length, 0.0);
             }
-            column
-        };
-        Self {
-            coefficients: [0, 1, 2].map(|q| [0, 1, 2].map(|e| column(q, e))),
         }
+        columns
     }
 
     /// The length of a column.

@@ -137,8 +137,8 @@ impl<const D: usize> GradientMoments<D> {
         // At zero there is no wave.
         scaled[0] = [f64::NAN; 3];
         let wells = |moments: &[[f64; 3]]| Wells {
-            any: Candidates::new(lattice, &grid, moments, false),
-            mirrored: Candidates::new(lattice, &grid, moments, true),
+            any: Candidates::new(lattice, &grid, &sums, moments, false),
+            mirrored: Candidates::new(lattice, &grid, &sums, moments, true),
         };
         let valley = Valley::new(lattice, &grid, &scaled);
         let (scaled, plain) = (wells(&scaled), wells(&moments));
@@ -161,9 +161,7 @@ impl<const D: usize> GradientMoments<D> {
     /// The extremes for materials with the given tangents in the plane.
     pub fn extremes(&self, tangents: &[PlaneTangent]) -> Vec<MomentExtremes<D>> {
         let factor = self.moment_unit / self.unit;
-        let in_units = |tangent: &PlaneTangent| {
-            coefficients(&tangent.map(|row| row.map(|entry| entry * factor)))
-        };
+        let in_units = |tangent| coefficients(tangent, factor);
         let rows: Vec<Coefficients> = tangents.iter().map(in_units).collect();
         let (mirrored, others): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|n| is_mirrored(&rows[*n]));
@@ -449,12 +447,14 @@ impl<const D: usize> Batch<'_, D> {
         bottoms: &mut [Bottom<D>],
     ) {
         let rows: Vec<Coefficients> = starts.iter().map(|(n, _)| self.rows[*n]).collect();
-        let mut descents =
-            Descents::new(starts.iter().map(|(n, candidate)| {
-                (candidates.phases[*candidate], limits[*n].min(bottoms[*n].0))
-            }));
-        Arch::new().dispatch(Refine::<MIRRORED> {
+        let floor = |n: usize| limits[n].min(bottoms[n].0);
+        let mut descents = Descents::new(
+            candidates,
+            starts.iter().map(|(n, candidate)| (*candidate, floor(*n))),
+        );
+        Arch::new().dispatch(Refine::<D, MIRRORED> {
             sums: &self.moments.sums,
+            candidates,
             columns: &Columns::new(&rows),
             sign: if objective == Objective::Highest {
                 -1.0

@@ -1,13 +1,18 @@
 //! From candidates to the bottoms of their wells, several at once: Newton's method on the exact sums.
 
+use super::candidates::Candidates;
 use super::contraction::{Columns, Contraction};
-use super::sums::{LARGEST, Local, Sums, Workspace};
+use super::sums::{LARGEST, Local, Near, Sums, Workspace};
 use crate::algebra::{Mask, Pack, WIDEST};
 use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
 
 /// Evaluations at most.
 const STEPS: usize = 24;
+/// Steps on the polynomials of the candidates, which come before them,
+const APPROACH: usize = 2;
+/// as far as this phase.
+const NEAR: f64 = 0.15;
 /// The longest step, as a phase.
 const LONGEST: f64 = 0.6;
 /// After a step this short and a decrease this small, relative to the value, quadratic convergence leaves less than rounding.
@@ -30,6 +35,8 @@ pub(super) const HARD: f64 = 2.0;
 pub(super) struct Descents {
     /// `k.a_1` and `k.a_2`.
     pub(super) phases: [Vec<f64>; 2],
+    /// The candidates at which they start.
+    pub(super) candidates: Vec<usize>,
     /// What is to be beaten.
     pub(super) floors: Vec<f64>,
     /// The objective at the end.
@@ -39,18 +46,25 @@ pub(super) struct Descents {
 }
 
 impl Descents {
-    pub(super) fn new(starts: impl ExactSizeIterator<Item = ([f64; 2], f64)>) -> Self {
+    /// From candidates, by their numbers, with what is to be beaten.
+    pub(super) fn new<const D: usize>(
+        candidates: &Candidates<D>,
+        starts: impl ExactSizeIterator<Item = (usize, f64)>,
+    ) -> Self {
         let length = starts.len().next_multiple_of(WIDEST);
         let mut result = Self {
             phases: [vec![1.0; length], vec![1.0; length]],
+            candidates: vec![0; length],
             // What fills up is beaten at once.
             floors: vec![f64::NEG_INFINITY; length],
             values: vec![f64::INFINITY; length],
             ends: vec![BEATEN; length],
         };
-        for (n, (phases, floor)) in starts.enumerate() {
+        for (n, (candidate, floor)) in starts.enumerate() {
+            let phases = candidates.phases[candidate];
             result.phases[0][n] = phases[0];
             result.phases[1][n] = phases[1];
+            result.candidates[n] = candidate;
             result.floors[n] = floor;
         }
         result
@@ -58,8 +72,9 @@ impl Descents {
 }
 
 /// Work for the widest vectors of the machine.
-pub(super) struct Refine<'a, const MIRRORED: bool> {
+pub(super) struct Refine<'a, const D: usize, const MIRRORED: bool> {
     pub(super) sums: &'a Sums,
+    pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
     /// One for the smaller eigenvalue, minus one for minus the larger.
     pub(super) sign: f64,
@@ -68,7 +83,7 @@ pub(super) struct Refine<'a, const MIRRORED: bool> {
     pub(super) descents: &'a mut Descents,
 }
 
-impl<const MIRRORED: bool> WithSimd for Refine<'_, MIRRORED> {
+impl<const D: usize, const MIRRORED: bool> WithSimd for Refine<'_, D, MIRRORED> {
     type Output = ();
 
     #[inline(always)]
@@ -82,7 +97,19 @@ impl<const MIRRORED: bool> WithSimd for Refine<'_, MIRRORED> {
                 sign: Pack::splat(simd, self.sign),
                 scaled: self.scaled,
             };
-            objective.descend(group, self.descents, &mut workspace);
+            let lanes = group * S::F64_LANES..(group + 1) * S::F64_LANES;
+            let phases = [
+                Pack::of(simd, &self.descents.phases[0], group),
+                Pack::of(simd, &self.descents.phases[1], group),
+            ];
+            let near = Near::of(
+                simd,
+                &self.candidates.polynomials,
+                &self.descents.candidates[lanes],
+                phases,
+            );
+            let start = objective.approached(&near, phases);
+            objective.descend(group, start, self.descents, &mut workspace);
         }
     }
 }
@@ -96,15 +123,44 @@ struct Objective<'a, S: Simd, const MIRRORED: bool> {
 }
 
 impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
+    /// Near the bottoms of the wells, by the polynomials of the candidates.
     #[inline(always)]
-    fn descend(&self, group: usize, descents: &mut Descents, workspace: &mut Workspace<S>) {
+    fn approached(&self, near: &Near<S>, start: [Pack<S>; 2]) -> [Pack<S>; 2] {
+        let half = Pack::splat(self.simd, 0.5);
+        let farthest = Pack::splat(self.simd, NEAR * NEAR);
+        let mut at = start;
+        for turn in 0..APPROACH {
+            let laplacian = self
+                .sums
+                .laplacian_at(self.simd, [at[0] * half, at[1] * half]);
+            let h = if turn == 0 {
+                near.local()
+            } else {
+                near.local_at(at)
+            };
+            let newton = newton_step(&self.branch(&h, &laplacian));
+            let next = [at[0] + newton.step[0], at[1] + newton.step[1]];
+            let (x, y) = (next[0] - start[0], next[1] - start[1]);
+            let is_near = x.times_plus(x, y * y).is_below(farthest);
+            for a in 0..2 {
+                at[a] = is_near.select(next[a], at[a]);
+            }
+        }
+        at
+    }
+
+    #[inline(always)]
+    fn descend(
+        &self,
+        group: usize,
+        start: [Pack<S>; 2],
+        descents: &mut Descents,
+        workspace: &mut Workspace<S>,
+    ) {
         let number = |value: f64| Pack::splat(self.simd, value);
         let zero = number(0.0);
         let floor = Pack::of(self.simd, &descents.floors, group);
-        let mut base = [
-            Pack::of(self.simd, &descents.phases[0], group),
-            Pack::of(self.simd, &descents.phases[1], group),
-        ];
+        let mut base = start;
         let mut step = [zero; 2];
         let mut last = number(f64::INFINITY);
         let mut end = number(HARD);
@@ -196,11 +252,17 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
     /// The objective with its derivatives.
     #[inline(always)]
     fn local(&self, at: [Pack<S>; 2], workspace: &mut Workspace<S>) -> Local<Pack<S>> {
-        let number = |value: f64| Pack::splat(self.simd, value);
-        let half = number(0.5);
+        let half = Pack::splat(self.simd, 0.5);
         let (h, laplacian) = self
             .sums
             .local_at(self.simd, [at[0] * half, at[1] * half], workspace);
+        self.branch(&h, &laplacian)
+    }
+
+    /// From `H` and the lattice Laplacian with their derivatives.
+    #[inline(always)]
+    fn branch(&self, h: &[Local<Pack<S>>; 3], laplacian: &Local<Pack<S>>) -> Local<Pack<S>> {
+        let number = |value: f64| Pack::splat(self.simd, value);
         let value = self.contraction.parts([h[0].value, h[1].value, h[2].value]);
         let mut slope = [value; 2];
         for a in 0..2 {

@@ -1,6 +1,6 @@
 //! `H(k)` and its derivatives at several wave vectors at once, by the exact sums.
 
-use crate::algebra::Pack;
+use crate::algebra::{Pack, WIDEST};
 use crate::bloch::DynamicalMatrix;
 use crate::lattice::BravaisLattice;
 use pulp::Simd;
@@ -56,7 +56,170 @@ pub(super) struct Local<T> {
     pub(super) curvature: [T; 3],
 }
 
+/// The degree of a [`Polynomial`].
+const DEGREE: usize = 4;
+/// Its coefficients.
+pub(super) const COEFFICIENTS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
+
+/// `H_11`, `H_12`, `H_22` near some phases to the fourth order in the differences from them: the coefficients of `d_1^m d_2^n`, by `n` and then
+/// by `m`.
+pub(super) type Polynomial = [[f64; COEFFICIENTS]; 3];
+
+/// The polynomials of several places.
+pub(super) struct Near<S: Simd> {
+    coefficients: [[Pack<S>; COEFFICIENTS]; 3],
+    phases: [Pack<S>; 2],
+}
+
+impl<S: Simd> Near<S> {
+    /// Those of as many places as a register has lanes.
+    #[inline(always)]
+    pub(super) fn of(
+        simd: S,
+        polynomials: &[Polynomial],
+        places: &[usize],
+        phases: [Pack<S>; 2],
+    ) -> Self {
+        let mut coefficients = [[Pack::splat(simd, 0.0); COEFFICIENTS]; 3];
+        let is_one = places.iter().all(|place| *place == places[0]);
+        for e in 0..3 {
+            for n in 0..COEFFICIENTS {
+                coefficients[e][n] = if is_one {
+                    Pack::splat(simd, polynomials[places[0]][e][n])
+                } else {
+                    let mut column = [0.0; WIDEST];
+                    for (lane, place) in places.iter().enumerate() {
+                        column[lane] = polynomials[*place][e][n];
+                    }
+                    Pack::of(simd, &column, 0)
+                };
+            }
+        }
+        Self {
+            coefficients,
+            phases,
+        }
+    }
+
+    /// `H_11`, `H_12`, `H_22` with their derivatives at the places themselves.
+    #[inline(always)]
+    pub(super) fn local(&self) -> [Local<Pack<S>>; 3] {
+        let two = self.phases[0].constant(2.0);
+        let mut local = [Local {
+            value: two,
+            slope: [two; 2],
+            curvature: [two; 3],
+        }; 3];
+        for e in 0..3 {
+            let c = &self.coefficients[e];
+            // By the powers of the first difference: five without the second one, four with it, three with its square.
+            local[e] = Local {
+                value: c[0],
+                slope: [c[1], c[DEGREE + 1]],
+                curvature: [c[2] * two, c[DEGREE + 2], c[2 * DEGREE + 1] * two],
+            };
+        }
+        local
+    }
+
+    /// `H_11`, `H_12`, `H_22` with their derivatives at other phases, by the rule of Horner.
+    #[inline(always)]
+    pub(super) fn local_at(&self, phases: [Pack<S>; 2]) -> [Local<Pack<S>>; 3] {
+        let zero = phases[0].constant(0.0);
+        let two = phases[0].constant(2.0);
+        let (x, y) = (phases[0] - self.phases[0], phases[1] - self.phases[1]);
+        let mut local = [Local {
+            value: zero,
+            slope: [zero; 2],
+            curvature: [zero; 3],
+        }; 3];
+        for e in 0..3 {
+            let Local {
+                value,
+                slope: [by_x, by_y],
+                curvature: [xx, xy, yy],
+            } = &mut local[e];
+            let mut place = COEFFICIENTS;
+            for n in (0..=DEGREE).rev() {
+                let (mut row, mut slope, mut curvature) = (zero, zero, zero);
+                for _ in 0..=DEGREE - n {
+                    place -= 1;
+                    curvature = curvature.times_plus(x, slope);
+                    slope = slope.times_plus(x, row);
+                    row = row.times_plus(x, self.coefficients[e][place]);
+                }
+                *yy = yy.times_plus(y, *by_y);
+                *by_y = by_y.times_plus(y, *value);
+                *value = value.times_plus(y, row);
+                *xy = xy.times_plus(y, *by_x);
+                *by_x = by_x.times_plus(y, slope);
+                *xx = xx.times_plus(y, curvature);
+            }
+            *xx = *xx * two;
+            *yy = *yy * two;
+        }
+        local
+    }
+}
+
 impl Sums {
+    /// The polynomial near some phases.
+    pub(super) fn near(&self, phases: [f64; 2]) -> Polynomial {
+        let mut polynomial = [[0.0; COEFFICIENTS]; 3];
+        for (entry, constant) in polynomial.iter_mut().zip(self.constant) {
+            entry[0] = constant;
+        }
+        for term in &self.terms {
+            let [m, n] = term.places.map(|place| place as f64 - REACH as f64);
+            let (sine, cosine) = (m * phases[0] + n * phases[1]).sin_cos();
+            let mut place = 0;
+            let mut along_second = 1.0;
+            for b in 0..=DEGREE {
+                let mut factor = along_second;
+                for a in 0..=DEGREE - b {
+                    let turned = [cosine, -sine, -cosine, sine][(a + b) % 4];
+                    for e in 0..3 {
+                        polynomial[e][place] += term.even[e] * turned * factor;
+                    }
+                    factor *= m / (a + 1) as f64;
+                    place += 1;
+                }
+                along_second *= n / (b + 1) as f64;
+            }
+        }
+        polynomial
+    }
+
+    /// The lattice Laplacian with its derivatives, at half phases.
+    #[inline(always)]
+    pub(super) fn laplacian_at<S: Simd>(&self, simd: S, half: [Pack<S>; 2]) -> Local<Pack<S>> {
+        self.laplacian_of(simd, doubled(sin_cos(half[0])), doubled(sin_cos(half[1])))
+    }
+
+    /// From cosine and sine of both phases.
+    #[inline(always)]
+    fn laplacian_of<S: Simd>(
+        &self,
+        simd: S,
+        first: [Pack<S>; 2],
+        second: [Pack<S>; 2],
+    ) -> Local<Pack<S>> {
+        let weight = [
+            Pack::splat(simd, 2.0 * self.laplacian[0]),
+            Pack::splat(simd, 2.0 * self.laplacian[1]),
+        ];
+        let one = Pack::splat(simd, 1.0);
+        Local {
+            value: (one - first[0]).times_plus(weight[0], (one - second[0]) * weight[1]),
+            slope: [first[1] * weight[0], second[1] * weight[1]],
+            curvature: [
+                first[0] * weight[0],
+                Pack::splat(simd, 0.0),
+                second[0] * weight[1],
+            ],
+        }
+    }
+
     /// Of a matrix of moments; `None` where it is not planar and real, where vectors do not end at lattice points, or
     /// of ranges that no method in use has.
     pub(super) fn new<const D: usize>(
@@ -124,7 +287,10 @@ impl Sums {
         for e in 0..3 {
             sums[e] = sums[e].times_plus(two, Pack::splat(simd, self.rigid[e]));
         }
-        let weight = [0, 1].map(|i| Pack::splat(simd, 4.0 * self.laplacian[i]));
+        let weight = [
+            Pack::splat(simd, 4.0 * self.laplacian[0]),
+            Pack::splat(simd, 4.0 * self.laplacian[1]),
+        ];
         let laplacian =
             (first[1] * first[1]).times_plus(weight[0], second[1] * second[1] * weight[1]);
         (sums, laplacian)
@@ -168,14 +334,7 @@ impl Sums {
                 }
             }
         }
-        let weight = [0, 1].map(|i| Pack::splat(simd, 2.0 * self.laplacian[i]));
-        let one = Pack::splat(simd, 1.0);
-        let laplacian = Local {
-            value: (one - first[0]).times_plus(weight[0], (one - second[0]) * weight[1]),
-            slope: [first[1] * weight[0], second[1] * weight[1]],
-            curvature: [first[0] * weight[0], zero, second[0] * weight[1]],
-        };
-        (sums, laplacian)
+        (sums, self.laplacian_of(simd, first, second))
     }
 }
 
