@@ -126,6 +126,11 @@ class Answer(Record):
     _files: dict[str, bytes] | None
 
     def __init__(self, answer: _onset.Answer) -> None:
+        if not isinstance(answer, _onset.Answer):
+            raise TypeError(
+                f"{type(self).__name__} is what a question answers, as onset.state(...) does; "
+                "a deformation is an argument of the question, stretch=(1.2, 0.9) or F=[[1, 0.1], [0, 1]]"
+            )
         super().__init__(json.loads(answer.json))
         object.__setattr__(self, "_answer", answer)
         object.__setattr__(self, "_files", None)

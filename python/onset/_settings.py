@@ -368,7 +368,9 @@ def material_of(material: MaterialLike) -> Material:
         return Material(material)
     if isinstance(material, Material):
         return material
-    raise TypeError(f"material is {type(material).__name__}; expected an onset.Material, or the name of a law")
+    raise TypeError(
+        f"material is {type(material).__name__}; expected an onset.Material, or the name of a law (a deformation is F=... or stretch=...)"
+    )
 
 
 def method_of(method: MethodLike) -> Method:

@@ -34,6 +34,15 @@ def test_messages_have_key_place_and_hint() -> None:
     assert (str(again), again.key, again.hint) == (str(error), error.key, error.hint)
 
 
+def test_an_answer_is_not_made_by_hand_and_a_deformation_is_no_material() -> None:
+    answer: Any = onset.State
+    with pytest.raises(TypeError, match="stretch="):
+        answer((1.1, 0.9))
+    deformation: Any = np.eye(3)[None]
+    with pytest.raises(TypeError, match="F=..."):
+        onset.verdicts(deformation)
+
+
 AXES = "".join(f"[[axes]]\nquantity = 'stretch-{n}'\nrange = [1, 2]\nstates = 2\n" for n in (1, 2))
 
 
