@@ -522,6 +522,17 @@ class Tuning(Answer):
         return cast("float | None", self._fields["recommended"])
 
 
+class Limit(Answer):
+    """The values of a setting that admit a time step, ``admitted``, and all values that were ``tried``, each with its ``critical_time_step`` and ``verdict``."""
+
+    __slots__ = ()
+
+    @property
+    def intervals(self) -> list[tuple[float, float]]:
+        """The values that admit the step, each interval as its smallest and largest one, in the unit of the key."""
+        return [(own["from"]["value"], own["to"]["value"]) for own in self.to_dict()["admitted"]]
+
+
 class Audit(Answer):
     """Whether a law has an energy, and a consistent tangent: ``checks``, each with ``name``, ``outcome``, relative ``error`` and ``finding``."""
 

@@ -20,6 +20,7 @@ from ._answers import (
     Comparison,
     Criteria,
     Dispersion,
+    Limit,
     Localization,
     Mapped,
     Modes,
@@ -460,6 +461,39 @@ def tune(
     settings = [*material_of(material)._assigned(), *method_of(method).assignments]
     limits = (share(weak, "weak"), share(wrong, "wrong"), share(later, "later"))
     return Tuning(_onset.tune(full, settings, None, [], pair(range, "range"), pair(stretches, "stretches"), limits))
+
+
+@asks
+def limit(
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    vary: str,
+    time_step: float | str,
+    stretch: ArrayLike | None = None,
+    F: ArrayLike | None = None,
+    range: tuple[float, float] | None = None,
+    safety: float = 1.0,
+    integrator: str = "kick-drift-kick",
+) -> Limit:
+    """Which modulus, spacing or coefficient does a time step admit? ``onset limit``.
+
+    `vary` is a key that takes a number, ``"material.young"`` or ``"discretization.spacing"``. Sought are its values with which `time_step` (time; a text has a
+    unit, ``"1 us"``) is at most `safety` times the critical step of the state, at ``F = 1`` unless `stretch` or `F` is given. Values are looked at from 1e-6 to
+    1e6 times the present one, or in `range`, in the unit of the key. Integrators (``central-differences``, ``kick-drift-kick``, ``predictor-corrector``) differ
+    with damping alone.
+
+    A key that is not read, or of which no value can be evaluated, is an `InputError`.
+    """
+    if not isinstance(vary, str):
+        raise TypeError(f"vary is {type(vary).__name__}; expected the name of a key")
+    if not isinstance(integrator, str):
+        raise TypeError(f"integrator is {type(integrator).__name__}; expected a name")
+    problem = problem_of(material, method)
+    given = (None, None) if stretch is None and F is None else state_as_typed(F, stretch)
+    step = time_step if isinstance(time_step, str) else repr(positive(time_step, "time_step"))
+    ends = None if range is None else pair(range, "range")
+    return Limit(problem.limit(vary, step, given, ends, share(safety, "safety"), integrator))
 
 
 #: Methods that are compared: a list, a dictionary with names, or a file.

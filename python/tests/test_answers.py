@@ -167,6 +167,16 @@ def of_tune(chance: random.Random) -> Question:
     return lambda: onset.tune(own, key, range=(0.0, 2.0)), ["tune", f"discretization.{key}", *words, "--range", "0,2"]
 
 
+def of_limit(chance: random.Random) -> Question:
+    law, law_words = material(chance)
+    own, own_words, dimension = method(chance)
+    given, words = state(chance, dimension)
+    key = chance.choice(["discretization.spacing", "discretization.density", "discretization.lattice"])
+    step = chance.choice(["0.01", "1e-3", "1 s"])
+    typed = ["--vary", key, "--time-step", step]
+    return lambda: onset.limit(law, own, vary=key, time_step=step, **given), ["limit", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
+
+
 def of_simulate(chance: random.Random) -> Question:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
@@ -178,7 +188,7 @@ def of_simulate(chance: random.Random) -> Question:
 
 #: Questions by how often each is asked of a hundred.
 SHARES: list[tuple[int, Callable[[random.Random], Question]]] = [
-    (34, of_state),
+    (30, of_state),
     (14, of_waves),
     (4, of_bands),
     (8, of_path),
@@ -188,6 +198,7 @@ SHARES: list[tuple[int, Callable[[random.Random], Question]]] = [
     (6, of_localize),
     (6, of_modes),
     (2, of_tune),
+    (4, of_limit),
     (6, of_simulate),
 ]
 

@@ -154,6 +154,7 @@ CALLS_OF: list[tuple[Any, dict[str, Any]]] = [
     (onset.localize, {"model": "no-law", "path": "plane-strain", "load": None, "friction": 0.5}),
     (onset.modes, {"method": "no-method", "material": None, "weak": 0.5, "cells": 2, "amplitude": 0.2}),
     (onset.tune, {"method": "updated-sph", "key": "no-key", "material": None, "range": (0, 1), "stretches": (0.9, 1.1), "weak": 0.1}),
+    (onset.limit, {"material": None, "method": None, "vary": "no-key", "time_step": 0.1, "stretch": (1.1, 1.0), "F": None, "range": (1, 2), "safety": 1.0}),
     (onset.compare, {"methods": [], "material": None, "set": (), "states": 4}),
     (onset.recommend, {"material": "no-law", "methods": None, "dimension": 1, "stretches": None, "weak": 0.1, "wavelength": 8}),
     (onset.criteria, {"material": "no-law", "range": (0.5, 2), "modes": ("uniaxial",), "incompressible": False}),

@@ -7,6 +7,7 @@ use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
+use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::settings::Program;
 use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
@@ -126,6 +127,10 @@ const TUNE_EXAMPLES: &str = "Examples:
   onset tune discretization.penalty --set discretization.method=tlsph
   onset tune discretization.support --range 1.2,3 --out support
   onset tune discretization.penalty --set discretization.method=tlsph --weak 0.2";
+const LIMIT_EXAMPLES: &str = "Examples:
+  onset limit --time-step 0.01 --vary material.young --set material.young=2 --set material.poisson=0.3
+  onset limit --time-step '1 us' --vary discretization.spacing studies/rubber.toml --safety 0.8
+  onset limit --time-step 0.1 --vary discretization.penalty --range 0,10 --set discretization.method=tlsph";
 const COMPARE_EXAMPLES: &str = "Examples:
   onset compare comparisons/methods-2d.toml --out results
   onset compare STUDY.toml --set compare.states=24
@@ -390,6 +395,11 @@ pub enum Command {
     /// It removes the spurious modes and does not mask the instability of the material.
     #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
+    /// Which modulus, spacing or coefficient does a time step admit?
+    ///
+    /// The values of a setting with which a given time step is below the critical one of a state.
+    #[command(after_help = LIMIT_EXAMPLES, after_long_help = with_keys(LIMIT_EXAMPLES, &keys()))]
+    Limit(LimitArguments),
     /// Does a particle code do what is predicted?
     ///
     /// A wave is seeded, run and measured: decks, runs and readings for LAMMPS (SMD, PERI), PySPH and any other code.
@@ -870,6 +880,46 @@ pub struct TuneArguments {
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// A setting that a time step limits.
+#[derive(Debug, Args)]
+pub struct LimitArguments {
+    /// The time step that must be stable, with a unit where the settings have units, for example 0.01 or "1 us".
+    #[arg(long, value_name = "DT", allow_hyphen_values = true)]
+    pub time_step: String,
+    /// The setting, a key that takes a number, for example material.young or discretization.spacing.
+    #[arg(long, value_name = "KEY")]
+    pub vary: String,
+    /// The problem.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
+    /// The state [default: F = 1].
+    #[command(flatten)]
+    pub strain: StrainArguments,
+    /// Smallest and largest value that is looked at, in SI where the settings have units [default: 1e-6 to 1e6 times the present value].
+    #[arg(long, value_name = "LOW,HIGH", value_parser = interval, allow_hyphen_values = true)]
+    pub range: Option<(f64, f64)>,
+    /// The share of the critical step that the step may be.
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = share)]
+    pub safety: f64,
+    /// How steps are taken, which matters with damping: central-differences, kick-drift-kick or predictor-corrector.
+    #[arg(long, value_name = "NAME", default_value = Integrator::KickDriftKick.name(), value_parser = integrator)]
+    pub integrator: Integrator,
+    /// Folder for limit.csv, limit.svg and limit.png; nothing is written without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// An integrator as typed.
+fn integrator(text: &str) -> Result<Integrator, String> {
+    Integrator::named(text).ok_or_else(|| {
+        expected(
+            text,
+            "available are",
+            &Integrator::ALL.map(Integrator::name),
+        )
+    })
 }
 
 /// A share as typed.

@@ -7,6 +7,7 @@ mod compare;
 mod criteria;
 #[cfg(feature = "explore")]
 mod explore;
+mod limit;
 mod localize;
 mod modes;
 mod plot;
@@ -173,6 +174,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Modes(arguments) => modes::modes(&arguments),
         Command::Tune(arguments) => tune::tune(&arguments),
+        Command::Limit(arguments) => limit::limit(&arguments),
         Command::Recommend(arguments) => compare::recommend(&arguments),
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Verify { task } => verify::verify(&task),

@@ -25,7 +25,10 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "simulate",
         ],
     ),
-    ("A method", &["recommend", "compare", "tune", "verify"]),
+    (
+        "A method",
+        &["recommend", "compare", "tune", "limit", "verify"],
+    ),
     ("A law", &["criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
     (

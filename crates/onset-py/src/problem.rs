@@ -13,6 +13,7 @@ use onset_study::answers::{
     Strain, Waves,
 };
 use onset_study::criteria::{Lateral, Mode};
+use onset_study::limit::{Integrator, LimitAnswer, LimitQuestion};
 use onset_study::map::{Evaluator, Record};
 use onset_study::output::text;
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
@@ -166,6 +167,39 @@ impl Problem {
                 None => StateAnswer::new(&problem, &strain)?,
             };
             Answer::of(&answer, &answer)
+        })
+    }
+
+    /// Which values of a setting admit a time step.
+    fn limit(
+        &self,
+        py: Python<'_>,
+        key: String,
+        time_step: String,
+        (stretch, components): (Option<String>, Option<String>),
+        range: Option<(f64, f64)>,
+        safety: f64,
+        integrator: &str,
+    ) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        let integrator = Integrator::named(integrator);
+        interrupt::ending(py, move |interrupt| {
+            let strain = match (&stretch, &components) {
+                (None, None) => Strain::reference(),
+                given => strain(&problem, given.0.as_deref(), given.1.as_deref())?,
+            };
+            let integrator = integrator.ok_or_else(|| {
+                let known = Integrator::ALL.map(Integrator::name).join(", ");
+                Failure::Input(format!("no such integrator\n  hint: available are {known}"))
+            })?;
+            let question = LimitQuestion::new(&key, &time_step)?
+                .between(range)
+                .with_safety(safety)
+                .with_integrator(integrator);
+            let told = |_| interrupt.end_if_asked();
+            let limit = LimitAnswer::new(&problem.settings, &strain, &question, &told)?;
+            let answer = Answer::of(&limit, &limit)?.with_table(&limit.csv());
+            Ok(answer.with_files(move || limit.files().map_err(Failure::machine)))
         })
     }
 

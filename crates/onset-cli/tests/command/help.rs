@@ -97,6 +97,7 @@ fn short_help_is_short_and_has_examples_that_run() {
         "recommend",
         "compare",
         "tune",
+        "limit",
         "simulate",
         "check",
         "map",

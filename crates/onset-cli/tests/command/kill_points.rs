@@ -76,6 +76,10 @@ const COMMANDS: [(&str, &str); 10] = [
         "tune discretization.support --range 1.6,1.8 --set discretization.lattice=chain --quiet --out out",
     ),
     (
+        "limit --vary discretization.spacing --time-step 0.1 --quiet --out out",
+        "limit --vary discretization.spacing --time-step 0.2 --quiet --out out",
+    ),
+    (
         "boundary study.toml --out out",
         "boundary study.toml --out out --set discretization.support=1.7",
     ),

@@ -20,6 +20,7 @@ mod help;
 mod hunt;
 #[cfg(target_os = "linux")]
 mod kill_points;
+mod limit;
 mod loading_paths;
 mod localize;
 mod map;

@@ -29,6 +29,7 @@ fn a_key_that_the_method_does_not_read_is_refused_by_every_command() {
         format!("path --from 1,1 --to 1.2,1 {unread}"),
         format!("modes {unread}"),
         format!("tune discretization.support {unread}"),
+        format!("limit --vary discretization.support --time-step 0.1 {unread}"),
         format!("check {study} {unread}"),
         format!("map {study} --out {study}.zarr {unread}"),
         format!("boundary {study} --out {study}.out {unread}"),

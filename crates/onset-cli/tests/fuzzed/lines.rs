@@ -770,6 +770,7 @@ impl Source {
             }
             "recommend" => self.recommend(line),
             "tune" => self.tune(line),
+            "limit" => self.limit(line),
             "plot" => self.plot(&mut line.words),
             // The whole takes minutes: only what keeps it from beginning.
             "reproduce" => {
@@ -892,6 +893,23 @@ impl Source {
         self.flag(&mut line.words, "--quiet", 50);
     }
 
+    fn limit(&mut self, line: &mut Line) {
+        let key = self.of(COEFFICIENTS);
+        let step = self.of(&["0.1", "1e-3", "1e9", "1 us", "1 m", "-1", "nan", "x"]);
+        line.words
+            .extend([format!("--vary={key}"), format!("--time-step={step}")]);
+        self.problem(line);
+        if self.chance(50) {
+            self.strain(&mut line.words);
+        }
+        if self.chance(40) {
+            let ends = self.interval();
+            line.words.push(format!("--range={ends}"));
+        }
+        self.out(&mut line.words, 20);
+        self.flag(&mut line.words, "--quiet", 50);
+    }
+
     fn plot(&mut self, words: &mut Vec<String>) {
         for _ in 0..1 + self.below(2) {
             words.push(
@@ -980,6 +998,7 @@ const COMMANDS: &[(&str, usize)] = &[
     ("compare", 30),
     ("recommend", 20),
     ("tune", 20),
+    ("limit", 20),
     ("plot", 40),
     ("reproduce", 4),
     ("schema", 2),

@@ -28,14 +28,24 @@ impl Entry {
 
     /// The answer of `onset state`.
     fn state(&self, key: &str) -> Option<serde_json::Value> {
+        Some(self.document(["state", "--json"], self.words(key)?))
+    }
+
+    /// The answer of `onset limit` to the question.
+    fn limit(&self) -> Option<serde_json::Value> {
+        let words = [self.words("limit")?, self.words("question")?].concat();
+        Some(self.document(["limit", "--json"], words))
+    }
+
+    fn document(&self, command: [&str; 2], words: Vec<&str>) -> serde_json::Value {
         let output = Command::new(env!("CARGO_BIN_EXE_onset"))
-            .args(["state", "--json"])
-            .args(self.words(key)?)
+            .args(command)
+            .args(words)
             .output()
             .expect("the command starts");
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{}: {told}", self.name);
-        Some(serde_json::from_slice(&output.stdout).expect("a document"))
+        serde_json::from_slice(&output.stdout).expect("a document")
     }
 }
 
@@ -93,6 +103,12 @@ fn each_entry_has_its_verdict_and_its_remedy() {
             let critical = answer["discretization"]["critical_time_step"].as_f64();
             let taken = step.as_float().expect("a number");
             assert!(critical.expect("a number") < taken, "{}", entry.name);
+        }
+        if let Some(answer) = entry.limit() {
+            let found = answer["admitted"][0]["to"]["value"].as_f64();
+            let known = entry.table["limit-value"].as_float().expect("a number");
+            let ratio = found.expect("a number") / known;
+            assert!((ratio - 1.0).abs() < 0.02, "{}: {ratio}", entry.name);
         }
         if let Some(cured) = entry.state("remedy-question") {
             assert_eq!(

@@ -197,6 +197,11 @@ fn path_hint(error: &PathError) -> &'static str {
 pub struct Strain(pub DeformationGradient);
 
 impl Strain {
+    /// None: the reference configuration, `F = 1`.
+    pub fn reference() -> Self {
+        Self(DeformationGradient::identity())
+    }
+
     /// Principal stretches along the axes: as many as the lattice has dimensions, and optionally those
     /// out of them (1 unless given).
     ///

@@ -77,6 +77,20 @@ impl Settings {
         )
     }
 
+    /// Every choice in effect beside one that is varied. Where it is a modulus, the moduli that were set, in the place of the parameters that follow from them.
+    pub(crate) fn effective_beside(&self, varied: &str) -> Effective {
+        let mut effective = self.effective();
+        let (moduli, follows) = self.moduli();
+        if moduli.iter().any(|(name, _)| *name == varied) {
+            effective
+                .0
+                .retain(|(name, _)| !follows.iter().any(|own| own == name));
+            let after_model = 1.min(effective.0.len());
+            effective.0.splice(after_model..after_model, moduli);
+        }
+        effective.without(varied)
+    }
+
     /// The moduli that were set instead of parameters, and the keys of the parameters that follow from them.
     pub(crate) fn moduli(&self) -> (Vec<(&'static str, Choice)>, Vec<String>) {
         let moduli = KEYS.iter().filter(|key| key.is_modulus());
@@ -108,7 +122,7 @@ impl Settings {
     }
 
     /// The unit of a key's value, where values have units.
-    fn unit(&self, key: &Key) -> Option<&'static str> {
+    pub(crate) fn unit(&self, key: &Key) -> Option<&'static str> {
         let unit = key.unit().and_then(units::si)?;
         self.units().are_si().then_some(unit)
     }

@@ -6,6 +6,7 @@ use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::output::{Files, text};
+use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::material::Hyperelastic;
 use onset::measures::StretchOnset;
@@ -136,12 +137,7 @@ impl TuneAnswer {
         if let Some(n) = first.filter(|n| *n > 0) {
             let (mut low, mut high) = (all[n - 1].value, all[n].value);
             for _ in 0..HALVINGS {
-                // Between positive values in the logarithm.
-                let middle = if low > 0.0 {
-                    (low * high).sqrt()
-                } else {
-                    0.5 * (low + high)
-                };
+                let middle = middle(low, high);
                 let found = tried(middle);
                 if found.is_sufficient(&limits) && !found.masks(&limits) {
                     high = middle;

@@ -9,14 +9,12 @@ mod answer;
 pub use answer::{Dependence, Tried, TuneAnswer};
 
 use crate::compare::Thresholds;
-
+use crate::range::spread;
 use crate::settings::{KEYS, Key, Settings, Value, unknown_key};
 use crate::settings::{Origin, SettingError};
 
 /// Values of the coefficient that are looked at.
 const VALUES: usize = 13;
-/// The smallest positive value over the largest, where the range begins at zero.
-const SMALLEST: f64 = 1e-4;
 
 /// Which coefficient, and over which range.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,26 +90,9 @@ impl TuneQuestion {
         self.key.name
     }
 
-    /// The values that are looked at: evenly in the logarithm, with zero where the range begins there; evenly where it begins
-    /// below.
+    /// The values that are looked at.
     pub fn values(&self) -> Vec<f64> {
-        let [low, high] = self.range;
-        let last = (VALUES - 1) as f64;
-        let even = |low: f64, high: f64| move |n: usize| low + (high - low) * n as f64 / last;
-        let powers = |low: f64| move |n: usize| low * (high / low).powf(n as f64 / last);
-        let mut values: Vec<f64> = if low < 0.0 {
-            (0..VALUES).map(even(low, high)).collect()
-        } else if low > 0.0 {
-            (0..VALUES).map(powers(low)).collect()
-        } else {
-            let positive = (0..VALUES).map(powers(SMALLEST * high));
-            std::iter::once(0.0).chain(positive).collect()
-        };
-        // The ends of the range are what was asked for, to the last digit.
-        if let [first, .., end] = &mut values[..] {
-            (*first, *end) = (low, high);
-        }
-        values
+        spread(self.range, VALUES)
     }
 
     /// The settings with a value of the coefficient.

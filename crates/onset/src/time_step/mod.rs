@@ -46,6 +46,11 @@ impl Integrator {
         Self::PredictorCorrector,
     ];
 
+    /// The one with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|own| own.name() == name)
+    }
+
     /// The word used in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {

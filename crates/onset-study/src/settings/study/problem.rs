@@ -107,7 +107,7 @@ impl MaterialSettings {
                 let message =
                     format!("`{key}` has no effect: this question is about the law alone");
                 return Err(SettingError::new(origin, message).hint(format!(
-                    "leave `{key}` out; state, path, dispersion, modes and tune read it"
+                    "leave `{key}` out; state, path, dispersion, modes, tune and limit read it"
                 )));
             }
             settings.assign(assignment)?;

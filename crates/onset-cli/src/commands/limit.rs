@@ -1,0 +1,37 @@
+//! `onset limit`: which values of a setting admit a time step.
+
+use super::{Failure, progress, with_files};
+use crate::arguments::LimitArguments;
+use crate::printing::print;
+use onset_study::answers::{Problem, Strain};
+use onset_study::limit::{LimitAnswer, LimitQuestion};
+use onset_study::output::Output;
+use std::process::ExitCode;
+
+/// Looks for the limit of a setting.
+pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
+    let question = LimitQuestion::new(&arguments.vary, &arguments.time_step)
+        .map_err(Failure::input)?
+        .between(arguments.range)
+        .with_safety(arguments.safety)
+        .with_integrator(arguments.integrator);
+    let settings = arguments.problem.settings_with(&[question.key()])?;
+    let strain = match arguments.strain.is_given() {
+        true => arguments.strain.build(&Problem::new(settings.clone())?)?,
+        false => Strain::reference(),
+    };
+    let output = arguments.out.as_deref();
+    let names = ["limit.csv", "limit.svg", "limit.png"];
+    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let bar = progress(question.values());
+    let answer = LimitAnswer::new(&settings, &strain, &question, &|value| {
+        bar.set_message(format!("{} = {value}", question.key()));
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    let written = match output {
+        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
+        None => Vec::new(),
+    };
+    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
+}

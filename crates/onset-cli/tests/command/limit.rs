@@ -1,0 +1,192 @@
+//! `onset limit`.
+
+use super::{document, fresh_place, number, onset, onset_line};
+
+/// Bars with lumped masses: `omega_max = 2 c / h`, so that the critical step is `h / c` with `c^2 = (lambda + 2 mu) / rho` at `F = 1`.
+const BARS: &str = "set method=finite-elements set lattice=chain";
+const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=2";
+
+#[test]
+fn the_largest_modulus_of_a_chain_of_bars_is_that_of_its_wave_speed() {
+    // h / c >= dt: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
+    let law = "--set material.model=neo-hooke --set material.young=1 --set material.poisson=0.3";
+    let line = format!("limit --vary material.young --time-step 0.01 {law} {BARS}");
+    let answer = document(&line);
+    let young = number(&answer, "/admitted/0/to/value");
+    let exact = 1e4 * 1.3 * 0.4 / 0.7;
+    assert!((young / exact - 1.0).abs() < 1e-8, "{young} for {exact}");
+    assert!(
+        young <= exact * (1.0 + 1e-9),
+        "what is told admits the step"
+    );
+    assert_eq!(answer["admitted"][0]["to"]["kind"], "limit");
+    assert_eq!(answer["admitted"][0]["from"]["kind"], "range");
+    let text = onset_line(&line).stdout;
+    assert!(text.contains("neo-hooke: poisson 0.3\n"), "{text}");
+    let half = number(
+        &document(&format!("{line} --safety 0.5")),
+        "/admitted/0/to/value",
+    );
+    assert!((4.0 * half / young - 1.0).abs() < 1e-8, "{half}");
+}
+
+#[test]
+fn the_smallest_spacing_and_density_are_those_of_the_wave_speed() {
+    let line =
+        |key: &str| format!("limit --vary discretization.{key} --time-step 0.1 {LAW} {BARS}");
+    let spacing = number(&document(&line("spacing")), "/admitted/0/from/value");
+    assert!((spacing / (0.1 * 2.0) - 1.0).abs() < 1e-8, "{spacing}");
+    let density = number(&document(&line("density")), "/admitted/0/from/value");
+    assert!((density / (4.0 * 0.01) - 1.0).abs() < 1e-8, "{density}");
+    let text = onset_line(&line("spacing")).stdout;
+    assert!(
+        text.contains("is stable with discretization.spacing from 0.2 on."),
+        "{text}"
+    );
+    assert!(text.contains("It is 1 now"), "{text}");
+}
+
+#[test]
+fn the_limit_is_that_of_the_state_that_is_asked_about() {
+    let line =
+        format!("limit --vary discretization.spacing --time-step 0.1 {LAW} {BARS} --stretch 1.3");
+    let spacing = number(&document(&line), "/admitted/0/from/value");
+    let state = |spacing: f64| {
+        let line = format!("state --stretch 1.3 {LAW} {BARS} set spacing={spacing}");
+        number(&document(&line), "/discretization/critical_time_step")
+    };
+    assert!(
+        (state(spacing) / 0.1 - 1.0).abs() < 1e-8,
+        "{}",
+        state(spacing)
+    );
+}
+
+#[test]
+fn a_damping_coefficient_is_limited_by_its_integrator() {
+    let line = |integrator: &str| {
+        format!(
+            "limit --vary discretization.viscosity --time-step 0.2 --range 0,10 --integrator {integrator} {LAW} \
+             set method=total-lagrangian-sph set lattice=chain set viscosity=0.1"
+        )
+    };
+    let largest = |integrator: &str| number(&document(&line(integrator)), "/admitted/0/to/value");
+    let [kick, central] = ["kick-drift-kick", "central-differences"].map(largest);
+    assert!(kick > 1.01 * central, "{kick} {central}");
+}
+
+#[test]
+fn units_of_step_and_values_are_those_of_the_study() {
+    let law = "--set material.model=neo-hooke --set material.poisson=0.3";
+    let words = |step: &str| {
+        let line = format!("limit --vary material.young --quiet {law} {BARS}");
+        let mut words = super::words(&line);
+        words.extend(
+            [
+                "--set",
+                "material.young=1 MPa",
+                "--set",
+                "discretization.spacing=1 mm",
+            ]
+            .map(str::to_owned),
+        );
+        words.extend(["--set", "discretization.density=1000 kg/m^3"].map(str::to_owned));
+        words.extend(["--time-step".to_owned(), step.to_owned()]);
+        words
+    };
+    let asked = |step: &str| onset(&words(step).iter().map(String::as_str).collect::<Vec<_>>());
+    let [with, without] = ["1 us", "1e-6"].map(asked);
+    assert_eq!(with.code, Some(0), "{}", with.stderr);
+    assert!(
+        with.stdout
+            .contains("A time step of 1e-6 s is stable with material.young up to 7.42857e8 Pa."),
+        "{}",
+        with.stdout
+    );
+    assert_eq!(with.stdout, without.stdout);
+    let wrong = asked("1 mm");
+    assert_eq!(wrong.code, Some(2));
+    assert!(
+        wrong.stderr.contains("a unit of a length"),
+        "{}",
+        wrong.stderr
+    );
+}
+
+#[test]
+fn no_value_and_every_value_are_said_to_be_so() {
+    let line = |range: &str| {
+        format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
+    };
+    let none = onset_line(&line("0.01,0.1")).stdout;
+    assert!(none.contains("is stable with no discretization.spacing from 0.01 to 0.1; the largest critical step is 0.05, at 0.1."), "{none}");
+    let all = onset_line(&line("1,2")).stdout;
+    assert!(
+        all.contains("is stable with every discretization.spacing from 1 to 2."),
+        "{all}"
+    );
+}
+
+#[test]
+fn settings_and_steps_that_are_none_are_refused() {
+    for (line, fact) in [
+        (
+            "limit --vary discretization.lattice --time-step 1",
+            "cannot be varied",
+        ),
+        (
+            "limit --vary material.yuong --time-step 1",
+            "material.yuong",
+        ),
+        (
+            "limit --vary discretization.spacign --time-step 1",
+            "did you mean `discretization.spacing`",
+        ),
+        (
+            "limit --vary discretization.penalty --time-step 1",
+            "has no effect",
+        ),
+        (
+            "limit --vary discretization.spacing --time-step 0",
+            "a time step cannot be 0",
+        ),
+        (
+            "limit --vary discretization.spacing --time-step -1",
+            "a time step cannot be -1",
+        ),
+        (
+            "limit --vary discretization.spacing --time-step 1us",
+            "the settings have none",
+        ),
+        (
+            "limit --vary discretization.viscosity --time-step 1 set method=tlsph",
+            "--range LOW,HIGH",
+        ),
+        (
+            "limit --vary discretization.spacing --time-step 1 --integrator x",
+            "kick-drift-kick",
+        ),
+        ("limit --vary map.tile --time-step 1", "cannot be varied"),
+    ] {
+        let answer = onset_line(line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn a_limit_is_drawn_and_listed() {
+    let folder = fresh_place("limit");
+    let out = folder.display().to_string();
+    let line = format!("limit --vary discretization.spacing --time-step 0.1 --quiet {LAW} {BARS}");
+    let mut words = super::words(&line);
+    words.extend(["--out".to_owned(), out]);
+    let answer = onset(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let csv = std::fs::read_to_string(folder.join("limit.csv")).expect("a file");
+    assert!(csv.lines().count() > 25, "{csv}");
+    for file in ["limit.svg", "limit.png"] {
+        assert!(folder.join(file).is_file(), "{file}");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -1,0 +1,492 @@
+//! Critical time steps over the values of a setting, and between which values a step is stable.
+
+use super::{LimitQuestion, VALUES};
+use crate::answers::{Problem, ProblemError, Strain, notes};
+use crate::csv;
+use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
+use crate::number::{told, told_above, told_below};
+use crate::output::{Files, text};
+use crate::range::{middle, spread};
+use crate::settings::{Effective, Settings, Units};
+use onset::verdict::Verdict;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt;
+
+/// Evaluations by which a limit is refined.
+const REFINEMENTS: usize = 60;
+/// How close to one the ratio of the steps is at a limit, and two values of which only one admits the step.
+const CLOSE: f64 = 1e-10;
+
+/// What a value of the setting gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tried {
+    /// The value.
+    pub value: f64,
+    /// The critical time step of the state; `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated.
+    /// Time.
+    #[serde(serialize_with = "finite")]
+    pub critical_time_step: f64,
+    /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
+    pub verdict: Option<Verdict>,
+    /// Why nothing can be evaluated.
+    pub note: Option<String>,
+}
+
+/// Numbers that are not finite are `null`.
+fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Some(*value)
+        .filter(|value| value.is_finite())
+        .serialize(serializer)
+}
+
+impl Tried {
+    /// The logarithm of what the critical step is larger by than what it must be; no number where nothing can be evaluated.
+    fn margin(&self, needed: f64) -> f64 {
+        (self.critical_time_step / needed).ln()
+    }
+}
+
+/// What an end of the values that admit a step is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndKind {
+    /// Beyond it the step is too large.
+    Limit,
+    /// Nothing beyond it was looked at.
+    Range,
+    /// Beyond it nothing can be evaluated.
+    Undefined,
+}
+
+/// An end of the values that admit a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct End {
+    /// The last value that admits it.
+    pub value: f64,
+    /// What is beyond.
+    pub kind: EndKind,
+}
+
+/// Values that admit a step, from one to another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Admitted {
+    /// The smallest.
+    pub from: End,
+    /// The largest.
+    pub to: End,
+}
+
+/// Which values of a setting admit a time step.
+#[derive(Clone, Debug, Serialize)]
+pub struct LimitAnswer {
+    /// The key of the setting.
+    pub key: &'static str,
+    /// Its unit, where values have units.
+    pub unit: Option<&'static str>,
+    /// The time step that must be stable. Time.
+    pub time_step: f64,
+    /// The share of the critical step that it may be.
+    pub safety: f64,
+    /// How steps are taken.
+    pub integrator: &'static str,
+    /// The state, `F_iJ`.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// What the setting is now, where it is anything, and what that gives.
+    pub present: Option<Tried>,
+    /// The values that admit the step.
+    pub admitted: Vec<Admitted>,
+    /// Everything that was tried, by increasing value.
+    pub tried: Vec<Tried>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
+    /// Every choice in effect beside the setting.
+    pub settings: Effective,
+}
+
+/// The question at one state.
+struct Search<'a> {
+    question: &'a LimitQuestion,
+    settings: &'a Settings,
+    strain: &'a Strain,
+    /// What the critical step must be at least.
+    needed: f64,
+    is_told: &'a (dyn Fn(f64) + Sync),
+}
+
+impl Search<'_> {
+    fn measured(&self, value: f64) -> Result<(f64, Verdict), ProblemError> {
+        let problem = Problem::new(self.question.settings(self.settings, value)?)?;
+        let (analysis, f) = (&*problem.analysis, &self.strain.0);
+        let assessment = analysis.assess(f)?;
+        let step = match analysis.is_damped() {
+            true => analysis.critical_time_step(f, self.question.integrator)?,
+            false => assessment.spectrum.critical_time_step(),
+        };
+        Ok((step, assessment.verdict))
+    }
+
+    fn tried(&self, value: f64) -> Tried {
+        (self.is_told)(value);
+        let (measured, note) = match self.measured(value) {
+            Ok(measured) => (Some(measured), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Tried {
+            value,
+            critical_time_step: measured.map_or(f64::NAN, |(step, _)| step),
+            verdict: measured.map(|(_, verdict)| verdict),
+            note,
+        }
+    }
+
+    fn admits(&self, tried: &Tried) -> bool {
+        tried.margin(self.needed) >= 0.0
+    }
+
+    /// The end between a value that admits the step and one that does not.
+    fn end(&self, inside: &Tried, outside: &Tried, all: &mut Vec<Tried>) -> End {
+        let (mut inside, mut outside) = (inside.clone(), outside.clone());
+        for n in 0..REFINEMENTS {
+            let width = (outside.value - inside.value).abs();
+            let is_close = width <= CLOSE * inside.value.abs().max(outside.value.abs());
+            if is_close || inside.margin(self.needed) <= CLOSE {
+                break;
+            }
+            // Two secants, then a halving: each end of the interval moves.
+            let halved = middle(inside.value, outside.value);
+            let secant = || self.secant(&inside, &outside);
+            let value = match n % 3 {
+                2 => halved,
+                _ => secant().unwrap_or(halved),
+            };
+            let between = self.tried(value);
+            all.push(between.clone());
+            match self.admits(&between) {
+                true => inside = between,
+                false => outside = between,
+            }
+        }
+        End {
+            value: inside.value,
+            kind: match outside.note {
+                Some(_) => EndKind::Undefined,
+                None => EndKind::Limit,
+            },
+        }
+    }
+
+    /// Where the margin vanishes if it is linear between two values, of positive ones in their logarithms.
+    fn secant(&self, inside: &Tried, outside: &Tried) -> Option<f64> {
+        let (a, b) = (inside.margin(self.needed), outside.margin(self.needed));
+        let share = a / (a - b);
+        let is_positive = inside.value > 0.0 && outside.value > 0.0;
+        let value = match is_positive {
+            true => inside.value * (outside.value / inside.value).powf(share),
+            false => inside.value + share * (outside.value - inside.value),
+        };
+        let is_between = (value - inside.value) * (value - outside.value) < 0.0;
+        is_between.then_some(value)
+    }
+}
+
+impl LimitAnswer {
+    /// Looks at all values, on all cores, and refines where the step becomes too large; `is_told` is called with each value.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when settings or state are not admissible, no value is, or the key is not read.
+    pub fn new(
+        settings: &Settings,
+        strain: &Strain,
+        question: &LimitQuestion,
+        is_told: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, ProblemError> {
+        let present = settings
+            .value(question.key())
+            .and_then(|value| value.number());
+        let [low, high] = question.range(present)?;
+        // What is wrong with the key is wrong at every value.
+        question.settings(settings, middle(low, high))?;
+        let time_step = question.time_step(settings)?;
+        let search = Search {
+            question,
+            settings,
+            strain,
+            needed: time_step / question.safety,
+            is_told,
+        };
+        let values = spread([low, high], VALUES);
+        let grid: Vec<Tried> = values.into_par_iter().map(|x| search.tried(x)).collect();
+        if grid.iter().all(|one| one.note.is_some()) {
+            search.measured(low).map_err(|source| ProblemError::Range {
+                key: question.key(),
+                low,
+                high,
+                source: Box::new(source),
+            })?;
+        }
+        let mut all = grid.clone();
+        let admitted = grid
+            .chunk_by(|a, b| search.admits(a) == search.admits(b))
+            .filter(|run| search.admits(&run[0]))
+            .map(|run| {
+                // Neighbors by place: a run is a part of the grid.
+                let first = grid.partition_point(|one| one.value < run[0].value);
+                let mut end = |own: &Tried, beyond: Option<&Tried>| match beyond {
+                    Some(beyond) => search.end(own, beyond, &mut all),
+                    None => End {
+                        value: own.value,
+                        kind: EndKind::Range,
+                    },
+                };
+                let before = first.checked_sub(1).map(|n| &grid[n]);
+                Admitted {
+                    from: end(&run[0], before),
+                    to: end(&run[run.len() - 1], grid.get(first + run.len())),
+                }
+            })
+            .collect();
+        all.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let problem = Problem::new(question.settings(settings, present.unwrap_or(high))?);
+        Ok(Self {
+            key: question.key(),
+            unit: settings.unit(question.key),
+            time_step,
+            safety: question.safety,
+            integrator: question.integrator.name(),
+            deformation_gradient: *strain.0.components(),
+            present: present.map(|value| search.tried(value)),
+            admitted,
+            tried: all,
+            notes: problem.map_or_else(
+                |_| Vec::new(),
+                |problem| notes(settings, &*problem.material),
+            ),
+            settings: settings.effective_beside(question.key()),
+        })
+    }
+
+    /// Critical steps over the values, and the step that must be stable.
+    pub fn figure(&self) -> Figure {
+        let units = self.units();
+        let points: Vec<(f64, f64)> = self
+            .tried
+            .iter()
+            .filter(|one| one.critical_time_step.is_finite())
+            .map(|one| (one.value, one.critical_time_step))
+            .collect();
+        let label = match self.unit {
+            Some(unit) => format!("{} ({unit})", self.key),
+            None => self.key.to_owned(),
+        };
+        let is_positive = self.tried.first().is_some_and(|one| one.value > 0.0);
+        let values = points.iter().map(|point| point.0);
+        let x = match is_positive {
+            true => Axis::log(label, (1e-4, 1.0)).covering(values),
+            false => Axis::linear(label, (0.0, 1.0)).covering(values),
+        };
+        let steps = points.iter().map(|point| point.1).chain([self.time_step]);
+        let y = Axis::log(units.label("critical time step", "time"), (1e-4, 1.0)).covering(steps);
+        let mut panel = Panel::new("", x, y)
+            .with(Line::new(points.clone()).color(palette::BLUE))
+            .with(
+                Rule::horizontal(self.time_step / self.safety)
+                    .dashed()
+                    .named("needed"),
+            );
+        if let Some(present) = self
+            .present
+            .as_ref()
+            .filter(|own| own.critical_time_step.is_finite())
+        {
+            let at = vec![(present.value, present.critical_time_step)];
+            panel = panel.with(Points::new(at).color(palette::BLACK).named("present value"));
+        }
+        for end in self.limits() {
+            panel = panel.with(Rule::vertical(end.value).dotted());
+        }
+        Figure::new(format!("Critical time step over {}", self.key))
+            .with(panel)
+            .caption(self.settings.caption())
+    }
+
+    fn units(&self) -> Units {
+        self.settings.units()
+    }
+
+    /// The ends beyond which the step is too large.
+    fn limits(&self) -> impl Iterator<Item = &End> {
+        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
+        ends.filter(|end| end.kind == EndKind::Limit)
+    }
+
+    /// All values as CSV.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("value,critical_time_step,verdict,note\n");
+        for one in &self.tried {
+            let step = match one.critical_time_step {
+                step if step.is_nan() => String::new(),
+                step => format!("{step:.16e}"),
+            };
+            text.push_str(&format!(
+                "{:.16e},{step},{},{}\n",
+                one.value,
+                one.verdict.map_or("", Verdict::name),
+                csv::text(one.note.as_deref().unwrap_or_default())
+            ));
+        }
+        text
+    }
+
+    /// The answer as `limit.csv`, `limit.svg` and `limit.png`.
+    ///
+    /// # Errors
+    /// [`FigureError`] when the figure is too large.
+    pub fn files(&self) -> Result<Files, FigureError> {
+        let mut files = vec![text("limit.csv", self.csv())];
+        files.extend(self.figure().files("limit")?);
+        Ok(files)
+    }
+
+    fn value(&self, told: String) -> String {
+        self.units()
+            .of(told, self.unit.unwrap_or_default())
+            .trim_end()
+            .to_owned()
+    }
+
+    fn step(&self, step: f64) -> String {
+        match step.is_infinite() {
+            true => "unbounded".to_owned(),
+            false => self.units().of(told(step), "s"),
+        }
+    }
+
+    /// The answer in a sentence. Limits are told so that what is told admits the step.
+    fn sentence(&self) -> String {
+        let step = self.step(self.time_step);
+        let share = match self.safety {
+            1.0 => String::new(),
+            safety => format!(", at most {} of the critical one,", told(safety)),
+        };
+        let from = |own: &Admitted| self.value(told_above(own.from.value));
+        let to = |own: &Admitted| self.value(told_below(own.to.value));
+        let [first, last] = [self.tried.first(), self.tried.last()]
+            .map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
+        let is_limit = |end: &End| end.kind == EndKind::Limit;
+        match &self.admitted[..] {
+            [] => {
+                let steps = self.tried.iter().filter(|one| one.note.is_none());
+                let best =
+                    steps.max_by(|a, b| a.critical_time_step.total_cmp(&b.critical_time_step));
+                let best = best.map_or_else(String::new, |best| {
+                    format!(
+                        "; the largest critical step is {}, at {}",
+                        self.step(best.critical_time_step),
+                        self.value(told(best.value))
+                    )
+                });
+                format!(
+                    "A time step of {step}{share} is stable with no {} from {first} to {last}{best}.",
+                    self.key
+                )
+            }
+            [only] if !is_limit(&only.from) && !is_limit(&only.to) => {
+                format!(
+                    "A time step of {step}{share} is stable with every {} from {} to {}.",
+                    self.key,
+                    from(only),
+                    to(only)
+                )
+            }
+            [only] if !is_limit(&only.from) => {
+                format!(
+                    "A time step of {step}{share} is stable with {} up to {}.",
+                    self.key,
+                    to(only)
+                )
+            }
+            [only] if !is_limit(&only.to) => {
+                format!(
+                    "A time step of {step}{share} is stable with {} from {} on.",
+                    self.key,
+                    from(only)
+                )
+            }
+            several => {
+                let ranges: Vec<String> = several
+                    .iter()
+                    .map(|own| format!("from {} to {}", from(own), to(own)))
+                    .collect();
+                format!(
+                    "A time step of {step}{share} is stable with {} {}.",
+                    self.key,
+                    ranges.join(", and ")
+                )
+            }
+        }
+    }
+
+    /// What the setting is now, and what that gives.
+    fn present_sentence(&self) -> Option<String> {
+        let present = self.present.as_ref()?;
+        let value = self.value(told(present.value));
+        let step = present.critical_time_step;
+        if step.is_nan() {
+            return None;
+        }
+        let ratio = self.time_step / step;
+        Some(format!(
+            "It is {value} now, with a critical step of {}: {} of it.",
+            self.step(step),
+            told(ratio)
+        ))
+    }
+}
+
+impl fmt::Display for LimitAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.sentence())?;
+        if let Some(present) = self.present_sentence() {
+            write!(formatter, " {present}")?;
+        }
+        let heading = match self.unit {
+            Some(unit) => format!("value ({unit})"),
+            None => "value".to_owned(),
+        };
+        writeln!(
+            formatter,
+            "\n\n  {heading:>14}  {:>14}  verdict",
+            "critical step"
+        )?;
+        for one in &self.tried {
+            match (&one.note, one.verdict) {
+                (None, Some(verdict)) => writeln!(
+                    formatter,
+                    "  {:>14}  {:>14}  {}{}",
+                    told(one.value),
+                    self.step(one.critical_time_step),
+                    verdict.name(),
+                    match one.critical_time_step * self.safety >= self.time_step {
+                        true => "",
+                        false => ", step too large",
+                    }
+                )?,
+                (note, _) => writeln!(
+                    formatter,
+                    "  {:>14}  {}",
+                    told(one.value),
+                    note.as_deref()
+                        .unwrap_or_default()
+                        .lines()
+                        .next()
+                        .unwrap_or_default()
+                )?,
+            }
+        }
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
+    }
+}
