@@ -42,7 +42,7 @@ quadrature = 'nodal'
 ";
 
 /// Commands that write files, with what makes other files of the same names before.
-const COMMANDS: [(&str, &str); 10] = [
+const COMMANDS: [(&str, &str); 11] = [
     (
         "dispersion --stretch 1.2,0.9 --path --out out",
         "dispersion --stretch 1.1,0.9 --path --out out",

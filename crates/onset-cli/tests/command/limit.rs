@@ -3,7 +3,7 @@
 use super::{document, fresh_place, number, onset, onset_line};
 
 /// Bars with lumped masses: `omega_max = 2 c / h`, so that the critical step is `h / c` with `c^2 = (lambda + 2 mu) / rho` at `F = 1`.
-const BARS: &str = "set method=finite-elements set lattice=chain";
+const BARS: &str = "set method=finite-elements set mesh=bars";
 const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=2";
 
 #[test]
@@ -79,7 +79,7 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 fn units_of_step_and_values_are_those_of_the_study() {
     let law = "--set material.model=neo-hooke --set material.poisson=0.3";
     let words = |step: &str| {
-        let line = format!("limit --vary material.young --quiet {law} {BARS}");
+        let line = format!("limit --vary material.young {law} {BARS}");
         let mut words = super::words(&line);
         words.extend(
             [

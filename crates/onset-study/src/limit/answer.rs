@@ -201,6 +201,7 @@ impl LimitAnswer {
         question: &LimitQuestion,
         is_told: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, ProblemError> {
+        question.check(settings)?;
         let present = settings
             .value(question.key())
             .and_then(|value| value.number());

@@ -89,6 +89,16 @@ impl LimitQuestion {
         VALUES
     }
 
+    /// Refuses a key that the method does not read.
+    fn check(&self, settings: &Settings) -> Result<(), SettingError> {
+        match self.key.parts().0 {
+            "discretization" => {
+                settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The time step in the units of the settings.
     fn time_step(&self, settings: &Settings) -> Result<f64, SettingError> {
         let origin = Origin::CommandLine(format!("--time-step {}", self.step));
