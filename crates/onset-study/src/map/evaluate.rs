@@ -21,7 +21,7 @@ pub struct Evaluator {
     stiffness: f64,
     /// From where on an undecided measure is not near zero, if proofs are asked for.
     tolerance: Option<f64>,
-    /// Whose critical time step is told, where damping makes them differ.
+    /// Whose critical time step is told, where it is not two over the largest frequency: with damping, and with a step of the method itself.
     integrator: Option<Integrator>,
 }
 
@@ -48,7 +48,8 @@ impl Evaluator {
             return Ok(evaluator);
         };
         evaluator.stiffness = analysis.speed_squared()? * evaluator.settings.discretization.density;
-        evaluator.integrator = analysis.is_damped().then_some(map.integrator);
+        let is_searched = analysis.is_damped() || analysis.is_transferred();
+        evaluator.integrator = is_searched.then_some(map.integrator);
         evaluator.analysis = Some(match many {
             true => analysis.for_many_states()?,
             false => analysis,
