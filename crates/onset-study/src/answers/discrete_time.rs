@@ -2,7 +2,7 @@
 
 use super::problem::{Problem, ProblemError};
 use super::state::{ComplexNumber, list};
-use crate::number::{told, vector};
+use crate::number::{told, told_of, vector};
 use crate::settings::{Units, Velocities};
 use nalgebra::SVector;
 use onset::algebra::Complex;
@@ -120,7 +120,7 @@ impl DiscreteTimeAnswer {
                 "sound of 8 cells",
                 format!(
                     "is damped at {}, with the frequency {}",
-                    rate(-sound.re),
+                    units.of(told_of(-sound.re, sound.im), "1/s"),
                     rate(sound.im)
                 ),
             ));
@@ -130,19 +130,18 @@ impl DiscreteTimeAnswer {
 }
 
 /// What a reader must know where the waves in steps of time are not those of the verdict.
-pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool) -> Option<String> {
-    let step = told(own.time_step?);
+pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> Option<String> {
+    let step = units.of(told(own.time_step?), "s");
     let growth = own.growth_rate?;
+    let rate = units.of(told(growth), "1/s");
     let transfer = own.transfer.name();
     match (is_stable, growth > 0.0) {
         (true, true) if own.is_too_long() => Some(format!(
-            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {} although the state is stable",
-            told(own.largest_time_step?),
-            told(growth)
+            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although the state is stable",
+            units.of(told(own.largest_time_step?), "s")
         )),
         (false, true) => Some(format!(
-            "with the step {step} the {transfer} transfer leaves of the growth the rate {}; shorter steps filter more often",
-            told(growth)
+            "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}; shorter steps filter more often"
         )),
         (false, false) => Some(format!(
             "with the step {step} the filter of the {transfer} transfer holds the waves that grow without it"

@@ -275,7 +275,9 @@ fn answer(
     let discretization = discretization_answer(problem, assessment, f, is_ended)?;
     let mut notes = notes(&problem.settings, &*problem.material);
     let discrete_time = discretization.discrete_time.as_ref();
-    notes.extend(discrete_time.and_then(|own| note(own, discretization.stable)));
+    notes.extend(
+        discrete_time.and_then(|own| note(own, discretization.stable, problem.settings.units())),
+    );
     Ok(StateAnswer {
         verdict,
         mechanism,
