@@ -48,10 +48,7 @@ impl DiscreteTimeAnswer {
         };
         let method = &problem.settings.method;
         let largest = Some(waves.critical_time_step(is_ended)).filter(|step| step.is_finite());
-        let time_step = match method.time_step {
-            0.0 => largest.map(|step| 0.5 * step),
-            step => Some(step),
-        };
+        let time_step = method.step_of_rates(largest);
         let fastest = time_step.map(|step| waves.fastest(step, is_ended));
         let k = fastest.as_ref().map_or_else(Vec::new, |(_, k)| k.clone());
         let k = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));

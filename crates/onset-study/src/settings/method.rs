@@ -235,6 +235,14 @@ impl Default for MethodSettings {
 }
 
 impl MethodSettings {
+    /// The step of time at which rates are told, of material points with a transfer: the one that is set, or half of the largest stable one.
+    pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {
+        match self.time_step {
+            0.0 => largest.map(|step| 0.5 * step),
+            step => Some(step),
+        }
+    }
+
     /// Sets a choice by its name; false when there is none with that name, or it takes no such value.
     pub(super) fn set(&mut self, name: &str, value: &Value) -> bool {
         let Ok(serde_json::Value::Object(mut fields)) = serde_json::to_value(&*self) else {
