@@ -21,6 +21,8 @@ pub struct DiscreteTimeAnswer {
     pub transfer: Velocities,
     /// The largest stable step, of an unstable state for the waves that do not grow with any; `null` where nothing oscillates.
     pub largest_time_step: Option<f64>,
+    /// The largest stable step of a point that is alone on the grid and unstressed; `null` of laws with stress at `F = 1`.
+    pub point_alone_time_step: Option<f64>,
     /// The step to which the rates belong: `discretization.time-step`, or half of the largest; `null` where there is neither.
     pub time_step: Option<f64>,
     /// The largest growth rate over the zone; zero where no wave grows.
@@ -57,6 +59,7 @@ impl DiscreteTimeAnswer {
         Ok(Some(Self {
             transfer: method.transfer,
             largest_time_step: largest,
+            point_alone_time_step: waves.point_alone(),
             time_step,
             growth_rate: rate.map(|rate| rate.re),
             frequency: rate.map(|rate| rate.im.abs()),
@@ -84,6 +87,12 @@ impl DiscreteTimeAnswer {
         both.is_some_and(|(step, largest)| step > largest)
     }
 
+    /// Whether it is longer than that of a point alone.
+    fn is_too_long_for_a_point_alone(&self) -> bool {
+        let both = self.time_step.zip(self.point_alone_time_step);
+        both.is_some_and(|(step, alone)| step > alone)
+    }
+
     /// Lines of the text: names and what they say.
     pub(super) fn lines(&self, units: Units) -> Vec<(&'static str, String)> {
         let mut lines = Vec::new();
@@ -97,6 +106,12 @@ impl DiscreteTimeAnswer {
                     "{}: the step of the {name} transfer is stable below",
                     time(largest)
                 ),
+            ));
+        }
+        if let Some(alone) = self.point_alone_time_step {
+            lines.push((
+                "of a point alone",
+                format!("{}: unstressed, without neighbors on the grid", time(alone)),
             ));
         }
         if let Some((step, growth)) = self.time_step.zip(self.growth_rate) {
@@ -136,6 +151,11 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
         (true, true) if own.is_too_long() => Some(format!(
             "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although the state is stable",
             units.of(told(own.largest_time_step?), "s")
+        )),
+        (true, false) if own.is_too_long_for_a_point_alone() => Some(format!(
+            "the step {step} is longer than that of a point alone on the grid, {}: points that lose their neighbors, or never had some, are unstable by \
+             themselves although the body is stable",
+            units.of(told(own.point_alone_time_step?), "s")
         )),
         (false, true) => Some(format!(
             "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}; shorter steps filter more often"

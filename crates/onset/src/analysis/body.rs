@@ -421,4 +421,8 @@ impl<const D: usize> SteppedWaves for TransferredWaves<D> {
     fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64 {
         self.critical_time_step_unless(is_ended)
     }
+
+    fn point_alone(&self) -> Option<f64> {
+        Self::point_alone(self)
+    }
 }

@@ -561,3 +561,50 @@ fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
         }
     }
 }
+
+#[test]
+fn a_point_alone_is_stable_up_to_its_own_step() {
+    let material = ModifiedMooneyRivlin::default();
+    let rest = DeformationGradient::identity();
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        let own = MaterialPointChoices {
+            per_side: 1,
+            ..seeded(transfer, gradients)
+        };
+        let method = points::<2>(own);
+        let alone = stepped(&method, &rest).point_alone().expect("no stress");
+        let strained = |share: f64| {
+            let mut code = Code::new(&method, &material, &rest, CELLS);
+            code.x.truncate(1);
+            code.f[0] *= 1.0 + 1e-9;
+            // The largest of all steps, which ends where the motion is large.
+            let mut largest: f64 = 0.0;
+            for _ in 0..400 {
+                code.step(share * alone);
+                largest = largest.max((code.f[0] - SMatrix::identity()).amax());
+                if largest > 1e-4 {
+                    break;
+                }
+            }
+            largest
+        };
+        assert!(strained(0.98) < 1e-7, "{transfer:?} {gradients:?}");
+        assert!(strained(1.02) > 1e-4, "{transfer:?} {gradients:?}");
+    }
+}
+
+#[test]
+fn a_point_alone_has_the_step_of_its_change_of_volume() {
+    // In the plane l = 1 has the stress A_1111 + A_1122, and D_p = h^2/4 makes dt = h sqrt(rho / (A_1111 + A_1122)) with affine fields.
+    let material = ModifiedMooneyRivlin::default();
+    let rest = DeformationGradient::identity();
+    let response = material.response(&rest).expect("a response");
+    let [a, b] = [
+        response.tangent[(0, 0, 0, 0)],
+        response.tangent[(0, 0, 1, 1)],
+    ];
+    let own = seeded(Transfer::Affine, GridGradients::Moments);
+    let alone = stepped(&points::<2>(own), &rest).point_alone();
+    let expected = 0.8 * (1.7 / (a + b)).sqrt();
+    assert!((alone.expect("no stress") / expected - 1.0).abs() < 1e-12);
+}
