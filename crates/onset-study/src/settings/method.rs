@@ -315,10 +315,10 @@ const NODES: Cases = &[&[is(
     "discretization.unknowns",
     &["total-lagrangian", "updated"],
 )]];
-const SMOOTH_FUNCTIONS: Cases = &[&[
-    is(METHOD, &["material-points"]),
-    is_not("discretization.grid-functions", &["linear"]),
-]];
+const SMOOTH_FUNCTIONS: Cases = &[&[is(
+    "discretization.grid-functions",
+    &["gimp", "quadratic-spline", "cubic-spline"],
+)]];
 const OF_POINTS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
 const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
 const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];

@@ -29,6 +29,30 @@ const OUTSIDE: f64 = 1e-10;
 /// the grid does not see of the velocities of points is multiplied with `flip`, and what it does not see of positions and deformations stays: neither grows.
 ///
 /// Units: `K` force/length, `M` mass, rates 1/time.
+///
+/// ```
+/// use nalgebra::Vector1;
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::ModifiedMooneyRivlin;
+/// use onset::method::CurrentLattice;
+/// use onset::scheme::{
+///     Discretization, Formulation, GridFunctions, MaterialPointChoices, MaterialPoints, Transfer,
+/// };
+/// let points = MaterialPoints::<1>::new(MaterialPointChoices {
+///     functions: GridFunctions::QuadraticSpline,
+///     formulation: Formulation::Particles {
+///         grid: CurrentLattice::Convected,
+///         transfer: Transfer::Blended { flip: 0.0 },
+///     },
+///     ..MaterialPointChoices::default()
+/// })?;
+/// let rest = DeformationGradient::identity();
+/// let waves = points.transferred(&ModifiedMooneyRivlin::default(), &rest)?;
+/// // A point in the middle sees the two nodes beside it alike: T = cos(k h/2)^2.
+/// let lost = waves.map(|waves| waves.lost(&Vector1::new(1.0)));
+/// assert!(lost.is_some_and(|lost| (lost - 0.5_f64.sin().powi(2)).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TransferredWaves<const D: usize> {
     /// The equations on the grid, without filter.
