@@ -250,7 +250,7 @@ class State(_Moving):
 
     @property
     def critical_time_step(self) -> float | None:
-        """The largest stable time step of central differences, ``2/omega_max``; time. ``None`` where nothing oscillates."""
+        """The largest stable time step of central differences, ``2/omega_max``, or of a transfer of material points; time. ``None`` where nothing oscillates."""
         return cast("float | None", self._fields["discretization"]["critical_time_step"])
 
     @property

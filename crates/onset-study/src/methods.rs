@@ -1,6 +1,6 @@
 //! From settings to the choices of a method of any family.
 
-use crate::settings::{Bonds, Control, Family, Settings, Unknowns};
+use crate::settings::{Bonds, Control, Family, Settings, Unknowns, Velocities};
 use onset::lattice::LatticeError;
 use onset::material::MaterialError;
 use onset::method::KernelMethodChoices;
@@ -10,7 +10,7 @@ use onset::scheme::element::{ElementChoices, Formulation as ElementFormulation};
 use onset::scheme::sph::{TotalLagrangianChoices, UpdatedSphChoices};
 use onset::scheme::stabilization::{ArtificialStress, ArtificialViscosity};
 use onset::scheme::{
-    BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices,
+    BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices, Transfer,
     ZeroEnergyControl,
 };
 use std::ops::RangeInclusive;
@@ -24,6 +24,7 @@ const MODERATE: RangeInclusive<f64> = 1e-30..=1e30;
 /// [`MethodError::Setting`] for lengths and, where forces are divided by powers of it, densities that only another unit makes moderate.
 pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
     require_moderate_units(settings)?;
+    require_a_step(settings)?;
     let particles = || Box::new(settings.discretization.clone());
     Ok(match settings.method.method {
         Family::Kernel => MethodChoices::Kernel(particles()),
@@ -102,6 +103,18 @@ fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
         }
     }
     Ok(())
+}
+
+/// That the step of time at which rates are told is one.
+fn require_a_step(settings: &Settings) -> Result<(), MethodError> {
+    match settings.method.time_step {
+        value if value < 0.0 => Err(MethodError::Setting {
+            name: "time-step",
+            value,
+            expected: "a positive number, or 0 for half of the largest stable step",
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn viscosity(settings: &Settings) -> Option<ArtificialViscosity> {
@@ -213,13 +226,24 @@ fn material_points(settings: &Settings) -> MaterialPointChoices {
         layout: method.layout,
         offset: [method.offset; 3],
         functions: method.grid_functions,
+        gradients: method.grid_gradients,
         formulation: match method.unknowns {
             Unknowns::TotalLagrangian => Formulation::TotalLagrangian { mass },
             Unknowns::Updated => Formulation::Updated {
                 mass,
                 grid: method.grid,
             },
-            Unknowns::Particles => Formulation::Particles { grid: method.grid },
+            Unknowns::Particles => Formulation::Particles {
+                grid: method.grid,
+                transfer: match method.transfer {
+                    Velocities::Continuous => Transfer::Continuous,
+                    Velocities::Flip => Transfer::Blended {
+                        flip: method.flip_share,
+                    },
+                    Velocities::Pic => Transfer::Blended { flip: 0.0 },
+                    Velocities::Apic => Transfer::Affine,
+                },
+            },
         },
     }
 }

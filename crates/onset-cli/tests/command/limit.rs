@@ -76,6 +76,21 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 }
 
 #[test]
+fn a_method_with_a_step_of_its_own_is_limited_by_that() {
+    let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set per-side=2 set grid-functions=quadratic-spline";
+    let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
+    let mu = number(&document(&line), "/admitted/0/to/value");
+    let line = format!(
+        "state --stretch 1 --set material.model=neo-hooke --set material.lambda=2 --set material.mu={mu} {method}"
+    );
+    let step = number(
+        &document(&line),
+        "/discretization/discrete_time/largest_time_step",
+    );
+    assert!((step / 0.1 - 1.0).abs() < 1e-6, "{step}");
+}
+
+#[test]
 fn units_of_step_and_values_are_those_of_the_study() {
     let law = "--set material.model=neo-hooke --set material.poisson=0.3";
     let words = |step: &str| {

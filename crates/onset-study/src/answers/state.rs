@@ -1,6 +1,7 @@
 //! The answer to: is this state stable, and if not, is the instability physical or numerical?
 
 use super::certificate::CertificateAnswer;
+use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
@@ -170,8 +171,12 @@ pub struct DiscretizationAnswer {
     pub flutter: bool,
     /// Largest frequency.
     pub maximum_omega: f64,
-    /// Critical time step of central differences without damping, `2 / maximum_omega`; `null` where no mode oscillates.
+    /// Critical time step of central differences without damping, `2 / maximum_omega`; of a method with a step of its own that of it. `null` where
+    /// no mode oscillates.
     pub critical_time_step: Option<f64>,
+    /// The waves in steps of time, where the method has a step of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discrete_time: Option<DiscreteTimeAnswer>,
     /// Critical time steps of integrators where damping makes them differ, by their names.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub damped_time_steps: BTreeMap<&'static str, f64>,
@@ -267,18 +272,24 @@ fn answer(
             corrected != searched,
         ));
     }
+    let discretization = discretization_answer(problem, assessment, f, is_ended)?;
+    let mut notes = notes(&problem.settings, &*problem.material);
+    let discrete_time = discretization.discrete_time.as_ref();
+    notes.extend(
+        discrete_time.and_then(|own| note(own, discretization.stable, problem.settings.units())),
+    );
     Ok(StateAnswer {
         verdict,
         mechanism,
         sentence,
-        notes: notes(&problem.settings, &*problem.material),
+        notes,
         next: next(&problem.settings, verdict),
         settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *f.components(),
         material: material_answer(problem, assessment, &in_3d),
         material_3d: in_3d,
-        discretization: discretization_answer(problem, assessment, f, is_ended)?,
+        discretization,
     })
 }
 
@@ -323,6 +334,7 @@ fn discretization_answer(
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
+    let discrete_time = DiscreteTimeAnswer::new(problem, f, is_ended)?;
     let steps = analysis.damped_time_steps_unless(f, is_ended)?;
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
@@ -341,7 +353,11 @@ fn discretization_answer(
         growth_rate: spectrum.growth_rate(),
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
-        critical_time_step: Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        critical_time_step: match &discrete_time {
+            Some(own) => own.largest_time_step,
+            None => Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        },
+        discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {
                 "all waves"
@@ -492,7 +508,8 @@ impl std::fmt::Display for StateAnswer {
             true => "",
             false => "without damping ",
         };
-        let step = d.critical_time_step.map_or_else(String::new, |step| {
+        let of_integrators = d.critical_time_step.filter(|_| d.discrete_time.is_none());
+        let step = of_integrators.map_or_else(String::new, |step| {
             format!(
                 "; central differences {without}need a time step below {}",
                 units.of(told(step), "s")
@@ -502,6 +519,9 @@ impl std::fmt::Display for StateAnswer {
             &of("largest frequency"),
             format!("{}{step}", units.of(told(d.maximum_omega), "1/s")),
         )?;
+        for (name, text) in d.discrete_time.iter().flat_map(|own| own.lines(units)) {
+            line(&of(name), text)?;
+        }
         for (integrator, step) in &d.damped_time_steps {
             let whose = if d.stable {
                 ""

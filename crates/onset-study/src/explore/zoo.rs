@@ -59,6 +59,8 @@ pub(super) const FILES: &[(&str, &str)] = files![
     "physgaussian-20.toml",
     "physgaussian-33.toml",
     "pysph-tension.toml",
+    "taichi-3162.toml",
+    "taichi-8345.toml",
     "trixi-1233.toml",
     "trixi-371-cubic.toml",
     "trixi-371-wendland.toml",

@@ -119,7 +119,7 @@ impl Search<'_> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
-        let step = match analysis.is_damped() {
+        let step = match analysis.is_damped() || analysis.is_transferred() {
             true => analysis.critical_time_step(f, self.question.integrator)?,
             false => assessment.spectrum.critical_time_step(),
         };

@@ -23,6 +23,8 @@ pub struct Evaluator {
     tolerance: Option<f64>,
     /// Whose critical time step is told, where damping makes them differ.
     integrator: Option<Integrator>,
+    /// Whether the method has a step of its own.
+    is_transferred: bool,
 }
 
 impl Evaluator {
@@ -43,12 +45,14 @@ impl Evaluator {
             stiffness: f64::NAN,
             tolerance: map.certify.then_some(map.tolerance),
             integrator: None,
+            is_transferred: false,
         };
         let Some(analysis) = analysis else {
             return Ok(evaluator);
         };
         evaluator.stiffness = analysis.speed_squared()? * evaluator.settings.discretization.density;
         evaluator.integrator = analysis.is_damped().then_some(map.integrator);
+        evaluator.is_transferred = analysis.is_transferred();
         evaluator.analysis = Some(match many {
             true => analysis.for_many_states()?,
             false => analysis,
@@ -83,6 +87,9 @@ impl Evaluator {
                     let step = analysis.critical_time_step(f, integrator)?;
                     record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 }
+                if self.is_transferred {
+                    record = self.in_discrete_time(analysis, f, record)?;
+                }
                 match self.tolerance {
                     Some(tolerance) => {
                         let certificate = analysis.certify(f, tolerance)?;
@@ -98,6 +105,26 @@ impl Evaluator {
             Err(error) if error.is_outside_domain() => Ok(Record::UNDEFINED),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// The step and the growth rate of a method with a step of its own.
+    fn in_discrete_time(
+        &self,
+        analysis: &dyn Analysis,
+        f: &DeformationGradient,
+        record: Record,
+    ) -> Result<Record, MethodError> {
+        let Some(waves) = analysis.transferred(f)? else {
+            return Ok(record);
+        };
+        let largest = Some(waves.critical_time_step(&|| false)).filter(|step| step.is_finite());
+        let step = self.settings.method.step_of_rates(largest);
+        let growth = step.map(|step| waves.fastest(step, &|| false).0.re);
+        Ok(Record {
+            critical_time_step: largest.unwrap_or(f64::NAN),
+            growth_rate: growth.unwrap_or(record.growth_rate),
+            ..record
+        })
     }
 
     fn surveyed(&self, state: &SurveyedState<3>) -> Record {

@@ -173,13 +173,13 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "growth_rate",
-            "growth rate of the fastest growing mode; zero when stable",
+            "growth rate of the fastest growing mode, zero when stable; with a transfer of material points that in steps of discretization.time-step",
             "1/time",
             |record| record.growth_rate,
         ),
         number(
             "critical_time_step",
-            "critical time step of central differences, 2 / omega_max; with damping that of map.integrator for the waves that do not grow",
+            "critical time step of central differences, 2 / omega_max; with damping that of map.integrator for the waves that do not grow, with a transfer of material points that of it",
             "time",
             |record| record.critical_time_step,
         ),

@@ -52,6 +52,19 @@ const WORDS: &[(&str, &str, Meaning)] = &[
         "material-point-method",
         Is("material-points"),
     ),
+    (
+        "discretization.method",
+        "mls-mpm",
+        With(
+            "material-points",
+            &[
+                ("discretization.unknowns", "particles"),
+                ("discretization.transfer", "apic"),
+                ("discretization.grid-functions", "quadratic-spline"),
+                ("discretization.grid-gradients", "moments"),
+            ],
+        ),
+    ),
     ("discretization.method", "fem", Is("finite-elements")),
     ("discretization.method", "fe", Is("finite-elements")),
     (

@@ -190,7 +190,8 @@ mod tests {
                       discretization.artificial-stress discretization.artificial-stress-exponent \
                       discretization.velocity-smoothing discretization.hourglass-stiffness \
                       discretization.hourglass-viscosity discretization.modification discretization.horizon \
-                      discretization.control-coefficient discretization.offset";
+                      discretization.control-coefficient discretization.offset discretization.flip-share \
+                      discretization.time-step";
         assert_eq!(names.join(" "), others);
         assert_eq!(Quantity::of_name("discretization.frame"), None);
     }

@@ -8,7 +8,9 @@ use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
 use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, ViscositySwitch};
-use onset::scheme::{Calibration, GridFunctions, GridMass, Influence, PartialVolumes, PointLayout};
+use onset::scheme::{
+    Calibration, GridFunctions, GridGradients, GridMass, Influence, PartialVolumes, PointLayout,
+};
 use serde::{Deserialize, Serialize};
 
 /// A family of methods.
@@ -78,6 +80,32 @@ pub enum Unknowns {
     Particles,
 }
 
+/// How the velocities of material points go through the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Velocities {
+    /// In continuous time.
+    Continuous,
+    /// Points keep their own and take the change of those of the grid.
+    Flip,
+    /// Points take those of the grid.
+    Pic,
+    /// The same with affine fields.
+    Apic,
+}
+
+impl Velocities {
+    /// The word used in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Continuous => "continuous",
+            Self::Flip => "flip",
+            Self::Pic => "pic",
+            Self::Apic => "apic",
+        }
+    }
+}
+
 /// The family, and the choices of those that are no kernel methods. Lattice, spacing, density, kernel, support,
 /// approximation and support size are those of the discretization.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -145,8 +173,16 @@ pub struct MethodSettings {
     pub offset: f64,
     /// Material points: functions of the grid.
     pub grid_functions: GridFunctions,
+    /// Material points: what forces have for the gradients of the functions.
+    pub grid_gradients: GridGradients,
     /// Material points: what is displaced.
     pub unknowns: Unknowns,
+    /// Material points: how velocities go through the grid.
+    pub transfer: Velocities,
+    /// Material points: the share of its own velocity that a point keeps in a step.
+    pub flip_share: f64,
+    /// Material points: the step of time at which rates are told; zero for half of the largest stable one.
+    pub time_step: f64,
     /// Material points: masses of the nodes.
     pub grid_mass: GridMass,
     /// Material points: where grid and points are at a state.
@@ -187,7 +223,11 @@ impl Default for MethodSettings {
             layout: PointLayout::Uniform,
             offset: 0.0,
             grid_functions: GridFunctions::Linear,
+            grid_gradients: GridGradients::Functions,
             unknowns: Unknowns::Updated,
+            transfer: Velocities::Continuous,
+            flip_share: 1.0,
+            time_step: 0.0,
             grid_mass: GridMass::Lumped,
             grid: CurrentLattice::Convected,
         }
@@ -195,6 +235,14 @@ impl Default for MethodSettings {
 }
 
 impl MethodSettings {
+    /// The step of time at which rates are told, of material points with a transfer: the one that is set, or half of the largest stable one.
+    pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {
+        match self.time_step {
+            0.0 => largest.map(|step| 0.5 * step),
+            step => Some(step),
+        }
+    }
+
     /// Sets a choice by its name; false when there is none with that name, or it takes no such value.
     pub(super) fn set(&mut self, name: &str, value: &Value) -> bool {
         let Ok(serde_json::Value::Object(mut fields)) = serde_json::to_value(&*self) else {
@@ -267,6 +315,13 @@ const NODES: Cases = &[&[is(
     "discretization.unknowns",
     &["total-lagrangian", "updated"],
 )]];
+const SMOOTH_FUNCTIONS: Cases = &[&[is(
+    "discretization.grid-functions",
+    &["gimp", "quadratic-spline", "cubic-spline"],
+)]];
+const OF_POINTS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
+const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
+const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
 
 /// The keys of families of methods, in the order of the documentation.
@@ -469,11 +524,35 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     )
     .only_with(POINTS),
     key(
+        "discretization.grid-gradients",
+        Kind::Words(&["functions", "moments"]),
+        "material points: what forces and velocity gradients have for gradients, those of the functions or first moments, as in MLS-MPM",
+    )
+    .only_with(SMOOTH_FUNCTIONS),
+    key(
         "discretization.unknowns",
         Kind::Words(&["total-lagrangian", "updated", "particles"]),
         "material points: what is displaced",
     )
     .only_with(POINTS),
+    key(
+        "discretization.transfer",
+        Kind::Words(&["continuous", "flip", "pic", "apic"]),
+        "material points: how their velocities go through the grid, in continuous time or once a step",
+    )
+    .only_with(OF_POINTS),
+    key(
+        "discretization.flip-share",
+        Kind::Number("1"),
+        "material points: the share of its own velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
+    )
+    .only_with(FLIP),
+    key(
+        "discretization.time-step",
+        Kind::Number("s"),
+        "material points: the step of time at which rates are told; 0 for half of the largest stable one",
+    )
+    .only_with(TRANSFERRED),
     key(
         "discretization.grid-mass",
         Kind::Words(&["lumped", "consistent"]),

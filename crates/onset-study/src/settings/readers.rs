@@ -90,6 +90,8 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &["unknowns=particles"],
             &["points-per-side=1"],
             &["grid-functions=gimp"],
+            &["unknowns=particles", "transfer=flip"],
+            &["unknowns=particles", "transfer=apic", "time-step=0.1"],
         ],
     ),
 ];
@@ -115,7 +117,7 @@ fn values(key: &Key) -> Vec<String> {
     numbers.iter().map(|value| (*value).to_owned()).collect()
 }
 
-/// Frequencies of some waves at some states, without and with damping.
+/// Frequencies of some waves at some states, without and with damping, and rates in steps of time.
 fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
     let told = |error: &dyn std::fmt::Display| error.to_string();
     let problem = Problem::new(settings.clone()).map_err(|error| told(&error))?;
@@ -126,6 +128,13 @@ fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
         for k in [[0.7, 0.4, 0.2], [2.1, -1.3, 0.6]] {
             let values = [waves.omega_squared(&k), waves.frequencies(&k)].concat();
             all.extend(values.iter().flat_map(|z| [z.re, z.im]));
+            let stepped = problem.analysis.transferred(&f);
+            if let Some(stepped) = stepped.map_err(|error| told(&error))? {
+                let largest = stepped.critical_time_step(&|| false);
+                let step = settings.method.step_of_rates(Some(largest));
+                let rates = step.map_or_else(Vec::new, |step| stepped.rates(&k, step));
+                all.extend(rates.iter().flat_map(|s| [s.re, s.im]));
+            }
         }
     }
     Ok(all)

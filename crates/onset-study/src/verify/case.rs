@@ -103,6 +103,12 @@ impl Case {
     ) -> Result<(Self, Files), VerifyError> {
         let problem = Problem::new(settings)?;
         let f = DeformationGradient::from_stretches(question.stretches)?;
+        if problem.analysis.is_transferred() {
+            return Err(VerifyError::Wave {
+                what: "discretization.transfer: waves of nodes are predicted, and particles would be placed".to_owned(),
+                hint: "leave it out, or see what onset state says of it".to_owned(),
+            });
+        }
         let dimension = problem.dimension();
         if question.wave_vector.len() != dimension {
             return Err(VerifyError::Problem(ProblemError::Numbers {

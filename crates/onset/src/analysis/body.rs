@@ -1,7 +1,7 @@
 //! A discretization and a material in `D` dimensions, which answer without them.
 
 use super::in_space::InSpace;
-use super::{Analysis, PatchParticle, PlaneWaves};
+use super::{Analysis, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{IsEnded, SpectrumSummary, Stability, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
@@ -18,7 +18,7 @@ use crate::motion::{
     BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, with_body, with_motion,
 };
 use crate::scheme::{Discretization, PeriodicPatch};
-use crate::time_step::Integrator;
+use crate::time_step::{Integrator, TransferredWaves};
 use crate::verdict::{
     Assessment, Ground, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState, Verdict,
     scan_discretization,
@@ -283,6 +283,18 @@ impl<const D: usize> Analysis for Body<D> {
         self.survey().is_ok_and(|survey| survey.is_damped())
     }
 
+    fn is_transferred(&self) -> bool {
+        self.survey().is_ok_and(|survey| survey.is_transferred())
+    }
+
+    fn transferred(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<Box<dyn SteppedWaves>>, MethodError> {
+        let waves = self.discretization.transferred(&*self.material, f)?;
+        Ok(waves.map(|waves| Box::new(waves) as Box<dyn SteppedWaves>))
+    }
+
     fn damped_time_steps_unless(
         &self,
         f: &DeformationGradient,
@@ -393,5 +405,24 @@ impl<const D: usize> PlaneWaves for Waves<D> {
         let tensor = tensor.map(|entry| Complex::new(entry / self.density, 0.0));
         let values = eigenvalues(&tensor, 0.0);
         values.iter().map(|value| value.re).collect()
+    }
+}
+
+impl<const D: usize> SteppedWaves for TransferredWaves<D> {
+    fn rates(&self, k: &[f64], step: f64) -> Vec<Complex> {
+        Self::rates(self, &vector(k), step)
+    }
+
+    fn fastest(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, Vec<f64>) {
+        let (rate, k) = self.fastest_unless(step, is_ended);
+        (rate, k.iter().copied().collect())
+    }
+
+    fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64 {
+        self.critical_time_step_unless(is_ended)
+    }
+
+    fn point_alone(&self) -> Option<f64> {
+        Self::point_alone(self)
     }
 }

@@ -163,6 +163,19 @@ pub trait Analysis: Send + Sync {
     /// Whether forces depend on velocities.
     fn is_damped(&self) -> bool;
 
+    /// Whether the method has a step of its own, whatever the integrator; see
+    /// [`Discretization::transferred`](crate::scheme::Discretization::transferred).
+    fn is_transferred(&self) -> bool;
+
+    /// The waves of a state in steps of time, where the method has a step of its own.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn transferred(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<Box<dyn SteppedWaves>>, MethodError>;
+
     /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise. Time. They are given up as
     /// soon as nobody waits for them any more.
     ///
@@ -174,7 +187,7 @@ pub trait Analysis: Send + Sync {
         is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError>;
 
-    /// The largest stable time step of an integrator at a state, damping included. Time.
+    /// The largest stable time step of an integrator at a state, damping included; of a method with a step of its own that of it. Time.
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated there.
@@ -268,6 +281,22 @@ pub trait PlaneWaves: Send + Sync {
 
     /// Those of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
     fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64>;
+}
+
+/// The plane waves of a state in steps of time, of a method with a step of its own; see
+/// [`TransferredWaves`](crate::time_step::TransferredWaves). Wave vectors as those of [`PlaneWaves`].
+pub trait SteppedWaves: Send + Sync {
+    /// The rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, by increasing real part of `omega^2`; 1/time.
+    fn rates(&self, k: &[f64], step: f64) -> Vec<Complex>;
+
+    /// The rate with the largest real part over the zone with its wave vector; zero where no wave grows. 1/time, 1/length.
+    fn fastest(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, Vec<f64>);
+
+    /// The largest stable step; infinite where nothing oscillates. Time.
+    fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64;
+
+    /// The largest stable step of a point that is alone on the grid and unstressed; none of laws with stress in the reference state. Time.
+    fn point_alone(&self) -> Option<f64>;
 }
 
 /// A particle of a patch.

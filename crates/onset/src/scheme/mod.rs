@@ -30,7 +30,8 @@ pub use lagrangian::LagrangianPoint;
 pub(crate) use layout::Weighed;
 pub use linearized::{Forced, linearized};
 pub use material_point::{
-    Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints, PointLayout,
+    Formulation, GridFunctions, GridGradients, GridMass, MaterialPointChoices, MaterialPoints,
+    PointLayout, Transfer,
 };
 pub use pairs::{Bond, PairLaw};
 pub use patch::{Assembled, NoForce, PatchForces, PeriodicPatch};
@@ -50,6 +51,7 @@ use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
 use crate::real::Real;
+use crate::time_step::TransferredWaves;
 use nalgebra::SVector;
 use std::fmt::Debug;
 
@@ -203,6 +205,20 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         _material: &dyn Hyperelastic,
         _f: &DeformationGradient,
     ) -> Result<Option<WaveSystem<D>>, MethodError> {
+        Ok(None)
+    }
+
+    /// The waves of a state in steps of time, where a step of the method itself filters velocities, so that no equations of motion in
+    /// continuous time have its damping; see [`TransferredWaves`]. `None` where integrators step the equations of
+    /// [`waves`](Self::waves).
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn transferred(
+        &self,
+        _material: &dyn Hyperelastic,
+        _f: &DeformationGradient,
+    ) -> Result<Option<TransferredWaves<D>>, MethodError> {
         Ok(None)
     }
 

@@ -1,6 +1,7 @@
 //! Amplification matrices and the largest stable step.
 
 use super::Integrator;
+use super::zone::least_over_zone;
 use crate::algebra::Complex;
 use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
@@ -11,8 +12,6 @@ const ROUNDING: f64 = 1e-9;
 const STEPS: usize = 24;
 /// Halvings of the interval in which a step is lost.
 const HALVINGS: usize = 40;
-/// Points of the grid of wave vectors along a reciprocal vector.
-const GRID: usize = 12;
 
 /// The matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
 #[derive(Clone, Debug)]
@@ -218,41 +217,7 @@ pub fn critical_time_step_unless<const D: usize>(
     let at = |fractional: &SVector<f64, D>| {
         critical_time_step_at(system, integrator, &(lattice.reciprocal() * fractional))
     };
-    let points = GRID.pow(D as u32);
-    let mut best = (f64::INFINITY, SVector::zeros());
-    for index in 1..points / 2 + points.div_ceil(GRID) {
-        if is_ended() {
-            return best.0;
-        }
-        let mut rest = index;
-        let fractional = SVector::from_fn(|_, _| {
-            let coordinate = (rest % GRID) as f64 / GRID as f64;
-            rest /= GRID;
-            coordinate
-        });
-        let step = at(&fractional);
-        if step < best.0 {
-            best = (step, fractional);
-        }
-    }
-    let mut size = 0.5 / GRID as f64;
-    while size > 1e-4 && !is_ended() {
-        let before = best.0;
-        for axis in 0..D {
-            for sign in [-1.0, 1.0] {
-                let mut tried = best.1;
-                tried[axis] += sign * size;
-                let step = at(&tried);
-                if step < best.0 {
-                    best = (step, tried);
-                }
-            }
-        }
-        if best.0 >= before {
-            size *= 0.5;
-        }
-    }
-    best.0
+    least_over_zone(at, is_ended).0
 }
 
 #[cfg(test)]

@@ -3,14 +3,19 @@
 //! A wave of the linearized equations `M dv/dt = -K u - C v`, `du/dt = T v` is a small linear system; one step of an integrator
 //! multiplies `(u, v)` by the amplification matrix `G(dt)`. A step is stable when no more eigenvalues of `G` are outside of the unit
 //! circle than solutions of the equations themselves grow: what grows anyway needs no step, what does not must not.
+//!
+//! Methods that filter velocities once a step have steps of their own, and no equations in continuous time: [`TransferredWaves`].
 
 mod amplification;
 mod stepping;
+mod transferred;
+mod zone;
 
 pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, critical_time_step_unless,
 };
 pub use stepping::Stepping;
+pub use transferred::TransferredWaves;
 
 /// Explicit integrators.
 ///

@@ -11,7 +11,9 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, PlaneTangent};
 use crate::method::MethodError;
 use crate::scheme::{DirectWaves, Discretization, StrainRows};
-use crate::time_step::{Integrator, critical_time_step, critical_time_step_unless};
+use crate::time_step::{
+    Integrator, TransferredWaves, critical_time_step, critical_time_step_unless,
+};
 use nalgebra::{DMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -342,7 +344,24 @@ impl<'a, const D: usize> Survey<'a, D> {
         self.waves(f)?.spectrum()
     }
 
-    /// The largest stable time step of an integrator at a state, damping included. Time.
+    /// The waves of a state in steps of time, where the discretization has a step of its own; see [`Discretization::transferred`].
+    ///
+    /// # Errors
+    /// [`MethodError`] when discretization or material cannot be evaluated there.
+    pub fn transferred(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<TransferredWaves<D>>, MethodError> {
+        self.discretization.transferred(self.material, f)
+    }
+
+    /// Whether the discretization has a step of its own, whatever the integrator.
+    pub fn is_transferred(&self) -> bool {
+        let rest = DeformationGradient::identity();
+        self.transferred(&rest).is_ok_and(|waves| waves.is_some())
+    }
+
+    /// The largest stable time step of an integrator at a state, damping included; of a discretization with a step of its own that of it. Time.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -351,6 +370,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         f: &DeformationGradient,
         integrator: Integrator,
     ) -> Result<f64, MethodError> {
+        if let Some(waves) = self.transferred(f)? {
+            return Ok(waves.critical_time_step());
+        }
         let system = self.discretization.waves(self.material, f)?;
         Ok(critical_time_step(&system, integrator, self.search()))
     }

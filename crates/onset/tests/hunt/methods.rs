@@ -23,9 +23,9 @@ use onset::scheme::sph::{
 };
 use onset::scheme::stabilization::ArtificialStress;
 use onset::scheme::{
-    BondModel, Calibration, Discretization, Formulation, GridFunctions, GridMass, Influence,
-    MaterialPointChoices, MaterialPoints, PartialVolumes, Peridynamics, PeridynamicsChoices,
-    PointLayout, ZeroEnergyControl,
+    BondModel, Calibration, Discretization, Formulation, GridFunctions, GridGradients, GridMass,
+    Influence, MaterialPointChoices, MaterialPoints, PartialVolumes, Peridynamics,
+    PeridynamicsChoices, PointLayout, Transfer, ZeroEnergyControl,
 };
 
 /// A discretization, with the search of its kind.
@@ -342,8 +342,12 @@ fn material_points<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         formulation: random.one_of(&[
             Formulation::TotalLagrangian { mass },
             Formulation::Updated { mass, grid },
-            Formulation::Particles { grid },
+            Formulation::Particles {
+                grid,
+                transfer: Transfer::Continuous,
+            },
         ]),
+        gradients: random.one_of(&[GridGradients::Functions, GridGradients::Moments]),
         ..MaterialPointChoices::default()
     };
     let name = format!("{choices:?}");

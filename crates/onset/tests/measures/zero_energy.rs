@@ -437,6 +437,7 @@ fn points_lines_and_the_whole_zone_are_told_apart() {
         per_side: 2,
         formulation: onset::scheme::Formulation::Particles {
             grid: onset::method::CurrentLattice::Convected,
+            transfer: onset::scheme::Transfer::Continuous,
         },
         ..MaterialPointChoices::default()
     };

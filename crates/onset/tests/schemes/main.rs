@@ -14,6 +14,7 @@ mod sph;
 mod springs;
 mod stabilization;
 mod states;
+mod transfer;
 
 #[path = "../shared/random.rs"]
 mod random;

@@ -10,7 +10,7 @@ use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, MethodError};
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints,
-    PointLayout,
+    PointLayout, Transfer,
 };
 use std::f64::consts::PI;
 
@@ -27,7 +27,10 @@ const UPDATED: Formulation = Formulation::Updated {
     mass: LUMPED,
     grid: CONVECTED,
 };
-const PARTICLES: Formulation = Formulation::Particles { grid: CONVECTED };
+const PARTICLES: Formulation = Formulation::Particles {
+    grid: CONVECTED,
+    transfer: Transfer::Continuous,
+};
 
 fn choices(formulation: Formulation, per_side: usize) -> MaterialPointChoices {
     MaterialPointChoices {
@@ -85,7 +88,10 @@ fn every_formulation_passes_the_battery_with_every_function_in_every_dimension()
                         grid: regular,
                     },
                     PARTICLES,
-                    Formulation::Particles { grid: regular },
+                    Formulation::Particles {
+                        grid: regular,
+                        transfer: Transfer::Continuous,
+                    },
                 ] {
                     let choices = MaterialPointChoices {
                         spacing: 0.8,

@@ -633,7 +633,9 @@ fn every_quantity_can_be_an_axis() {
                 (setting(key).0, "stretch-1", range(default_of(key)))
             }
             Quantity::Setting(key) => {
-                let default = key.default_json().as_f64().filter(|value| *value > 0.0);
+                // A share is at most one.
+                let is_admitted = |value: &f64| *value > 0.0 && !key.name.ends_with("share");
+                let default = key.default_json().as_f64().filter(is_admitted);
                 (needed(key), "stretch-1", range(default.unwrap_or(0.1)))
             }
             _ => (String::new(), "stretch-1", range(1.1)),

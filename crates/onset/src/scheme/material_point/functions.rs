@@ -24,6 +24,23 @@ pub enum GridFunctions {
     CubicSpline,
 }
 
+/// What forces and velocity gradients have for the gradient of a node's function.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum GridGradients {
+    /// The gradients themselves, `grad N_i`.
+    #[default]
+    Functions,
+    /// First moments, `D_p^-1 N_i (x_i - x_p)` with `D_p = sum_j N_j (x_j - x_p) (x) (x_j - x_p)`: moving least squares (Hu et al. 2018,
+    /// MLS-MPM), by which the affine field of a point is its velocity gradient. As continuous as the functions, not as their slopes. With
+    /// linear functions they are the gradients.
+    Moments,
+}
+
 /// A polynomial of `r = |x|` from `from` to `to`, in units of the grid spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
@@ -36,6 +53,7 @@ struct Piece {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pieces: Vec<Piece>,
+    gradients: GridGradients,
 }
 
 /// A function of a node at a place, with its derivatives by the lattice coordinates.
@@ -47,7 +65,7 @@ pub(super) struct Shape<R, const D: usize> {
 
 impl GridFunctions {
     /// The function in one dimension for particles of the half-size `l <= 1/2`.
-    pub(super) fn profile(self, l: f64) -> Profile {
+    pub(super) fn profile(self, l: f64, gradients: GridGradients) -> Profile {
         let pieces: Vec<(f64, [f64; 4])> = match self {
             Self::Linear => vec![(1.0, [1.0, -1.0, 0.0, 0.0])],
             Self::Gimp => {
@@ -82,7 +100,10 @@ impl GridFunctions {
                 from = to;
             }
         }
-        Profile { pieces: profile }
+        Profile {
+            pieces: profile,
+            gradients,
+        }
     }
 }
 
@@ -123,6 +144,26 @@ impl Profile {
         (value, slope)
     }
 
+    /// `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, of a place at `x` from some node; in units of the squared grid spacing. 1/4 of
+    /// quadratic splines and 1/3 of cubic ones wherever the place is, `x (1 - x)` of tents.
+    pub(super) fn second_moment<R: Real>(&self, x: R) -> R {
+        let beyond = self.reach().ceil() as i32 + 1;
+        let nearest = x - x.value().round();
+        (-beyond..=beyond).fold(R::constant(0.0), |sum, node| {
+            let distance = nearest - f64::from(node);
+            sum + self.at(distance).0 * distance * distance
+        })
+    }
+
+    /// The function and what gradients have for its slope, see [`GridGradients`].
+    fn along<R: Real>(&self, x: R) -> (R, R) {
+        let (value, slope) = self.at(x);
+        match self.gradients {
+            GridGradients::Functions => (value, slope),
+            GridGradients::Moments => (value, -(value * x) / self.second_moment(x)),
+        }
+    }
+
     /// The nodes whose functions a place may see, by their lattice coordinates.
     pub(super) fn nodes<const D: usize>(&self, place: &[f64; D]) -> Vec<[i32; D]> {
         let reach = self.reach() + KNOT;
@@ -137,7 +178,7 @@ impl Profile {
         place: &[R; D],
         node: &[i32; D],
     ) -> Shape<R, D> {
-        let along: [(R, R); D] = std::array::from_fn(|i| self.at(place[i] - f64::from(node[i])));
+        let along: [(R, R); D] = std::array::from_fn(|i| self.along(place[i] - f64::from(node[i])));
         let one = R::constant(1.0);
         let product = |derived: Option<usize>| {
             (0..D).fold(one, |product, i| {
@@ -154,7 +195,7 @@ impl Profile {
 
 #[cfg(test)]
 mod tests {
-    use super::GridFunctions;
+    use super::{GridFunctions, GridGradients};
     use crate::real::{Dual, Real};
 
     const ALL: [GridFunctions; 4] = [
@@ -166,9 +207,10 @@ mod tests {
 
     #[test]
     fn grid_functions_are_partitions_of_unity_that_reproduce_linear_fields() {
-        for functions in ALL {
+        let both = [GridGradients::Functions, GridGradients::Moments];
+        for (functions, gradients) in ALL.into_iter().flat_map(|own| both.map(|g| (own, g))) {
             for l in [0.5, 0.25, 1.0 / 6.0] {
-                let profile = functions.profile(l);
+                let profile = functions.profile(l, gradients);
                 for place in [[0.13, 0.5], [0.25, 0.75], [0.99, 0.34], [0.5, 0.5]] {
                     let (mut one, mut position) = (0.0, [0.0; 2]);
                     let (mut zero, mut unit) = ([0.0; 2], [[0.0; 2]; 2]);
@@ -200,7 +242,7 @@ mod tests {
     #[test]
     fn slopes_are_derivatives_and_on_a_knot_means_of_both_sides() {
         for functions in ALL {
-            let profile = functions.profile(0.25);
+            let profile = functions.profile(0.25, GridGradients::Functions);
             for x in [-1.6, -0.75, -0.5, 0.1, 0.3, 0.5, 1.1, 1.25, 1.5] {
                 let [dual] = Dual::<1>::variables([x]);
                 let (value, slope) = profile.at(dual);
@@ -223,8 +265,8 @@ mod tests {
     fn the_generalized_tent_is_the_mean_of_the_tent_over_the_particle() {
         let l = 0.3;
         let (tent, mean) = (
-            GridFunctions::Linear.profile(l),
-            GridFunctions::Gimp.profile(l),
+            GridFunctions::Linear.profile(l, GridGradients::Functions),
+            GridFunctions::Gimp.profile(l, GridGradients::Functions),
         );
         for x in [0.0, 0.2, 0.5, 0.9, 1.2] {
             let n = 20_000;
@@ -235,6 +277,36 @@ mod tests {
                 })
                 .sum();
             assert!((sum / f64::from(n) - mean.at(x).0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn second_moments_are_a_quarter_of_quadratic_and_a_third_of_cubic_splines() {
+        // Jiang et al. 2015, The affine particle-in-cell method: D_p = h^2/4 and h^2/3.
+        for x in [-0.4, 0.0, 0.2, 0.5, 0.77, 1.3] {
+            let of = |functions: GridFunctions| {
+                let profile = functions.profile(0.25, GridGradients::Functions);
+                profile.second_moment(x)
+            };
+            assert!((of(GridFunctions::QuadraticSpline) - 0.25).abs() < 1e-15);
+            assert!((of(GridFunctions::CubicSpline) - 1.0 / 3.0).abs() < 1e-15);
+            let inside = x - f64::floor(x);
+            let expected = inside * (1.0 - inside);
+            assert!((of(GridFunctions::Linear) - expected).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn first_moments_of_linear_functions_are_their_gradients() {
+        let [of_functions, of_moments] = [GridGradients::Functions, GridGradients::Moments]
+            .map(|gradients| GridFunctions::Linear.profile(0.5, gradients));
+        let place = [0.3, 0.85, 0.1];
+        for node in of_functions.nodes(&place) {
+            let [exact, moment] =
+                [&of_functions, &of_moments].map(|profile| profile.shape(&place, &node).slope);
+            for (a, b) in exact.into_iter().zip(moment) {
+                assert!((a - b).abs() < 1e-15);
+            }
         }
     }
 }

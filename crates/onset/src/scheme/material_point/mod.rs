@@ -7,8 +7,10 @@
 mod functions;
 mod point;
 mod step;
+mod transfer;
 
-pub use functions::GridFunctions;
+pub use functions::{GridFunctions, GridGradients};
+pub use transfer::Transfer;
 
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
@@ -17,14 +19,17 @@ use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle
 use crate::material::Hyperelastic;
 use crate::method::{CurrentLattice, MethodError};
 use crate::quadrature::gauss_line;
+use crate::time_step::TransferredWaves;
 use functions::Profile;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use point::{Point, State};
 use std::collections::BTreeMap;
 use step::Step;
 
 /// Material points along each side of a cell beyond which a layout is refused.
 const MAXIMUM_PER_SIDE: usize = 8;
+/// Stresses of the reference state below this share of the stiffness are rounding.
+const UNSTRESSED: f64 = 1e-9;
 /// Points closer than this to a face of a cell, in units of the grid spacing, are on it.
 const FACE: f64 = 1e-9;
 
@@ -57,7 +62,7 @@ pub enum GridMass {
 }
 
 /// What is displaced, and what moves with it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -83,9 +88,15 @@ pub enum Formulation {
     /// `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i (x) grad N_ip F_p`. Forces as in
     /// the updated form. The unknown of a wave is the integral of the point's own velocity, not its displacement: what the grid
     /// does not see of it moves nothing and meets no force.
+    ///
+    /// With a [`Transfer`] that filters velocities once a step, nothing is left of what the grid does not see: the unknowns are the nodes,
+    /// the equations of motion those of the updated form, and how waves decay follows from the step; see [`Discretization::transferred`].
     Particles {
         /// As of the updated form.
         grid: CurrentLattice,
+        /// How the velocities of the points go through the grid in a step.
+        #[cfg_attr(feature = "serde", serde(default))]
+        transfer: Transfer,
     },
 }
 
@@ -110,6 +121,8 @@ pub struct MaterialPointChoices {
     pub offset: [f64; 3],
     /// The functions of the grid.
     pub functions: GridFunctions,
+    /// What forces and velocity gradients have for their gradients.
+    pub gradients: GridGradients,
     /// What is displaced.
     pub formulation: Formulation,
 }
@@ -123,6 +136,7 @@ impl Default for MaterialPointChoices {
             layout: PointLayout::Uniform,
             offset: [0.0; 3],
             functions: GridFunctions::Linear,
+            gradients: GridGradients::Functions,
             formulation: Formulation::Updated {
                 mass: GridMass::Lumped,
                 grid: CurrentLattice::Convected,
@@ -172,14 +186,19 @@ impl<const D: usize> MaterialPoints<D> {
         let grid = Crystal::of_lattice(lattice);
         let points = laid_out::<D>(&choices, lattice.cell_volume())?;
         let crystal = match choices.formulation {
-            Formulation::Particles { .. } => {
+            Formulation::Particles { transfer, .. } if transfer.keeps_the_unseen() => {
                 let (places, volumes) = points.iter().copied().unzip();
                 Crystal::with_volumes(lattice, places, volumes)?
             }
             _ => grid.clone(),
         };
+        if let Formulation::Particles { transfer, .. } = choices.formulation {
+            transfer.check()?;
+        }
         Ok(Self {
-            profile: choices.functions.profile(0.5 / choices.per_side as f64),
+            profile: choices
+                .functions
+                .profile(0.5 / choices.per_side as f64, choices.gradients),
             choices,
             grid,
             points,
@@ -209,13 +228,35 @@ impl<const D: usize> MaterialPoints<D> {
         let reference = self.grid.lattice().vectors();
         let current = match self.choices.formulation {
             Formulation::TotalLagrangian { .. } => None,
-            Formulation::Updated { grid, .. } | Formulation::Particles { grid } => Some(grid),
+            Formulation::Updated { grid, .. } | Formulation::Particles { grid, .. } => Some(grid),
         };
         let vectors = match current {
             Some(CurrentLattice::Convected) => f.leading::<D>() * reference,
             Some(CurrentLattice::Regular) | None => *reference,
         };
         State::new(material, f, &vectors, current.is_some())
+    }
+
+    /// Whether the unknowns are the points, not the nodes.
+    fn moves_points(&self) -> bool {
+        match self.choices.formulation {
+            Formulation::Particles { transfer, .. } => transfer.keeps_the_unseen(),
+            _ => false,
+        }
+    }
+
+    /// The forces between nodes at a state.
+    fn between_nodes(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Forced<D>, MethodError> {
+        let state = self.state(material, f)?;
+        let mut forced = Forced::default();
+        for (place, volume) in &self.points {
+            forced.add(&Point::new(state, &self.profile, *place, *volume));
+        }
+        Ok(forced)
     }
 
     /// The mass of the points of a cell, which is that of a node.
@@ -232,13 +273,91 @@ impl<const D: usize> MaterialPoints<D> {
 
     /// `sum_p m_p N_ip N_jp`.
     fn consistent_mass(&self) -> BlochSum<D> {
+        self.weighted_by_mass(|_, _, _| 1.0)
+    }
+
+    /// What a step leaves of the velocities of nodes that go to the points and back, `T_ij = sum_p m_p N_ip N_jp / m_i`; with affine
+    /// fields each pair of nodes times `1 + (x_i - x_p) D_p^-1 (x_j - x_p)`. Dimensionless.
+    fn kept(&self, is_affine: bool) -> BlochSum<D> {
+        let mass = self.nodal_mass();
+        self.weighted_by_mass(|place, from, to| {
+            let moment = |axis: usize| {
+                let [own, other] = [from, to].map(|node| f64::from(node[axis]) - place[axis]);
+                own * other / self.profile.second_moment(place[axis])
+            };
+            let affine = if is_affine {
+                (0..D).map(moment).sum()
+            } else {
+                0.0
+            };
+            (1.0 + affine) / mass
+        })
+    }
+
+    /// The largest stable step of a point alone on the grid, in the unstressed reference state: the least over the places of the points. None where there is
+    /// stress. Time.
+    ///
+    /// With the tangent `A` and `G = sum_i g_i (x) g_i / N_i` of the gradients `g_i` its displacement gradient `l` and its affine field `C` obey
+    /// `l' = l + dt (C - dt (A : l) G / rho)`, `C' = C - dt (A : l) D^-1 / rho`; without affine fields `C = 0`. A factor is -1 at
+    /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, and at `2 (A : l) G / rho` without.
+    fn step_of_a_point_alone(
+        &self,
+        material: &dyn Hyperelastic,
+        is_affine: bool,
+    ) -> Result<Option<f64>, MethodError> {
+        let response = material.undeformed()?;
+        let stress = response.first_piola.amax();
+        if stress > UNSTRESSED * response.tangent.largest() {
+            return Ok(None);
+        }
+        let square_of = |place: &Fractional<D>| {
+            let weights = self.stretch_of_a_point_alone(place, is_affine);
+            let root = |i: usize| weights[i].sqrt();
+            let entry = |row: usize, column: usize| {
+                let (i, j) = (row / D, row % D);
+                let (k, l) = (column / D, column % D);
+                response.tangent[(i, j, k, l)] * root(j) * root(l) / self.choices.density
+            };
+            let matrix = DMatrix::from_fn(D * D, D * D, entry);
+            matrix.symmetric_eigenvalues().max()
+        };
+        let squares = self.points.iter().map(|(place, _)| square_of(place));
+        let largest = squares.fold(0.0, f64::max);
+        Ok((largest > 0.0).then(|| 2.0 / largest.sqrt()))
+    }
+
+    /// The diagonal of `2 G - D^-1`, without affine fields that of `2 G`; off it there is nothing, as functions are products. 1/length^2.
+    fn stretch_of_a_point_alone(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
+        let at: [f64; D] = (*place).into();
+        let nodes = self.profile.nodes(&at);
+        let shapes = nodes.iter().map(|node| self.profile.shape(&at, node));
+        let mut sums = [0.0; D];
+        for shape in shapes.filter(|shape| shape.value > FACE) {
+            for (sum, slope) in sums.iter_mut().zip(shape.slope) {
+                *sum += slope * slope / shape.value;
+            }
+        }
+        let squared = self.choices.spacing.powi(2);
+        std::array::from_fn(|i| {
+            let moment = self.profile.second_moment(place[i]);
+            let kept = if is_affine { 1.0 / moment } else { 0.0 };
+            (2.0 * sums[i] - kept) / squared
+        })
+    }
+
+    /// `sum_p m_p N_ip N_jp w_ijp` with a weight of the place of a point and the cells of two nodes.
+    fn weighted_by_mass(
+        &self,
+        weight: impl Fn(&Fractional<D>, &[i32; D], &[i32; D]) -> f64,
+    ) -> BlochSum<D> {
         let mut blocks = BlochBlocks::new();
         for (place, volume) in &self.points {
             let nodes = self.transfer(place);
             for (from, own) in &nodes {
                 for (to, other) in &nodes {
                     let entry = self.choices.density * volume * own * other;
-                    blocks.add(from, to, &(SMatrix::identity() * entry));
+                    let weight = weight(place, &from.cell, &to.cell);
+                    blocks.add(from, to, &(SMatrix::identity() * (entry * weight)));
                 }
             }
         }
@@ -393,14 +512,13 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
-        let state = self.state(material, f)?;
-        let mut forced = Forced::default();
-        for (place, volume) in &self.points {
-            forced.add(&Point::new(state, &self.profile, *place, *volume));
-        }
+        let mut forced = self.between_nodes(material, f)?;
         match self.choices.formulation {
             Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
-                forced.waves(&self.crystal, self.mass(mass))
+                forced.waves(&self.grid, self.mass(mass))
+            }
+            Formulation::Particles { .. } if !self.moves_points() => {
+                forced.waves(&self.grid, self.mass(GridMass::Lumped))
             }
             Formulation::Particles { .. } => {
                 let nodal = std::mem::take(&mut forced.stiffness).sum(&self.grid);
@@ -425,9 +543,9 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
                 let slope: SVector<f64, D> = self.profile.shape(&at, &cell).slope.into();
                 (Particle { site: 0, cell }, inverse * slope)
             });
-            let (particles, gradients): (Vec<_>, Vec<_>) = match self.choices.formulation {
-                Formulation::Particles { .. } => self.through_nodes(nodes).into_iter().unzip(),
-                _ => nodes.unzip(),
+            let (particles, gradients): (Vec<_>, Vec<_>) = match self.moves_points() {
+                true => self.through_nodes(nodes).into_iter().unzip(),
+                false => nodes.unzip(),
             };
             strain.add_strain(&particles, gradients);
         }
@@ -456,9 +574,28 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
             patch.cells(),
             &self.points,
             density,
-            matches!(self.choices.formulation, Formulation::Particles { .. }),
+            self.moves_points(),
         ));
         Ok(())
+    }
+
+    fn transferred(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<TransferredWaves<D>>, MethodError> {
+        let Formulation::Particles { transfer, .. } = self.choices.formulation else {
+            return Ok(None);
+        };
+        let Some(flip) = transfer.share_of_points() else {
+            return Ok(None);
+        };
+        let forced = self.between_nodes(material, f)?;
+        let system = forced.waves(&self.grid, self.mass(GridMass::Lumped))?;
+        let kept = self.kept(transfer == Transfer::Affine);
+        let alone = self.step_of_a_point_alone(material, transfer == Transfer::Affine)?;
+        let waves = TransferredWaves::new(system, &kept, flip);
+        Ok(Some(waves.with_point_alone(alone)))
     }
 
     /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.

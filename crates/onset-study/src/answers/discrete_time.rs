@@ -1,0 +1,168 @@
+//! What a method with a step of its own does with waves, in the answer about a state.
+
+use super::problem::{Problem, ProblemError};
+use super::state::{ComplexNumber, list};
+use crate::number::{told, told_of, vector};
+use crate::settings::{Units, Velocities};
+use nalgebra::SVector;
+use onset::algebra::Complex;
+use onset::bloch::IsEnded;
+use onset::kinematics::DeformationGradient;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// The length of the sound wave of which the damping is told, in cells of the grid.
+const SOUND: f64 = 8.0;
+
+/// The waves of a state in steps of time. Solutions are `exp(s t)` at whole steps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiscreteTimeAnswer {
+    /// The transfer of velocities.
+    pub transfer: Velocities,
+    /// The largest stable step, of an unstable state for the waves that do not grow with any; `null` where nothing oscillates.
+    pub largest_time_step: Option<f64>,
+    /// The largest stable step of a point that is alone on the grid and unstressed; `null` of laws with stress at `F = 1`.
+    pub point_alone_time_step: Option<f64>,
+    /// The step to which the rates belong: `discretization.time-step`, or half of the largest; `null` where there is neither.
+    pub time_step: Option<f64>,
+    /// The largest growth rate over the zone; zero where no wave grows.
+    pub growth_rate: Option<f64>,
+    /// The frequency of that wave.
+    pub frequency: Option<f64>,
+    /// Its reference wave vector; zero where no wave grows.
+    pub wave_vector: Vec<f64>,
+    /// The same in the deformed lattice.
+    pub spatial_wave_vector: Vec<f64>,
+    /// The rate `s` of the fastest sound wave of eight cells along the first axis: minus its damping, and its frequency.
+    pub sound: Option<ComplexNumber>,
+}
+
+impl DiscreteTimeAnswer {
+    /// Nothing of a method that integrators step.
+    pub(super) fn new(
+        problem: &Problem,
+        f: &DeformationGradient,
+        is_ended: IsEnded<'_>,
+    ) -> Result<Option<Self>, ProblemError> {
+        let analysis = &*problem.analysis;
+        let Some(waves) = analysis.transferred(f)? else {
+            return Ok(None);
+        };
+        let method = &problem.settings.method;
+        let largest = Some(waves.critical_time_step(is_ended)).filter(|step| step.is_finite());
+        let time_step = method.step_of_rates(largest);
+        let fastest = time_step.map(|step| waves.fastest(step, is_ended));
+        let k = fastest.as_ref().map_or_else(Vec::new, |(_, k)| k.clone());
+        let k = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
+        let dimension = analysis.dimension();
+        let rate = fastest.map(|(rate, _)| rate);
+        Ok(Some(Self {
+            transfer: method.transfer,
+            largest_time_step: largest,
+            point_alone_time_step: waves.point_alone(),
+            time_step,
+            growth_rate: rate.map(|rate| rate.re),
+            frequency: rate.map(|rate| rate.im.abs()),
+            wave_vector: list(dimension, &k),
+            spatial_wave_vector: list(dimension, &analysis.spatial(f, &k)),
+            sound: time_step.and_then(|step| {
+                let mut along = vec![0.0; dimension];
+                along[0] = TAU / (SOUND * problem.settings.discretization.spacing);
+                // Of the fastest wave, which is the last, the solution that stays longest.
+                let rates = waves.rates(&along, step);
+                let last = rates.iter().rev().take(2);
+                let slowest = last.max_by(|a, b| {
+                    (a.re, a.im)
+                        .partial_cmp(&(b.re, b.im))
+                        .unwrap_or(std::cmp::Ordering::Equal)
+                });
+                slowest.map(|rate| Complex::new(rate.re, rate.im.abs()).into())
+            }),
+        }))
+    }
+
+    /// Whether the step is longer than the largest stable one.
+    fn is_too_long(&self) -> bool {
+        let both = self.time_step.zip(self.largest_time_step);
+        both.is_some_and(|(step, largest)| step > largest)
+    }
+
+    /// Whether it is longer than that of a point alone.
+    fn is_too_long_for_a_point_alone(&self) -> bool {
+        let both = self.time_step.zip(self.point_alone_time_step);
+        both.is_some_and(|(step, alone)| step > alone)
+    }
+
+    /// Lines of the text: names and what they say.
+    pub(super) fn lines(&self, units: Units) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        let time = |step: f64| units.of(told(step), "s");
+        let rate = |rate: f64| units.of(told(rate), "1/s");
+        let name = self.transfer.name();
+        if let Some(largest) = self.largest_time_step {
+            lines.push((
+                "largest time step",
+                format!(
+                    "{}: the step of the {name} transfer is stable below",
+                    time(largest)
+                ),
+            ));
+        }
+        if let Some(alone) = self.point_alone_time_step {
+            lines.push((
+                "of a point alone",
+                format!("{}: unstressed, without neighbors on the grid", time(alone)),
+            ));
+        }
+        if let Some((step, growth)) = self.time_step.zip(self.growth_rate) {
+            let frequency = self.frequency.unwrap_or(0.0);
+            let growth = match growth > 0.0 {
+                true => format!(
+                    "a wave grows at {}, with the frequency {}, along {} (reference)",
+                    rate(growth),
+                    rate(frequency),
+                    units.of(vector(&self.wave_vector), "1/m")
+                ),
+                false => "no wave grows".to_owned(),
+            };
+            lines.push(("with the time step", format!("{}: {growth}", time(step))));
+        }
+        if let Some(sound) = self.sound {
+            lines.push((
+                "sound of 8 cells",
+                format!(
+                    "is damped at {}, with the frequency {}",
+                    units.of(told_of(-sound.re, sound.im), "1/s"),
+                    rate(sound.im)
+                ),
+            ));
+        }
+        lines
+    }
+}
+
+/// What a reader must know where the waves in steps of time are not those of the verdict.
+pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> Option<String> {
+    let step = units.of(told(own.time_step?), "s");
+    let growth = own.growth_rate?;
+    let rate = units.of(told(growth), "1/s");
+    let transfer = own.transfer.name();
+    match (is_stable, growth > 0.0) {
+        (true, true) if own.is_too_long() => Some(format!(
+            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although the state is stable",
+            units.of(told(own.largest_time_step?), "s")
+        )),
+        (true, false) if own.is_too_long_for_a_point_alone() => Some(format!(
+            "the step {step} is longer than that of a point alone on the grid, {}: points that lose their neighbors, or never had some, are unstable by \
+             themselves although the body is stable",
+            units.of(told(own.point_alone_time_step?), "s")
+        )),
+        (false, true) => Some(format!(
+            "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}; shorter steps filter more often"
+        )),
+        (false, false) => Some(format!(
+            "with the step {step} the filter of the {transfer} transfer holds the waves that grow without it"
+        )),
+        _ => None,
+    }
+}

@@ -1,0 +1,610 @@
+//! Transfers of velocities of the material point method: steps of linear waves, and a code of its own that takes them.
+
+use crate::battery::assert_scheme;
+use nalgebra::{Complex, SMatrix, SVector};
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::method::{CurrentLattice, MethodError};
+use onset::scheme::{
+    Discretization, Formulation, GridFunctions, GridGradients, MaterialPointChoices,
+    MaterialPoints, PointLayout, Transfer,
+};
+use onset::time_step::{Integrator, TransferredWaves};
+use onset::verdict::Survey;
+use std::f64::consts::TAU;
+
+const FLIP: Transfer = Transfer::Blended { flip: 1.0 };
+const PIC: Transfer = Transfer::Blended { flip: 0.0 };
+const MOSTLY_FLIP: Transfer = Transfer::Blended { flip: 0.95 };
+const BOTH: [GridGradients; 2] = [GridGradients::Functions, GridGradients::Moments];
+const ALL: [Transfer; 4] = [FLIP, MOSTLY_FLIP, PIC, Transfer::Affine];
+
+fn choices(transfer: Transfer, functions: GridFunctions) -> MaterialPointChoices {
+    MaterialPointChoices {
+        spacing: 0.8,
+        density: 1.7,
+        per_side: 2,
+        layout: PointLayout::Uniform,
+        offset: [0.11, 0.07, -0.13],
+        functions,
+        gradients: GridGradients::Functions,
+        formulation: Formulation::Particles {
+            grid: CurrentLattice::Convected,
+            transfer,
+        },
+    }
+}
+
+fn points<const D: usize>(choices: MaterialPointChoices) -> MaterialPoints<D> {
+    MaterialPoints::new(choices).expect("a method")
+}
+
+fn state<const D: usize>() -> DeformationGradient {
+    match D {
+        1 => DeformationGradient::from_stretches([1.15, 1.0, 1.0]),
+        _ => DeformationGradient::plane_strain([[1.1, 0.15], [-0.05, 0.92]], 1.03),
+    }
+    .expect("a state")
+}
+
+fn stepped<const D: usize>(
+    points: &MaterialPoints<D>,
+    f: &DeformationGradient,
+) -> TransferredWaves<D> {
+    let waves = points.transferred(&ModifiedMooneyRivlin::default(), f);
+    waves.expect("an evaluable state").expect("a step")
+}
+
+#[test]
+fn every_transfer_passes_the_battery_with_the_gradients_of_functions_and_with_moments() {
+    let material = ModifiedMooneyRivlin::default();
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        for functions in [GridFunctions::Gimp, GridFunctions::CubicSpline] {
+            let own = MaterialPointChoices {
+                gradients,
+                ..choices(transfer, functions)
+            };
+            assert_scheme(&points::<1>(own), &material, &state::<1>());
+        }
+        let own = MaterialPointChoices {
+            gradients,
+            per_side: 1,
+            ..choices(transfer, GridFunctions::QuadraticSpline)
+        };
+        assert_scheme(&points::<2>(own), &material, &state::<2>());
+    }
+}
+
+#[test]
+fn a_translation_is_neutral_whatever_the_transfer() {
+    for transfer in ALL {
+        for functions in [GridFunctions::QuadraticSpline, GridFunctions::CubicSpline] {
+            let waves = stepped(&points::<2>(choices(transfer, functions)), &state::<2>());
+            for pair in waves.factors(&SVector::zeros(), 0.1) {
+                for z in pair {
+                    assert!((z - 1.0).norm() < 1e-12, "{transfer:?} {functions:?}: {z}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn affine_transfers_keep_affine_fields_and_others_lose_them() {
+    // The loss of long waves is that of their second derivatives: of fourth order in k with affine fields, D_p k^2 without.
+    let spacing = 0.8;
+    for (functions, moment) in [
+        (GridFunctions::QuadraticSpline, 0.25),
+        (GridFunctions::CubicSpline, 1.0 / 3.0),
+    ] {
+        let lost = |transfer: Transfer, size: f64| {
+            let waves = stepped(&points::<2>(choices(transfer, functions)), &state::<2>());
+            waves.lost(&SVector::from([0.6 * size, -0.8 * size]))
+        };
+        let affine = [0.02, 0.01].map(|size| lost(Transfer::Affine, size));
+        assert!((affine[0] / affine[1] - 16.0).abs() < 0.01, "{affine:?}");
+        let constant = lost(PIC, 0.01) / 1e-4;
+        let expected = moment * spacing * spacing;
+        assert!((constant / expected - 1.0).abs() < 1e-3, "{constant}");
+    }
+}
+
+#[test]
+fn what_a_transfer_keeps_is_between_nothing_and_everything_and_affine_fields_keep_more() {
+    for functions in [
+        GridFunctions::Linear,
+        GridFunctions::Gimp,
+        GridFunctions::QuadraticSpline,
+        GridFunctions::CubicSpline,
+    ] {
+        let [pic, apic] = [PIC, Transfer::Affine]
+            .map(|transfer| stepped(&points::<2>(choices(transfer, functions)), &state::<2>()));
+        for n in 0..64 {
+            let k = SVector::from([f64::from(n % 8), f64::from(n / 8)]) * (TAU / 0.8 / 8.0);
+            let (without, with) = (pic.lost(&k), apic.lost(&k));
+            assert!((0.0..=1.0).contains(&without) && with >= 0.0);
+            assert!(with <= without + 1e-14, "{functions:?} {k:?}");
+        }
+    }
+}
+
+#[test]
+fn short_steps_of_flip_have_the_rates_of_the_equations_in_continuous_time() {
+    let functions = GridFunctions::QuadraticSpline;
+    let continuous = points::<2>(choices(Transfer::Continuous, functions));
+    let material = ModifiedMooneyRivlin::default();
+    let system = continuous.waves(&material, &state::<2>()).expect("waves");
+    let waves = stepped(&points::<2>(choices(FLIP, functions)), &state::<2>());
+    let k = SVector::from([1.9, -0.7]);
+    let expected = system.omega_squared(&k);
+    let error = |step: f64| {
+        let rates = waves.rates(&k, step);
+        let apart = |square: &Complex<f64>| {
+            let exact = (-square).sqrt();
+            let near = rates
+                .iter()
+                .map(|s| (s - exact).norm().min((s + exact).norm()));
+            near.fold(f64::INFINITY, f64::min)
+        };
+        // What the grid does not see has no frequency.
+        let seen = expected.iter().filter(|square| square.norm() > 1e-9);
+        seen.map(apart).fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (error(1e-3), error(1e-4));
+    // By the damping of a step, (1 - T) omega^2 dt/2.
+    assert!(fine < 1e-3, "{fine}");
+    assert!((coarse / fine - 10.0).abs() < 0.5, "{coarse} {fine}");
+}
+
+#[test]
+fn long_waves_are_those_of_the_material_and_their_damping_is_that_of_the_transfer() {
+    let material = ModifiedMooneyRivlin::default();
+    let f = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
+    let response = material.response(&f).expect("a response");
+    let k = SVector::from([0.01, 0.0]);
+    let speed = |i: usize| (response.tangent[(i, 0, i, 0)] / 1.7).sqrt();
+    let dt = 0.01;
+    for (transfer, viscosity) in [
+        (Transfer::Affine, 0.0),
+        (PIC, 0.25 * 0.64 / dt),
+        (FLIP, 0.0),
+    ] {
+        let choices = choices(transfer, GridFunctions::QuadraticSpline);
+        let waves = stepped(&points::<2>(choices), &f);
+        let rates = waves.rates(&k, dt);
+        for axis in 0..2 {
+            let omega = speed(axis) * 0.01;
+            let decay = 0.5 * viscosity * 1e-4;
+            let exact = Complex::new(-decay, (omega * omega - decay * decay).sqrt());
+            let near = rates.iter().map(|s| (s - exact).norm()).fold(1.0, f64::min);
+            assert!(
+                near < 2e-3 * exact.norm(),
+                "{transfer:?}: {rates:?} {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_largest_step_of_a_survey_is_the_first_at_which_a_spectral_radius_leaves_one() {
+    let material = ModifiedMooneyRivlin::default();
+    // Without stress, so that no wave grows.
+    let f = DeformationGradient::identity();
+    for transfer in ALL {
+        let method = points::<2>(choices(transfer, GridFunctions::QuadraticSpline));
+        let survey = Survey::new(&method, &material).expect("a survey");
+        let own = survey.critical_time_step(&f, Integrator::KickDriftKick);
+        let own = own.expect("a step");
+        let waves = stepped(&method, &f);
+        let radius = |step: f64| {
+            let of = |n: u32| {
+                let place = SVector::from([f64::from(n % 40), f64::from(n / 40)]);
+                let pairs = waves.factors(&(place * (TAU / 0.8 / 40.0)), step);
+                pairs.iter().map(|pair| pair[0].norm()).fold(0.0, f64::max)
+            };
+            (0..1600).map(of).fold(0.0, f64::max)
+        };
+        for share in [0.1, 0.4, 0.7, 0.9999] {
+            let found = radius(share * own);
+            assert!(found < 1.0 + 1e-9, "{transfer:?} {share}: {found}");
+        }
+        assert!(radius(1.02 * own) > 1.0 + 1e-4, "{transfer:?}");
+    }
+}
+
+#[test]
+fn a_wave_that_grows_does_so_with_every_filter_and_slower_with_shorter_steps() {
+    // Two points a cell under tension: u'' = -omega^2 u has a negative omega^2 at pi/h.
+    let f = DeformationGradient::from_stretches([2.2, 1.0, 1.0]).expect("a state");
+    for transfer in ALL {
+        let own = MaterialPointChoices {
+            offset: [0.0; 3],
+            ..choices(transfer, GridFunctions::QuadraticSpline)
+        };
+        let waves = stepped(&points::<1>(own), &f);
+        let long = waves.critical_time_step();
+        let growth = |share: f64| waves.fastest(share * long).0.re;
+        assert!(growth(0.5) > 0.0, "{transfer:?}");
+        if transfer == PIC {
+            assert!(growth(0.05) < 0.3 * growth(0.5));
+        }
+        if transfer == FLIP {
+            assert!((growth(0.01) / growth(0.005) - 1.0).abs() < 0.05);
+        }
+    }
+}
+
+#[test]
+fn points_on_a_face_have_no_affine_field_of_linear_functions_and_shares_are_shares() {
+    let refused = |choices| match MaterialPoints::<2>::new(choices) {
+        Err(MethodError::Setting { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
+    let on_face = MaterialPointChoices {
+        offset: [0.25, 0.0, 0.0],
+        ..choices(Transfer::Affine, GridFunctions::Linear)
+    };
+    assert_eq!(refused(on_face), "offset");
+    let too_much = Transfer::Blended { flip: 1.2 };
+    assert_eq!(
+        refused(choices(too_much, GridFunctions::Linear)),
+        "flip-share"
+    );
+}
+
+/// A periodic patch of grid with material points: an explicit code as they are, nonlinear, which shares with the library the law alone.
+struct Code<'a, const D: usize> {
+    material: &'a dyn Hyperelastic,
+    transfer: Transfer,
+    is_moments: bool,
+    spacing: f64,
+    /// Nodes along each side.
+    cells: usize,
+    x: Vec<SVector<f64, D>>,
+    v: Vec<SVector<f64, D>>,
+    c: Vec<SMatrix<f64, D, D>>,
+    f: Vec<SMatrix<f64, D, D>>,
+    /// Of the dimensions that do not move.
+    rest: DeformationGradient,
+    volume: f64,
+    mass: f64,
+}
+
+/// What a point sees of a node: its number, where it is from the point, weight and gradient.
+type Seen<const D: usize> = (usize, SVector<f64, D>, f64, SVector<f64, D>);
+
+impl<const D: usize> Code<'_, D> {
+    /// Quadratic B-splines on the three nodes of each axis that are nearest, as MLS-MPM codes have them.
+    fn seen(&self, x: &SVector<f64, D>) -> Vec<Seen<D>> {
+        let place = x / self.spacing;
+        let base = place.map(|own| (own - 0.5).floor());
+        let fx = place - base;
+        let weights = fx.map(|fx| {
+            let ends = [0.5 * (1.5 - fx).powi(2), 0.5 * (fx - 0.5).powi(2)];
+            [ends[0], 0.75 - (fx - 1.0).powi(2), ends[1]]
+        });
+        let slopes = fx.map(|fx| [fx - 1.5, 2.0 - 2.0 * fx, fx - 0.5]);
+        let node = |n: usize| {
+            let along: [usize; D] = std::array::from_fn(|i| n / 3_usize.pow(i as u32) % 3);
+            let weight: f64 = (0..D).map(|i| weights[i][along[i]]).product();
+            let distance: SVector<f64, D> =
+                SVector::from_fn(|i, _| (along[i] as f64 - fx[i]) * self.spacing);
+            let gradient = SVector::from_fn(|i, _| {
+                let part = |j: usize| match i == j {
+                    true => slopes[j][along[j]] / self.spacing,
+                    false => weights[j][along[j]],
+                };
+                (0..D).map(part).product()
+            });
+            let gradient = match self.is_moments {
+                true => distance * (weight * 4.0 / self.spacing.powi(2)),
+                false => gradient,
+            };
+            let number = (0..D).rev().fold(0, |sum, i| {
+                let own = (base[i] as i64 + along[i] as i64).rem_euclid(self.cells as i64);
+                sum * self.cells + own as usize
+            });
+            (number, distance, weight, gradient)
+        };
+        (0..3_usize.pow(D as u32)).map(node).collect()
+    }
+
+    /// `P F^T`.
+    fn kirchhoff(&self, f: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        let whole = self.rest.with_leading(f);
+        let response = self.material.response(&whole).expect("a stress");
+        SMatrix::from_fn(|i, j| {
+            (0..3)
+                .map(|m| response.first_piola[(i, m)] * whole.components()[j][m])
+                .sum()
+        })
+    }
+
+    fn step(&mut self, dt: f64) {
+        let nodes = self.cells.pow(D as u32);
+        let mut masses = vec![0.0; nodes];
+        let mut before = vec![SVector::<f64, D>::zeros(); nodes];
+        let mut forces = vec![SVector::<f64, D>::zeros(); nodes];
+        let seen: Vec<Vec<Seen<D>>> = self.x.iter().map(|x| self.seen(x)).collect();
+        for (p, seen) in seen.iter().enumerate() {
+            let stress = self.kirchhoff(&self.f[p]) * self.volume;
+            for (node, distance, weight, gradient) in seen {
+                masses[*node] += weight * self.mass;
+                before[*node] += (self.v[p] + self.c[p] * distance) * (weight * self.mass);
+                forces[*node] -= stress * gradient;
+            }
+        }
+        for (velocity, mass) in before.iter_mut().zip(&masses) {
+            *velocity /= *mass;
+        }
+        let after = |node: usize| before[node] + forces[node] * (dt / masses[node]);
+        for (p, seen) in seen.iter().enumerate() {
+            let (mut new, mut old) = (SVector::<f64, D>::zeros(), SVector::<f64, D>::zeros());
+            let (mut affine, mut gradients) = (SMatrix::zeros(), SMatrix::<f64, D, D>::zeros());
+            for (node, distance, weight, gradient) in seen {
+                let velocity = after(*node);
+                new += velocity * *weight;
+                old += before[*node] * *weight;
+                affine += velocity * distance.transpose() * (weight * 4.0 / self.spacing.powi(2));
+                gradients += velocity * gradient.transpose();
+            }
+            match self.transfer {
+                Transfer::Affine => (self.v[p], self.c[p]) = (new, affine),
+                Transfer::Blended { flip } => self.v[p] = new + (self.v[p] - old) * flip,
+                Transfer::Continuous => panic!("no step"),
+            }
+            self.x[p] += new * dt;
+            self.f[p] = (SMatrix::identity() + gradients * dt) * self.f[p];
+        }
+    }
+}
+
+/// A wave of nodes with what a step multiplies it with.
+struct Mode<const D: usize> {
+    k: SVector<f64, D>,
+    u: SVector<Complex<f64>, D>,
+    factor: Complex<f64>,
+    /// Velocities of points over displacements of nodes.
+    speed: Complex<f64>,
+}
+
+impl<const D: usize> Mode<D> {
+    fn new(
+        waves: &TransferredWaves<D>,
+        transfer: Transfer,
+        k: SVector<f64, D>,
+        branch: usize,
+        dt: f64,
+    ) -> Self {
+        let (omega_squared, mode) = waves.system().modes(&k).swap_remove(branch);
+        let factor = waves.factors(&k, dt)[branch][0];
+        let flip = match transfer {
+            Transfer::Blended { flip } => flip,
+            _ => 0.0,
+        };
+        // With w = (z - 1) u / dt after the forces and s = w + dt omega^2 u before: z v_p = flip v_p + N (w - flip s).
+        let after = (factor - 1.0) / dt;
+        let own = after * (1.0 - flip) - omega_squared * (flip * dt);
+        Self {
+            k,
+            u: SVector::from_fn(|i, _| mode[i]),
+            factor,
+            speed: own / (factor - flip),
+        }
+    }
+
+    /// What a point at a place sees of the nodes of the wave times a number: field, gradient, and first moment times `D_p^-1`.
+    fn at(
+        &self,
+        code: &Code<'_, D>,
+        x: &SVector<f64, D>,
+        times: Complex<f64>,
+    ) -> (SVector<f64, D>, SMatrix<f64, D, D>, SMatrix<f64, D, D>) {
+        let mut sums = (SVector::zeros(), SMatrix::zeros(), SMatrix::zeros());
+        for (_, distance, weight, gradient) in code.seen(x) {
+            let phase = Complex::new(0.0, self.k.dot(&(x + distance))).exp();
+            let own = self.u.map(|u| (u * phase * times).re);
+            sums.0 += own * weight;
+            sums.1 += own * gradient.transpose();
+            sums.2 += own * distance.transpose() * (weight * 4.0 / code.spacing.powi(2));
+        }
+        sums
+    }
+}
+
+impl<'a, const D: usize> Code<'a, D> {
+    /// Points of a method in a homogeneous state.
+    fn new(
+        method: &MaterialPoints<D>,
+        material: &'a dyn Hyperelastic,
+        f: &DeformationGradient,
+        cells: usize,
+    ) -> Self {
+        let choices = method.choices();
+        let Formulation::Particles { transfer, .. } = choices.formulation else {
+            panic!("no points");
+        };
+        let spacing = choices.spacing;
+        let of_cell = |n: usize| {
+            let cell: SVector<f64, D> =
+                SVector::from_fn(|i, _| (n / cells.pow(i as u32) % cells) as f64);
+            let places = method.points().iter();
+            places
+                .map(move |(place, _)| (cell + place) * spacing)
+                .collect::<Vec<_>>()
+        };
+        let x: Vec<SVector<f64, D>> = (0..cells.pow(D as u32)).flat_map(of_cell).collect();
+        let volume = (spacing / choices.per_side as f64).powi(D as i32);
+        Self {
+            material,
+            transfer,
+            is_moments: choices.gradients == GridGradients::Moments,
+            spacing,
+            cells,
+            v: vec![SVector::zeros(); x.len()],
+            c: vec![SMatrix::zeros(); x.len()],
+            f: vec![f.leading::<D>(); x.len()],
+            x,
+            rest: *f,
+            volume,
+            mass: choices.density * volume,
+        }
+    }
+
+    /// Gives points what the nodes of a wave give them.
+    fn put(&mut self, mode: &Mode<D>, amplitude: f64) {
+        for p in 0..self.x.len() {
+            let x = self.x[p];
+            let (u, gradients, _) = mode.at(self, &x, Complex::new(amplitude, 0.0));
+            let (v, _, affine) = mode.at(self, &x, mode.speed * amplitude);
+            self.x[p] += u;
+            self.f[p] = (SMatrix::identity() + gradients) * self.f[p];
+            self.v[p] = v;
+            if self.transfer == Transfer::Affine {
+                self.c[p] = affine;
+            }
+        }
+    }
+}
+
+/// Cells along each side of the patch.
+const CELLS: usize = 6;
+/// The displacement of a node at the start. What is of even order in it cancels between a run and that with the opposite wave.
+const AMPLITUDE: f64 = 1e-5;
+
+/// Steps a code from a wave alone, and tells the largest difference of the displacements from the linear prediction, over those
+/// that are predicted.
+fn difference<const D: usize>(
+    method: &MaterialPoints<D>,
+    material: &dyn Hyperelastic,
+    f: &DeformationGradient,
+    mode: &Mode<D>,
+    dt: f64,
+) -> f64 {
+    let steps = 6;
+    let start = Code::new(method, material, f, CELLS);
+    let displaced = |sign: f64| -> Vec<SVector<f64, D>> {
+        let mut code = Code::new(method, material, f, CELLS);
+        code.put(mode, sign * AMPLITUDE);
+        (0..steps).for_each(|_| code.step(dt));
+        code.x
+            .iter()
+            .zip(&start.x)
+            .map(|(x, base)| (x - base) * sign)
+            .collect()
+    };
+    let (plus, minus) = (displaced(1.0), displaced(-1.0));
+    let grown = mode.factor.powi(steps) * AMPLITUDE;
+    let apart = |p: usize| {
+        let (u, _, _) = mode.at(&start, &start.x[p], grown);
+        ((plus[p] + minus[p]) * 0.5 - u).amax()
+    };
+    (0..start.x.len()).map(apart).fold(0.0, f64::max) / grown.norm()
+}
+
+fn seeded(transfer: Transfer, gradients: GridGradients) -> MaterialPointChoices {
+    MaterialPointChoices {
+        gradients,
+        formulation: Formulation::Particles {
+            grid: CurrentLattice::Regular,
+            transfer,
+        },
+        ..choices(transfer, GridFunctions::QuadraticSpline)
+    }
+}
+
+/// The code takes steps of a share of the largest stable one, and has what is predicted to a millionth.
+fn assert_predicted<const D: usize>(
+    transfer: Transfer,
+    gradients: GridGradients,
+    f: &DeformationGradient,
+    turns: [f64; D],
+    share: f64,
+) {
+    let material = ModifiedMooneyRivlin::default();
+    let method = points::<D>(seeded(transfer, gradients));
+    let waves = stepped(&method, f);
+    let dt = share * waves.critical_time_step();
+    let k = SVector::from(turns) * (TAU / (method.choices().spacing * CELLS as f64));
+    for branch in 0..D {
+        let mode = Mode::new(&waves, transfer, k, branch, dt);
+        let apart = difference(&method, &material, f, &mode, dt);
+        let factor = mode.factor;
+        assert!(
+            apart < 1e-6,
+            "{transfer:?} {gradients:?} {turns:?} {share}: {apart}, a factor of {factor}"
+        );
+    }
+}
+
+#[test]
+fn a_code_of_its_own_takes_the_predicted_steps_in_one_dimension() {
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        // At rest, compressed, and stretched beyond the onset of the tensile instability; with a stable step and with one that is too long.
+        for (stretch, turns, share) in [
+            (1.0, 1.0, 0.5),
+            (0.8, 2.0, 0.9),
+            (2.2, 3.0, 0.4),
+            (1.0, 3.0, 1.05),
+        ] {
+            let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+            assert_predicted::<1>(transfer, gradients, &f, [turns], share);
+        }
+    }
+}
+
+#[test]
+fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        for (turns, share) in [([1.0, 2.0], 0.5), ([3.0, 1.0], 0.8)] {
+            assert_predicted::<2>(transfer, gradients, &state::<2>(), turns, share);
+        }
+    }
+}
+
+#[test]
+fn a_point_alone_is_stable_up_to_its_own_step() {
+    let material = ModifiedMooneyRivlin::default();
+    let rest = DeformationGradient::identity();
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        let own = MaterialPointChoices {
+            per_side: 1,
+            ..seeded(transfer, gradients)
+        };
+        let method = points::<2>(own);
+        let alone = stepped(&method, &rest).point_alone().expect("no stress");
+        let strained = |share: f64| {
+            let mut code = Code::new(&method, &material, &rest, CELLS);
+            code.x.truncate(1);
+            code.f[0] *= 1.0 + 1e-9;
+            // The largest of all steps, which ends where the motion is large.
+            let mut largest: f64 = 0.0;
+            for _ in 0..400 {
+                code.step(share * alone);
+                largest = largest.max((code.f[0] - SMatrix::identity()).amax());
+                if largest > 1e-4 {
+                    break;
+                }
+            }
+            largest
+        };
+        assert!(strained(0.98) < 1e-7, "{transfer:?} {gradients:?}");
+        assert!(strained(1.02) > 1e-4, "{transfer:?} {gradients:?}");
+    }
+}
+
+#[test]
+fn a_point_alone_has_the_step_of_its_change_of_volume() {
+    // In the plane l = 1 has the stress A_1111 + A_1122, and D_p = h^2/4 makes dt = h sqrt(rho / (A_1111 + A_1122)) with affine fields.
+    let material = ModifiedMooneyRivlin::default();
+    let rest = DeformationGradient::identity();
+    let response = material.response(&rest).expect("a response");
+    let [a, b] = [
+        response.tangent[(0, 0, 0, 0)],
+        response.tangent[(0, 0, 1, 1)],
+    ];
+    let own = seeded(Transfer::Affine, GridGradients::Moments);
+    let alone = stepped(&points::<2>(own), &rest).point_alone();
+    let expected = 0.8 * (1.7 / (a + b)).sqrt();
+    assert!((alone.expect("no stress") / expected - 1.0).abs() < 1e-12);
+}
