@@ -77,7 +77,7 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 
 #[test]
 fn a_method_with_a_step_of_its_own_is_limited_by_that() {
-    let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set per-side=2 set grid-functions=quadratic-spline";
+    let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
     let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
     let mu = number(&document(&line), "/admitted/0/to/value");
     let line = format!(
