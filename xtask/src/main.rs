@@ -41,11 +41,12 @@ const TEST: &[Step] = &[
         &["doc", "--workspace", "--no-deps", "--all-features"],
     ),
     ("tests", &["test", "--workspace", "--all-features"]),
+    // By the program that the tests have built: another one for this alone would take longer than it saves.
     (
         "the paper",
         &[
             "run",
-            "--release",
+            "--all-features",
             "--",
             "reproduce",
             "--out",
