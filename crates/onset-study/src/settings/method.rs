@@ -549,7 +549,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(FLIP),
     key(
         "discretization.time-step",
-        Kind::Number("s"),
+        Kind::Number("time"),
         "material points: the step of time at which rates are told; 0 for half of the largest stable one",
     )
     .only_with(TRANSFERRED),

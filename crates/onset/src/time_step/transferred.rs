@@ -25,7 +25,7 @@ const OUTSIDE: f64 = 1e-10;
 /// `z^2 - (1 + T + R - omega^2 dt^2) z + T + R - R omega^2 dt^2 = 0`.
 ///
 /// There is no such equation in continuous time: at the same physical time shorter steps filter more often, and as `dt -> 0` a wave with `T + R < 1`
-/// comes to rest. Waves with `omega^2 < 0` grow with any step and any filter; the others do up to `omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. What
+/// comes to rest. Waves with `omega^2 < 0` grow with any step and any filter; those with `omega^2 > 0` stay bounded up to `omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. What
 /// the grid does not see of the velocities of points is multiplied with `flip`, and what it does not see of positions and deformations stays: neither grows.
 ///
 /// Units: `K` force/length, `M` mass, rates 1/time.
