@@ -31,6 +31,7 @@ mod metals;
 mod methods;
 mod modes;
 mod numbers;
+mod plane_stress;
 mod plot;
 mod printing;
 #[cfg(unix)]
