@@ -213,7 +213,7 @@ class _Moving(Answer):
 
 
 class State(_Moving):
-    """The verdict on a state with its evidence, in the parts ``material``, ``material_3d`` and ``discretization``."""
+    """The verdict on a state with its evidence, in the parts ``material``, ``material_3d`` (not in plane stress) and ``discretization``."""
 
     __slots__ = ("_spectrum",)
     _spectrum: Callable[[Floats], tuple[Complexes, Floats]]

@@ -336,7 +336,7 @@ pub enum Command {
     Card(CardArguments),
     /// The available options, with formulas, parameters and sources
     List {
-        /// materials, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
+        /// materials, planes, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
         /// linearizations; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
         /// everything when left out.
         topic: Option<String>,

@@ -378,13 +378,13 @@ impl StrainArguments {
     }
 
     fn build(&self, problem: &Problem) -> Result<Strain, Failure> {
-        let dimension = problem.dimension();
+        let extent = problem.extent();
         match (&self.stretch, &self.deformation_gradient) {
-            (Some(stretches), _) => Ok(Strain::of_stretches("--stretch", stretches, dimension)?),
+            (Some(stretches), _) => Ok(Strain::of_stretches("--stretch", stretches, extent)?),
             (None, Some(components)) => Ok(Strain::of_components(
                 "--deformation-gradient",
                 components,
-                dimension,
+                extent,
             )?),
             (None, None) => Err(Failure::input(
                 "no state is given: expected --stretch or --deformation-gradient\n  hint: for example --stretch 1.2,0.9",
@@ -455,10 +455,10 @@ fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
 
 /// The path that is asked for.
 fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Failure> {
-    let (dimension, from) = (problem.dimension(), arguments.from.as_deref());
+    let (extent, from) = (problem.extent(), arguments.from.as_deref());
     let Some(mode) = arguments.mode else {
-        let from = Strain::of_either("--from", from.unwrap_or_default(), dimension)?;
-        let to = Strain::of_either("--to", &arguments.to, dimension)?;
+        let from = Strain::of_either("--from", from.unwrap_or_default(), extent)?;
+        let to = Strain::of_either("--to", &arguments.to, extent)?;
         return Ok(Course::Straight(from, to));
     };
     let stretch = |name: &str, text: &str| {

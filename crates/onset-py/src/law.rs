@@ -57,7 +57,7 @@ impl Law {
             let (name, text) = file.unwrap_or_default();
             let mut settings = MaterialSettings::of_file(&name, &text, &assigned.texts)?;
             if let Some(law) = assigned.law() {
-                settings.clone_from(law);
+                settings.take(law);
             }
             trusted(&mut settings, &libraries)?;
             Ok(Self { settings, notes })

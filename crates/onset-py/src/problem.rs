@@ -53,7 +53,7 @@ pub fn settings(
     let (name, text) = file.map_or(("", ""), |(name, text)| (name, text));
     let mut settings = Settings::of_file(name, text, &assigned.texts, open)?;
     if let Some(law) = assigned.law() {
-        settings.material.clone_from(law);
+        settings.material.take(law);
     }
     trusted(&mut settings.material, libraries)?;
     Ok(settings)
@@ -72,16 +72,25 @@ pub fn trusted(material: &mut MaterialSettings, libraries: &[PathBuf]) -> Result
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Problem(Arc<answers::Problem>);
 
+/// States of nine components each, without any that a sheet in plane stress finds itself.
+fn states(
+    problem: &answers::Problem,
+    components: &[f64],
+) -> Result<Vec<DeformationGradient>, Failure> {
+    let given = deformations(components)?.into_iter();
+    Ok(given.map(|f| problem.given(f)).collect::<Result<_, _>>()?)
+}
+
 /// A state as it is given: stretches, or components of `F`, as numbers separated by commas.
 fn strain(
     problem: &answers::Problem,
     stretch: Option<&str>,
     components: Option<&str>,
 ) -> Result<Strain, Failure> {
-    let dimension = problem.dimension();
+    let extent = problem.extent();
     Ok(match (stretch, components) {
-        (Some(text), None) => Strain::of_stretches("--stretch", text, dimension)?,
-        (None, Some(text)) => Strain::of_components("--deformation-gradient", text, dimension)?,
+        (Some(text), None) => Strain::of_stretches("--stretch", text, extent)?,
+        (None, Some(text)) => Strain::of_components("--deformation-gradient", text, extent)?,
         _ => {
             return Err(Failure::input(
                 "a state has `stretch` or `F`; give one of them",
@@ -245,9 +254,9 @@ impl Problem {
     fn straight_path(&self, py: Python<'_>, from: String, to: String) -> PyResult<Answer> {
         let problem = Arc::clone(&self.0);
         interrupt::answer(py, move || {
-            let dimension = problem.dimension();
-            let from = Strain::of_either("--from", &from, dimension)?;
-            let to = Strain::of_either("--to", &to, dimension)?;
+            let extent = problem.extent();
+            let from = Strain::of_either("--from", &from, extent)?;
+            let to = Strain::of_either("--to", &to, extent)?;
             along(problem, Course::Straight(from, to))
         })
     }
@@ -484,7 +493,7 @@ impl Problem {
         let wave_vectors = numbers(py, wave_vectors)?;
         let problem = Arc::clone(&self.0);
         let spectra = interrupt::ending(py, move |interrupt| {
-            let states = deformations(&components)?;
+            let states = states(&problem, &components)?;
             let dimension = problem.dimension();
             check(&wave_vectors, problem.settings.discretization.spacing)?;
             let vectors = wave_vectors.len() / dimension;
@@ -562,7 +571,7 @@ fn records(
     components: &[f64],
     interrupt: &Interrupt,
 ) -> Result<Vec<Record>, Failure> {
-    let states = deformations(components)?;
+    let states = states(problem, components)?;
     let map = MapSettings::default();
     let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY)?;
     let shares = 4 * rayon::current_num_threads();

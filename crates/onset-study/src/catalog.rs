@@ -474,6 +474,22 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "planes",
+        "material.plane",
+        &[
+            (
+                "strain",
+                "the stretch out of the plane is given: plane strain; of a chain uniaxial strain",
+                "the paper",
+            ),
+            (
+                "stress",
+                "P_i3 = 0, the stretch out of the plane is found: plane stress of a thin sheet; of a chain uniaxial stress",
+                "Le Dret and Raoult, J. Math. Pures Appl. 74 (1995) 549",
+            ),
+        ],
+    ),
+    (
         "frames",
         "discretization.frame",
         &[

@@ -72,6 +72,12 @@ pub fn hint(error: &MethodError) -> &'static str {
         MethodError::Material(MaterialError::NoYoungsModulus) => {
             "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
         }
+        MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
+            "\n  hint: set material.plane=strain, or choose a law with stiffness against all strains"
+        }
+        MethodError::Material(MaterialError::PlaneStressEnds { .. }) => {
+            "\n  hint: choose a smaller deformation, or a law that resists to the end, such as neo-hooke"
+        }
         MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
             "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \
              density are not that large or small"

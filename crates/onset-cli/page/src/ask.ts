@@ -52,7 +52,8 @@ export interface State {
     minimum_acoustic_eigenvalue: number;
     direction: number[];
   };
-  material_3d: { minimum_acoustic_eigenvalue: number; direction: number[]; ellipticity: string };
+  /** None of a sheet in plane stress. */
+  material_3d?: { minimum_acoustic_eigenvalue: number; direction: number[]; ellipticity: string };
   discretization: {
     stable: boolean;
     mode: string;

@@ -299,6 +299,16 @@ function stepped(event: KeyboardEvent): void {
 
 // --- the state
 
+/** Waves out of the plane; of a sheet or bar, which has none, the stretches that were found across it. */
+function across(answer: State): [string, string][] {
+  const space = answer.material_3d;
+  if (space) return [["in 3D", `${told(space.minimum_acoustic_eigenvalue)} along ${vector(space.direction)}`]];
+  const f = answer.deformation_gradient;
+  const [second, third] = [told(f[1]![1]!), told(f[2]![2]!)];
+  if (answer.discretization.wave_vector.length === 1) return [["lateral stretches", `${second}, ${third}`]];
+  return [["thickness stretch", third]];
+}
+
 function showState(answer: State): void {
   the("error").hidden = true;
   the("answer").classList.remove("stale");
@@ -314,7 +324,7 @@ function showState(answer: State): void {
     ["Cauchy stress", [[0, 0], [1, 1], [0, 1], [2, 2]].map(([i, j]) => `s${i! + 1}${j! + 1} ${told(material.cauchy[i!]![j!])}`).join(", ")],
     ["strongly elliptic", material.ellipticity],
     ["smallest eigenvalue", `${told(material.minimum_acoustic_eigenvalue)} along ${vector(material.direction)}`],
-    ["in 3D", `${told(answer.material_3d.minimum_acoustic_eigenvalue)} along ${vector(answer.material_3d.direction)}`],
+    ...across(answer),
     [own.stable ? "softest mode" : "critical mode", own.mode],
     ["wave vector", `${vector(own.wave_vector)} (reference), ${vector(own.spatial_wave_vector)} (deformed)`],
     ["polarization", vector(own.polarization)],

@@ -96,7 +96,7 @@ fn stretches(
     state: &StateSettings,
 ) -> Result<[f64; 3], Failure> {
     if let Some(text) = &arguments.stretch {
-        let strain = Strain::of_stretches("--stretch", text, settings.dimension())?;
+        let strain = Strain::of_stretches("--stretch", text, settings.extent())?;
         let f = strain.0.components();
         return Ok([f[0][0], f[1][1], f[2][2]]);
     }

@@ -32,6 +32,7 @@ mod metals;
 mod methods;
 mod modes;
 mod numbers;
+mod plane_stress;
 mod plot;
 mod printing;
 #[cfg(unix)]

@@ -16,8 +16,9 @@ pub struct CertificateAnswer {
     /// Strong ellipticity; measures are acoustic eigenvalues over `rho0 c^2`.
     pub material: ProofAnswer,
     /// Strong ellipticity for waves in all directions of space; measures are acoustic eigenvalues over the largest one of the
-    /// material in the reference state.
-    pub material_3d: ProofAnswer,
+    /// material in the reference state. A sheet or bar in plane stress has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material_3d: Option<ProofAnswer>,
     /// Waves of the particles; measures are `Re omega^2 / (c^2 |k|_h^2)`.
     pub discretization: ProofAnswer,
 }
@@ -58,7 +59,7 @@ impl CertificateAnswer {
     pub(super) fn new(
         dimension: usize,
         certificate: &Certificate<3>,
-        in_3d: &SpaceCertificate,
+        in_3d: Option<&SpaceCertificate>,
         tolerance: f64,
         corrects_the_search: bool,
     ) -> Self {
@@ -66,7 +67,7 @@ impl CertificateAnswer {
             tolerance,
             corrects_the_search,
             material: ProofAnswer::new(dimension, &certificate.material),
-            material_3d: ProofAnswer::in_3d(in_3d),
+            material_3d: in_3d.map(ProofAnswer::in_3d),
             discretization: ProofAnswer::new(dimension, &certificate.discretization),
         }
     }
@@ -166,11 +167,13 @@ impl fmt::Display for CertificateAnswer {
             "  material              {}",
             self.material.line("direction", "c |k|")
         )?;
-        writeln!(
-            formatter,
-            "  material in 3D     {}",
-            self.material_3d.line("direction", "c |k|")
-        )?;
+        if let Some(in_3d) = &self.material_3d {
+            writeln!(
+                formatter,
+                "  material in 3D     {}",
+                in_3d.line("direction", "c |k|")
+            )?;
+        }
         write!(
             formatter,
             "  discretization        {}",

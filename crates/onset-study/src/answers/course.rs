@@ -116,10 +116,14 @@ impl Course {
             reason,
             notes: notes_on_law(material),
         };
+        if let Some(reason) = held_across(loading, material.dimension()) {
+            return Err(refused(reason));
+        }
         // The reference is where every branch begins.
         let range = Range::new(from.min(to).min(0.99), from.max(to).max(1.01))
             .map_err(|error| refused(error.to_string()))?;
-        let path = LoadingPath::new(material, is_isotropic(material), loading, &range);
+        let isotropic = material.dimension() == 3 && is_isotropic(material);
+        let path = LoadingPath::new(material, isotropic, loading, &range);
         let path = path.map_err(|error| match (error, is_fluid(material)) {
             (LoadingError::NoReference, true) => refused(
                 "a fluid has no such state: beside free faces it carries no stress, and its volume alone does not tell the lateral stretches\n  \
@@ -163,6 +167,26 @@ impl Course {
             }
         }
     }
+}
+
+/// Why a loading is none of a sheet or bar, whose faces have no traction: it holds what is found across.
+fn held_across(loading: Loading, dimension: usize) -> Option<String> {
+    let (is_one, body, hint) = match dimension {
+        3 => return None,
+        2 => (
+            loading.leaves_free(2),
+            "a sheet in plane stress, the thickness of which is found",
+            "--lateral free or plane-stress",
+        ),
+        _ => (
+            loading.mode == Mode::Uniaxial && loading.lateral == Lateral::Free,
+            "a bar in uniaxial stress, the lateral stretches of which are found",
+            "--mode uniaxial",
+        ),
+    };
+    (!is_one).then(|| {
+        format!("it imposes stretches across {body}\n  hint: {hint}; or set material.plane=strain")
+    })
 }
 
 /// The imposed stretch that is reached on the way to another one, and why it is not that.
@@ -254,7 +278,7 @@ impl PathSamples {
         let sample = |(s, f): &(f64, DeformationGradient)| PathSample {
             parameter: *s,
             abscissa: followed.abscissa(*s).1,
-            deformation_gradient: *f.components(),
+            deformation_gradient: *problem.found(f).components(),
             state: StateAnswer::new(problem, &Strain(*f)).ok(),
         };
         Ok(Self {

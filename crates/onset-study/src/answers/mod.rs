@@ -28,6 +28,6 @@ pub use moving::{MovingMode, MovingParticle};
 pub(crate) use next::assigned;
 pub use notes::{is_stressed, notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
-pub use problem::{Problem, ProblemError, Strain, numbers};
+pub use problem::{Extent, Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};
 pub use summary::{AxisSummary, StudySummary};

@@ -71,9 +71,9 @@ pub(crate) fn assigned(settings: &Settings, without: Option<&str>) -> Vec<String
     first.chain(told_moduli).chain(last).collect()
 }
 
-/// The same for the law alone.
+/// The same for the law of space alone.
 fn of_law(settings: &Settings) -> String {
     let mut law = Settings::default();
-    law.material = settings.material.clone();
+    law.material = settings.material.clone().in_space();
     assignments(&law, None)
 }

@@ -39,6 +39,10 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
             shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness);
         Some(stiffness > 0.0 && are_free)
     };
+    // A fluid has no plane stress, and a bar in uniaxial stress no shear.
+    if material.dimension() < 3 {
+        return false;
+    }
     // Of shears along the axes of the stretches a fluid has the stiffness of none; a law that stiffens from nothing has.
     let stretched = DeformationGradient::from_stretches(STRETCHED).ok();
     yields(DeformationGradient::identity()) == Some(true)
@@ -125,12 +129,15 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
     let method = &settings.method;
     let mut notes = Vec::new();
     if method.method == Family::Peridynamics && method.bonds == Bonds::BondBased {
-        notes.push(
+        let ratio = match settings.material.is_plane_stress() {
+            true => "1/3",
+            false => "1/4",
+        };
+        notes.push(format!(
             "bond-based peridynamics takes one number of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
-             the bonds are linear springs with Poisson's ratio 1/4, whatever else the law says, and the continuum beside them is the \
+             the bonds are linear springs with Poisson's ratio {ratio}, whatever else the law says, and the continuum beside them is the \
              whole law. With discretization.bonds = correspondence the particles follow the law"
-                .to_owned(),
-        );
+        ));
     }
     notes
 }

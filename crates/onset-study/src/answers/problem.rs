@@ -192,6 +192,48 @@ fn path_hint(error: &PathError) -> &'static str {
     }
 }
 
+/// In how many dimensions a state is given, and whether components beyond them can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// The number of dimensions of the lattice.
+    pub dimension: usize,
+    /// Whether components beyond are found: plane stress of a sheet, uniaxial stress of a bar.
+    pub is_found_beyond: bool,
+}
+
+/// So many dimensions, components beyond being given.
+impl From<usize> for Extent {
+    fn from(dimension: usize) -> Self {
+        Self {
+            dimension,
+            is_found_beyond: false,
+        }
+    }
+}
+
+impl Extent {
+    /// Refuses numbers for what is found.
+    fn check(self, what: &'static str, given: usize, own: usize) -> Result<(), ProblemError> {
+        match self.is_found_beyond && given != own {
+            true => Err(self.refused(what, given, own)),
+            false => Ok(()),
+        }
+    }
+
+    fn refused(self, what: &'static str, given: usize, own: usize) -> ProblemError {
+        let found = match self.dimension {
+            1 => "in uniaxial stress the lateral stretches are found",
+            _ => "in plane stress the stretch across the sheet is found",
+        };
+        ProblemError::Numbers {
+            what,
+            given,
+            expected: format!("{own}: {found}"),
+            hint: "leave out what is beyond; or set material.plane=strain to give it".to_owned(),
+        }
+    }
+}
+
 /// A deformation as typed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain(pub DeformationGradient);
@@ -206,12 +248,14 @@ impl Strain {
     /// out of them (1 unless given).
     ///
     /// # Errors
-    /// [`ProblemError`] when the numbers are too few, too many, or no stretches.
+    /// [`ProblemError`] when the numbers are too few, too many, or no stretches, and when those beyond are found.
     pub fn of_stretches(
         what: &'static str,
         text: &str,
-        dimension: usize,
+        extent: impl Into<Extent>,
     ) -> Result<Self, ProblemError> {
+        let extent = extent.into();
+        let dimension = extent.dimension;
         let numbers = numbers(what, text)?;
         let admitted = |count: usize| (dimension..=3).contains(&count);
         if !admitted(numbers.len()) {
@@ -225,6 +269,7 @@ impl Strain {
                 },
             });
         }
+        extent.check(what, numbers.len(), dimension)?;
         let mut stretches = [1.0; 3];
         stretches[..numbers.len()].copy_from_slice(&numbers);
         Ok(Self(DeformationGradient::from_stretches(stretches)?))
@@ -237,8 +282,10 @@ impl Strain {
     pub fn of_components(
         what: &'static str,
         text: &str,
-        dimension: usize,
+        extent: impl Into<Extent>,
     ) -> Result<Self, ProblemError> {
+        let extent = extent.into();
+        let dimension = extent.dimension;
         let numbers = numbers(what, text)?;
         let side = match numbers.len() {
             9 => 3,
@@ -258,6 +305,7 @@ impl Strain {
                 });
             }
         };
+        extent.check(what, numbers.len(), dimension * dimension)?;
         let mut components = *DeformationGradient::identity().components();
         for (index, value) in numbers.into_iter().enumerate() {
             components[index / side][index % side] = value;
@@ -272,12 +320,22 @@ impl Strain {
     pub fn of_either(
         what: &'static str,
         text: &str,
-        dimension: usize,
+        extent: impl Into<Extent>,
     ) -> Result<Self, ProblemError> {
         if text.split(',').count() > 3 {
-            Self::of_components(what, text, dimension)
+            Self::of_components(what, text, extent)
         } else {
-            Self::of_stretches(what, text, dimension)
+            Self::of_stretches(what, text, extent)
+        }
+    }
+}
+
+impl Settings {
+    /// In how many dimensions states are given.
+    pub fn extent(&self) -> Extent {
+        Extent {
+            dimension: self.dimension(),
+            is_found_beyond: self.material.is_plane_stress(),
         }
     }
 }
@@ -317,8 +375,7 @@ impl Problem {
     /// # Errors
     /// [`ProblemError`] when one of them is not admissible.
     pub fn new(settings: Settings) -> Result<Self, ProblemError> {
-        let material = settings.material.build().map_err(MethodError::from)?;
-        let material: Arc<dyn Hyperelastic> = Arc::from(material);
+        let material = settings.law().map_err(MethodError::from)?;
         Ok(Self {
             analysis: analysis(&method(&settings)?, Arc::clone(&material))?,
             settings,
@@ -329,5 +386,36 @@ impl Problem {
     /// The number of space dimensions.
     pub fn dimension(&self) -> usize {
         self.analysis.dimension()
+    }
+
+    /// A state with what a sheet in plane stress, or a bar in uniaxial stress, finds across it; the state as it is given elsewhere, and where there is none.
+    pub fn found(&self, f: &DeformationGradient) -> DeformationGradient {
+        match self.material.dimension() {
+            3 => *f,
+            _ => self
+                .material
+                .response(f)
+                .map_or(*f, |found| found.deformation),
+        }
+    }
+
+    /// A state that was given by all components, unless some of them are found.
+    ///
+    /// # Errors
+    /// [`ProblemError::Numbers`] where components across a sheet or bar are not those of the reference.
+    pub fn given(&self, f: DeformationGradient) -> Result<DeformationGradient, ProblemError> {
+        let Extent {
+            dimension,
+            is_found_beyond,
+        } = self.extent();
+        match is_found_beyond && f != f.given_in(dimension) {
+            true => Err(self.extent().refused("F", 9, dimension * dimension)),
+            false => Ok(f),
+        }
+    }
+
+    /// In how many dimensions its states are given.
+    pub fn extent(&self) -> Extent {
+        self.settings.extent()
     }
 }

@@ -36,11 +36,11 @@ pub(super) fn of_correction(
     )
 }
 
-/// The sentence of an assessment; `in_3d` tells of waves of the material in all directions.
+/// The sentence of an assessment; `in_3d` tells of waves of the material in all directions, which a sheet in plane stress does not have.
 pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,
-    in_3d: Ellipticity,
+    in_3d: Option<Ellipticity>,
     f: &DeformationGradient,
     units: Units,
 ) -> String {
@@ -164,11 +164,13 @@ fn culprit(family: Family) -> &'static str {
 }
 
 /// What to add where waves of the material that the discretization does not have say another thing.
-fn in_plane(in_3d: Ellipticity) -> &'static str {
+fn in_plane(in_3d: Option<Ellipticity>) -> &'static str {
     match in_3d {
-        Ellipticity::Elliptic => "",
-        Ellipticity::Undecided => " for in-plane perturbations (undecided for out-of-plane ones)",
-        Ellipticity::Lost => " for in-plane perturbations (not for out-of-plane ones)",
+        None | Some(Ellipticity::Elliptic) => "",
+        Some(Ellipticity::Undecided) => {
+            " for in-plane perturbations (undecided for out-of-plane ones)"
+        }
+        Some(Ellipticity::Lost) => " for in-plane perturbations (not for out-of-plane ones)",
     }
 }
 

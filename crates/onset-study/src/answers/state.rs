@@ -59,12 +59,14 @@ pub struct StateAnswer {
     pub next: Vec<String>,
     /// Every choice in effect.
     pub settings: Effective,
-    /// `F_iJ`.
+    /// `F_iJ`; in plane stress with the components across that were found.
     pub deformation_gradient: [[f64; 3]; 3],
     /// The continuum, as computed in floating point.
     pub material: MaterialAnswer,
-    /// The continuum for waves in all directions of space, of which those of a lattice in the plane are only some.
-    pub material_3d: SpaceAnswer,
+    /// The continuum for waves in all directions of space, of which those of a lattice in the plane are only some; a sheet or bar in plane stress
+    /// has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material_3d: Option<SpaceAnswer>,
     /// The particles, as the search in floating point finds them.
     pub discretization: DiscretizationAnswer,
     /// What is proved, if that was asked for.
@@ -94,9 +96,11 @@ pub struct MaterialAnswer {
     /// The same in three values: `undecided` where the smallest eigenvalue is zero to rounding, as that of a fluid.
     pub ellipticity: Ellipticity,
     /// Whether it is elliptic for waves in all directions of space, (60) instead of (62).
-    pub elliptic_3d: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elliptic_3d: Option<bool>,
     /// Smallest eigenvalue of the acoustic tensor over all directions of space.
-    pub minimum_acoustic_eigenvalue_3d: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum_acoustic_eigenvalue_3d: Option<f64>,
     /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
     /// How much of it can be rounding.
@@ -245,17 +249,20 @@ fn answer(
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut mechanism) = (searched.0, assessment.mechanism());
     let mut certificate = None;
-    let in_3d = SpaceAnswer::new(&assessment.material.response);
+    let is_of_space = problem.material.dimension() == 3;
+    let response = &assessment.material.response;
+    let in_3d = is_of_space.then(|| SpaceAnswer::new(response));
     let mut sentence = sentence::of(
         problem,
         assessment,
-        in_3d.ellipticity,
+        in_3d.map(|in_3d| in_3d.ellipticity),
         f,
         problem.settings.units(),
     );
     if let Some(tolerance) = tolerance {
         let proved = analysis.certify(f, tolerance)?;
-        let proved_3d = certify_3d(&*problem.material, f, tolerance).map_err(MethodError::from)?;
+        let proved_3d = is_of_space.then(|| certify_3d(&*problem.material, f, tolerance));
+        let proved_3d = proved_3d.transpose().map_err(MethodError::from)?;
         let corrected = proved.corrected(&SurveyedState::from(assessment));
         verdict = corrected.0;
         if corrected != searched {
@@ -267,7 +274,7 @@ fn answer(
         certificate = Some(CertificateAnswer::new(
             analysis.dimension(),
             &proved,
-            &proved_3d,
+            proved_3d.as_ref(),
             tolerance,
             corrected != searched,
         ));
@@ -286,8 +293,8 @@ fn answer(
         next: next(&problem.settings, verdict),
         settings: problem.settings.effective(),
         certificate,
-        deformation_gradient: *f.components(),
-        material: material_answer(problem, assessment, &in_3d),
+        deformation_gradient: *response.deformation.components(),
+        material: material_answer(problem, assessment, in_3d.as_ref()),
         material_3d: in_3d,
         discretization,
     })
@@ -296,7 +303,7 @@ fn answer(
 fn material_answer(
     problem: &Problem,
     assessment: &Assessment<3>,
-    in_3d: &SpaceAnswer,
+    in_3d: Option<&SpaceAnswer>,
 ) -> MaterialAnswer {
     let (settings, dimension) = (&problem.settings, problem.dimension());
     let continuum = &assessment.material;
@@ -317,8 +324,8 @@ fn material_answer(
         stiffness: response.tangent.largest(),
         elliptic: continuum.ellipticity().is_elliptic(),
         ellipticity: continuum.ellipticity(),
-        elliptic_3d: in_3d.elliptic,
-        minimum_acoustic_eigenvalue_3d: in_3d.minimum_acoustic_eigenvalue,
+        elliptic_3d: in_3d.map(|in_3d| in_3d.elliptic),
+        minimum_acoustic_eigenvalue_3d: in_3d.map(|in_3d| in_3d.minimum_acoustic_eigenvalue),
         minimum_acoustic_eigenvalue: continuum.minimum.significant(),
         rounding: continuum.minimum.rounding,
         direction: list(dimension, &continuum.minimum.direction),
@@ -393,6 +400,60 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
 }
 
 impl StateAnswer {
+    /// Whether the state is strongly elliptic, in words.
+    fn ellipticity(&self) -> String {
+        let material = &self.material;
+        match (material.ellipticity, &self.material_3d) {
+            (Ellipticity::Undecided, _) => format!(
+                "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
+                material.rounding
+            ),
+            (Ellipticity::Lost, _) => "no".to_owned(),
+            (Ellipticity::Elliptic, None) => "yes".to_owned(),
+            (Ellipticity::Elliptic, Some(in_3d)) => match in_3d.ellipticity {
+                Ellipticity::Elliptic => "yes".to_owned(),
+                Ellipticity::Lost => {
+                    "for in-plane perturbations, not for out-of-plane ones".to_owned()
+                }
+                Ellipticity::Undecided => format!(
+                    "for in-plane perturbations; undecided for out-of-plane ones, zero to rounding ({:.1e})",
+                    in_3d.rounding
+                ),
+            },
+        }
+    }
+
+    /// What was found across a sheet or a bar whose faces have no traction, with its name.
+    fn found_across(&self) -> Option<(&'static str, String)> {
+        if self.material_3d.is_some() {
+            return None;
+        }
+        let f = &self.deformation_gradient;
+        let is_bar = self.discretization.wave_vector.len() == 1;
+        let (name, places): (_, &[(usize, usize)]) = match is_bar {
+            true => (
+                "lateral stretches",
+                &[(1, 1), (2, 2), (0, 1), (0, 2), (1, 2)],
+            ),
+            false => ("thickness stretch", &[(2, 2), (0, 2), (1, 2)]),
+        };
+        // Shears where there are some.
+        let shown = places
+            .iter()
+            .filter(|(i, j)| i == j || told_of(f[*i][*j], 1.0) != "0");
+        let one = |(i, j): &(usize, usize)| format!("F{}{} {}", i + 1, j + 1, told(f[*i][*j]));
+        let found: Vec<String> = shown.map(one).collect();
+        let why = if is_bar {
+            "uniaxial stress"
+        } else {
+            "plane stress"
+        };
+        Some((
+            name,
+            format!("{} ({why}: no traction on the faces)", found.join(", ")),
+        ))
+    }
+
     /// The verdict with its mechanism.
     fn named_verdict(&self) -> String {
         let verdict = self.verdict.title();
@@ -410,7 +471,6 @@ impl std::fmt::Display for StateAnswer {
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
-        let in_3d = &self.material_3d;
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
         let of = |name: &str| format!("  {name}");
         line("verdict", self.named_verdict())?;
@@ -421,24 +481,10 @@ impl std::fmt::Display for StateAnswer {
         }
         let units = self.settings.units();
         line(&of("Cauchy stress"), units.of(material.stresses(), "(Pa)"))?;
-        line(
-            &of("strongly elliptic"),
-            match (material.ellipticity, in_3d.ellipticity) {
-                (Ellipticity::Elliptic, Ellipticity::Elliptic) => "yes".to_owned(),
-                (Ellipticity::Elliptic, Ellipticity::Lost) => {
-                    "for in-plane perturbations, not for out-of-plane ones".to_owned()
-                }
-                (Ellipticity::Elliptic, Ellipticity::Undecided) => format!(
-                    "for in-plane perturbations; undecided for out-of-plane ones, zero to rounding ({:.1e})",
-                    in_3d.rounding
-                ),
-                (Ellipticity::Undecided, _) => format!(
-                    "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
-                    material.rounding
-                ),
-                (Ellipticity::Lost, _) => "no".to_owned(),
-            },
-        )?;
+        if let Some((name, found)) = self.found_across() {
+            line(&of(name), found)?;
+        }
+        line(&of("strongly elliptic"), self.ellipticity())?;
         let stiffness = material.stiffness;
         let eigenvalue = |value: f64| units.of(told_of(value, stiffness), "Pa");
         line(
@@ -449,16 +495,18 @@ impl std::fmt::Display for StateAnswer {
                 vector(&material.direction)
             ),
         )?;
-        line(
-            &of("in 3D"),
-            format!(
-                "{} along N = {}, polarized along {}; nowhere below {}",
-                eigenvalue(in_3d.minimum_acoustic_eigenvalue),
-                vector(&in_3d.direction),
-                vector(&in_3d.polarization),
-                eigenvalue(in_3d.bound)
-            ),
-        )?;
+        if let Some(in_3d) = &self.material_3d {
+            line(
+                &of("in 3D"),
+                format!(
+                    "{} along N = {}, polarized along {}; nowhere below {}",
+                    eigenvalue(in_3d.minimum_acoustic_eigenvalue),
+                    vector(&in_3d.direction),
+                    vector(&in_3d.polarization),
+                    eigenvalue(in_3d.bound)
+                ),
+            )?;
+        }
         let (chosen, defaults) = self.settings.discretization();
         line("discretization", chosen)?;
         line(&of("by default"), defaults)?;

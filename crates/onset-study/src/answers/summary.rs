@@ -111,7 +111,7 @@ impl StudySummary {
             evaluations: forecast.map(|forecast| forecast.evaluations),
             seconds_per_state: forecast.map(|forecast| forecast.seconds_per_state),
             seconds: forecast.map(|forecast| forecast.seconds()),
-            notes: study.settings.material.build().map_or_else(
+            notes: study.settings.law().map_or_else(
                 |_| Vec::new(),
                 |material| notes(&study.settings, &*material),
             ),

@@ -21,7 +21,6 @@ use crate::answers::{ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
 use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
-use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -53,9 +52,8 @@ impl Table {
         let material = comparison
             .common
             .material
-            .build()
+            .law_in(comparison.dimension())
             .map_err(MethodError::from)?;
-        let material: Arc<dyn Hyperelastic> = Arc::from(material);
         let row = |candidate: &Candidate| {
             let measured = Measured::of(
                 &candidate.settings,

@@ -2,7 +2,7 @@
 
 use super::{Question, Refusal};
 use crate::catalog::KeyEntry;
-use crate::settings::{Key, Model, Settings, Trust, Value};
+use crate::settings::{Key, Model, Plane, Settings, Trust, Value, word_of};
 use onset::formula::Formula;
 use onset::material::{Admitted, Parameter};
 use serde::Serialize;
@@ -72,6 +72,13 @@ pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> 
     if let Some(key) = energy.filter(|key| is_formula && effective.get(key.name).is_none()) {
         fields.insert(1, field(&settings, key, Value::Word(String::new()), true));
     }
+    let plane = Key::named("material.plane").filter(|_| settings.dimension() < 3);
+    if let Some(key) = plane.filter(|key| effective.get(key.name).is_none()) {
+        fields.insert(
+            1,
+            field(&settings, key, Value::Word(word_of(&Plane::Strain)), true),
+        );
+    }
     Ok(Form {
         dimension: settings.dimension(),
         fields,
@@ -92,6 +99,7 @@ fn read(question: &Question) -> Result<Vec<String>, Refusal> {
             let name = assignment.split('=').next().unwrap_or_default().trim();
             match name.split_once('.') {
                 Some(("material", "model")) => true,
+                Some(("material", "plane")) => settings.dimension() < 3,
                 Some(("material", own)) => {
                     settings.material.model.takes(own) || settings.material.reads_modulus(own)
                 }

@@ -78,8 +78,11 @@ impl Question {
 
     /// The state.
     pub(super) fn strain(&self, problem: &Problem) -> Result<Strain, Refusal> {
-        let dimension = problem.dimension();
-        Ok(Strain::of_stretches("--stretch", &self.stretch, dimension)?)
+        Ok(Strain::of_stretches(
+            "--stretch",
+            &self.stretch,
+            problem.extent(),
+        )?)
     }
 
     /// The study of the window, in so many states along each axis.

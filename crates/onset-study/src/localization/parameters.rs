@@ -446,6 +446,13 @@ impl PlasticSettings {
             return Err(SettingError::new(origin, message)
                 .hint("plasticity.increments is the number of increments along the path"));
         }
+        let sheet = |one: &&&str| one.trim_start().starts_with("material.plane");
+        if let Some(one) = assignments.iter().find(sheet) {
+            let origin = Origin::CommandLine(format!("--set {one}"));
+            let message = "`material.plane` has no effect here".to_owned();
+            return Err(SettingError::new(origin, message)
+                .hint("plasticity.path says which strains and stresses are held along the path"));
+        }
         let model = [format!("material.model={UMAT}")];
         let all = model.iter().map(String::as_str);
         let all: Vec<&str> = all.chain(assignments.iter().copied()).collect();

@@ -138,6 +138,8 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("discretization.mesh", "hexahedra", Is("bricks")),
     ("discretization.mesh", "tet4", Is("tetrahedra")),
     ("discretization.integration", "reduced", Is("one-point")),
+    ("material.plane", "plane-stress", Is("stress")),
+    ("material.plane", "plane-strain", Is("strain")),
     ("material.model", "neo-hookean", Is("neo-hooke")),
     ("material.model", "neohookean", Is("neo-hooke")),
     ("material.model", "mie-gruneisen", Is("mie-grueneisen")),

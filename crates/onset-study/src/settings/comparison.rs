@@ -281,9 +281,9 @@ impl Comparison {
 
     /// The same methods for another material.
     pub fn of_material(mut self, material: &MaterialSettings) -> Self {
-        self.common.material.clone_from(material);
+        self.common.material.take(material);
         for candidate in &mut self.candidates {
-            candidate.settings.material.clone_from(material);
+            candidate.settings.material.take(material);
         }
         self
     }

@@ -6,7 +6,7 @@ use super::method::{
 use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
 use super::renamed;
-use super::{MapSettings, Model, OUTPUTS, StateSettings, Value, aliases};
+use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Value, aliases, word_of};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
 use std::collections::BTreeMap;
@@ -158,7 +158,14 @@ const SUPPORT_SIZE: Cases = &[
 /// library of laws.
 pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     let models: Vec<&'static str> = Model::all().map(Model::name).collect();
-    let mut keys = vec![key("material.model", Kind::Words(models.leak()), "the law")];
+    let mut keys = vec![
+        key("material.model", Kind::Words(models.leak()), "the law"),
+        key(
+            "material.plane",
+            Kind::Words(&["strain", "stress"]),
+            "in two dimensions plane strain or plane stress (a thin sheet, its thickness found), in one uniaxial strain or uniaxial stress",
+        ),
+    ];
     keys.extend(parameter_keys());
     keys.extend(Model::all().flat_map(Model::keys));
     keys.extend(DISCRETIZATION_KEYS);
@@ -575,6 +582,7 @@ impl Key {
         };
         match self.parts() {
             ("material", "model") => Model::default().name().into(),
+            ("material", "plane") => word_of(&Plane::default()).into(),
             ("material", name) => {
                 let mut defaults = Model::all().flat_map(Model::parameters);
                 let first = defaults.find(|parameter| parameter.name == name);

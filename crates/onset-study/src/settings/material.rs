@@ -3,18 +3,37 @@
 use super::error::{Origin, SettingError, nearest};
 use super::model::{LIBRARY, sum};
 use super::{
-    HandedLaw, Key, Kind, Model, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli, units,
+    HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
+    units,
 };
 use crate::shell::quoted_file;
-use onset::material::{Hyperelastic, MaterialError};
+use onset::material::{Hyperelastic, MaterialError, PlaneStress};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The key, without its section, of what a body of one or two dimensions has beyond them.
+pub(super) const PLANE: &str = "plane";
+
+/// What a body of one or two dimensions has beyond them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plane {
+    /// Strain that is given: plane strain, in one dimension uniaxial strain.
+    #[default]
+    Strain,
+    /// No traction on its faces: plane stress of a sheet, in one dimension uniaxial stress of a bar.
+    Stress,
+}
 
 /// A material as set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialSettings {
     /// The model.
     pub model: Model,
+    /// What a body of one or two dimensions has beyond them, where it was set.
+    plane: Option<(Plane, Origin)>,
     /// What was set, without the section, with where.
     set: BTreeMap<&'static str, (Value, Origin)>,
     /// The SHA-256 that the library of a user material must have.
@@ -36,6 +55,7 @@ impl MaterialSettings {
         };
         Self {
             model,
+            plane: None,
             set: parameters.iter().filter_map(set).collect(),
             fingerprint: None,
             with_units: BTreeSet::new(),
@@ -159,8 +179,13 @@ impl MaterialSettings {
             Kind::Number(_) | Kind::Positive(_) => value.number().is_some(),
             kind => kind.accepts(value),
         };
+        let name = key.parts().1;
+        if name == PLANE {
+            let read = value.word().map(|plane| (plane, origin));
+            self.plane = read.or(self.plane.take().filter(|_| takes));
+            return takes;
+        }
         if takes {
-            let name = key.parts().1;
             if name == LIBRARY {
                 self.allowed = None;
             }
@@ -240,7 +265,10 @@ impl MaterialSettings {
 
     /// Where a key, named without its section, was set.
     pub(super) fn origin(&self, name: &str) -> Option<&Origin> {
-        self.set.get(name).map(|(_, origin)| origin)
+        match (name, &self.plane) {
+            (PLANE, plane) => plane.as_ref().map(|(_, origin)| origin),
+            _ => self.set.get(name).map(|(_, origin)| origin),
+        }
     }
 
     /// What a key, named without its section, was set to.
@@ -248,8 +276,33 @@ impl MaterialSettings {
         self.set.get(name).map(|(value, _)| value)
     }
 
+    /// What a body of one or two dimensions has beyond them.
+    pub fn plane(&self) -> Plane {
+        self.plane
+            .as_ref()
+            .map_or_else(Plane::default, |(plane, _)| *plane)
+    }
+
+    /// Takes the law of others over, beyond the dimensions of a body what was set here.
+    pub fn take(&mut self, law: &Self) {
+        let plane = self.plane.take();
+        self.clone_from(law);
+        self.plane = plane.or_else(|| law.plane.clone());
+    }
+
+    /// The same law as a body in three dimensions has it.
+    pub(crate) fn in_space(mut self) -> Self {
+        self.plane = None;
+        self
+    }
+
+    /// Whether faces of a body of one or two dimensions have no traction.
+    pub fn is_plane_stress(&self) -> bool {
+        self.plane() == Plane::Stress
+    }
+
     /// Everything that the model is made of, by name without the section: parameters with their defaults, and what was
-    /// set.
+    /// set; plane stress last.
     pub fn entries(&self) -> Vec<(&'static str, Value)> {
         let derived = self.derived().unwrap_or_default();
         let parameters = self.model.parameters().iter().map(|parameter| {
@@ -271,7 +324,10 @@ impl MaterialSettings {
             .iter()
             .filter(|(name, _)| self.model.takes(name) && !known(name))
             .map(|(name, (value, _))| (*name, value.clone()));
-        parameters.chain(own).chain(free).collect()
+        let stress = self
+            .is_plane_stress()
+            .then(|| (PLANE, Value::Word("stress".to_owned())));
+        parameters.chain(own).chain(free).chain(stress).collect()
     }
 
     /// All parameters that are numbers, with their values.
@@ -353,7 +409,61 @@ impl MaterialSettings {
         self.fingerprint.as_deref()
     }
 
-    /// The material.
+    /// That faces without traction are nothing that body or law can have.
+    pub(super) fn check_plane(&self, dimension: usize) -> Result<(), SettingError> {
+        let Some((Plane::Stress, origin)) = &self.plane else {
+            return Ok(());
+        };
+        let refused = |message: String, hint: &str| {
+            Err(SettingError::new(origin.clone(), message).hint(hint))
+        };
+        if dimension > 2 {
+            return refused(
+                "`material.plane` is stress, and the discretization has three dimensions, with no faces across it".to_owned(),
+                "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
+            );
+        }
+        if self.model.is_elastic_plastic() {
+            return refused(
+                format!(
+                    "`material.plane` is stress, which is not supported with {}: its state is reached along a given path, all along which the faces \
+                     would have to be free of traction",
+                    self.model.name()
+                ),
+                "set material.plane=strain, or choose a hyperelastic law",
+            );
+        }
+        Ok(())
+    }
+
+    /// That the law is not asked as that of a sheet where it is asked in three dimensions.
+    pub(super) fn check_in_space(&self) -> Result<(), SettingError> {
+        match &self.plane {
+            Some((Plane::Stress, origin)) => Err(SettingError::new(
+                origin.clone(),
+                "`material.plane` is stress, and this question is about the law in three dimensions",
+            )
+            .hint(
+                "leave material.plane out, or set material.plane=strain; state, path, map and others of particles read it, and `onset criteria` follows \
+                 equibiaxial and planar loading in plane stress",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// The law as a body of so many dimensions has it: of space, or of a sheet or bar in plane stress.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when a parameter is not admitted, or the law has no plane stress.
+    pub(crate) fn law_in(&self, dimension: usize) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
+        let law = Arc::from(self.build()?);
+        match self.plane() {
+            Plane::Strain => Ok(law),
+            Plane::Stress => Ok(Arc::new(PlaneStress::new(law, dimension)?)),
+        }
+    }
+
+    /// The law of space.
     ///
     /// # Errors
     /// [`MaterialError`] when a parameter is not admitted.
@@ -366,6 +476,16 @@ impl MaterialSettings {
             },
             Model::Own(model) => (model.build)(self),
         }
+    }
+}
+
+impl Settings {
+    /// The law as the discretization has it: of space, or of a sheet or bar in plane stress.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when a parameter is not admitted, or the law has no plane stress.
+    pub fn law(&self) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
+        self.material.law_in(self.dimension())
     }
 }
 

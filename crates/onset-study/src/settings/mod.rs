@@ -36,7 +36,7 @@ pub use error::{Origin, SettingError, did_you_mean};
 pub use foreign::{Program, Reading, law_from};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
-pub use material::MaterialSettings;
+pub use material::{MaterialSettings, Plane};
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns, Velocities};
 pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
@@ -49,6 +49,7 @@ pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::Units;
 
 use crate::number::counted;
+use material::PLANE;
 use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
 use onset::lattice::LatticeKind;
@@ -99,6 +100,7 @@ impl Settings {
     /// [`SettingError`] for a parameter that the model does not have, and a key that the method does not read.
     pub fn check(&self, open: &[&str]) -> Result<(), SettingError> {
         self.material.check(open)?;
+        self.material.check_plane(self.dimension())?;
         for (name, origin) in self.set_keys() {
             self.check_read(name, origin.clone(), open)?;
         }
@@ -485,6 +487,7 @@ impl Settings {
     pub fn value(&self, name: &str) -> Option<Value> {
         match name.split_once('.')? {
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
+            ("material", PLANE) => Some(Value::Word(word_of(&self.material.plane()))),
             ("material", name) => {
                 let mut entries = self.material.entries().into_iter();
                 match entries.find(|(entry, _)| *entry == name) {

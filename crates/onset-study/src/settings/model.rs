@@ -8,6 +8,7 @@ pub use function::HandedLaw;
 pub(super) use umat::{LIBRARY, sum};
 
 use super::error::SettingError;
+use super::material::PLANE;
 use super::{Key, MaterialSettings};
 use onset::material::{Hyperelastic, Law, MaterialError, Parameter, Symmetry, library};
 use onset::plasticity;
@@ -131,7 +132,8 @@ impl Model {
                 .flat_map(Self::keys)
                 .any(|key| key.parts().1 == name)
         };
-        self.names().any(|known| known == name) || (self.takes_any_parameter() && !is_of_another())
+        self.names().any(|known| known == name)
+            || (self.takes_any_parameter() && name != PLANE && !is_of_another())
     }
 
     /// What it takes, as a hint.

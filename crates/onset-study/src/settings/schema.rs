@@ -120,7 +120,8 @@ fn keys_of(model: Model) -> Value {
         .into_iter()
         .filter(|_| is_isotropic)
         .map(|(name, ..)| name);
-    let names: Vec<&str> = std::iter::once("model")
+    let names: Vec<&str> = ["model", "plane"]
+        .into_iter()
         .chain(model.names())
         .chain(moduli)
         .collect();

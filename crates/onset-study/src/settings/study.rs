@@ -7,6 +7,7 @@ mod problem;
 
 pub(super) use file::{STATES, read};
 
+use super::material::PLANE;
 use super::{
     Axis, Comparison, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings,
     Trust, Unmet, Value,
@@ -190,6 +191,8 @@ impl Study {
     fn is_read(&self, key: &Key) -> bool {
         match key.parts() {
             ("material", "model") => true,
+            // Plane strain is what holds where nothing is said.
+            ("material", PLANE) => self.settings.material.is_plane_stress(),
             ("material", name) => {
                 self.settings.material.model.takes(name)
                     || self.settings.material.reads_modulus(name)

@@ -130,7 +130,7 @@ impl SimulateAnswer {
             mode: plan.seeding,
             cells: plan.cells.clone(),
             particles: plan.cells.iter().product::<usize>() * problem.analysis.sites(),
-            deformation_gradient: *question.f.components(),
+            deformation_gradient: *problem.found(&question.f).components(),
             wave_vector: wave.wave_vector.clone(),
             branch: wave.branch,
             omega_squared: [wave.omega_squared.re, wave.omega_squared.im],

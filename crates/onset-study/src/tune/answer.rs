@@ -8,7 +8,6 @@ use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::output::{Files, text};
 use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
-use onset::material::Hyperelastic;
 use onset::measures::StretchOnset;
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -96,8 +95,7 @@ impl TuneAnswer {
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
         let limits = question.thresholds;
-        let material = settings.material.build().map_err(MethodError::from)?;
-        let material: Arc<dyn Hyperelastic> = Arc::from(material);
+        let material = settings.law().map_err(MethodError::from)?;
         // Fewer states than a comparison takes.
         let options = CompareSettings {
             stretches: question.stretches,

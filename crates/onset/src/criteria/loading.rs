@@ -153,6 +153,24 @@ impl Loading {
         }
     }
 
+    /// Whether faces across a direction (0, 1, 2) have no traction, so that its stretch is solved for.
+    ///
+    /// ```
+    /// use onset::criteria::{Lateral, Loading, Mode};
+    /// let tension = Loading { mode: Mode::Uniaxial, lateral: Lateral::Free };
+    /// assert!(tension.leaves_free(2) && !tension.leaves_free(0));
+    /// ```
+    pub fn leaves_free(self, axis: usize) -> bool {
+        self.free().contains(&axis)
+    }
+
+    /// Those of them that a law leaves to be solved for: a sheet in plane stress has found the third itself.
+    fn free_of(self, material: &dyn Hyperelastic) -> &'static [usize] {
+        let free = self.free();
+        let own = free.partition_point(|axis| *axis < material.dimension());
+        &free[..own]
+    }
+
     /// `F` with what is imposed at `s = ln lambda`, and its derivative by `s`; free directions have length 1.
     pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
@@ -448,7 +466,7 @@ impl<'a> LoadingPath<'a> {
     /// States off the path by as much as rounding leaves the free stretches undetermined: where the free faces branch, the equations for them
     /// are nearly singular. Each with the sense in which it is off.
     pub(super) fn undetermined(&self, state: &PathState) -> Vec<State> {
-        let free = self.loading.free();
+        let free = self.loading.free_of(self.material);
         if free.is_empty() || self.is_incompressible() {
             return Vec::new();
         }
@@ -507,7 +525,7 @@ impl<'a> LoadingPath<'a> {
         if self.is_incompressible() {
             return Vec::new();
         }
-        let count = self.loading.free().len();
+        let count = self.loading.free_of(self.material).len();
         let Some(own) = self.at(s).filter(|_| count > 0) else {
             return Vec::new();
         };
@@ -582,9 +600,10 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
 impl DeformationPath for LoadingSection<'_, '_> {
     fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
         let stretch = self.stretch(s);
+        let dimension = self.path.material.dimension();
         let state = self.path.at(stretch.ln());
         state
-            .map(|state| state.response.deformation)
+            .map(|state| state.response.deformation.given_in(dimension))
             .ok_or(KinematicsError::NoState { stretch })
     }
 }
@@ -679,7 +698,7 @@ fn solve(
     if volume == Volume::Kept {
         return isochoric(material, loading, s);
     }
-    let free = loading.free();
+    let free = loading.free_of(material);
     let (imposed, imposed_rate) = loading.imposed(s);
     let mut lateral = guess;
     let mut last = f64::INFINITY;
@@ -766,7 +785,7 @@ fn traction(
     lateral: &Vector2<f64>,
 ) -> Option<Vector2<f64>> {
     let (imposed, rate) = loading.imposed(s);
-    let free = loading.free();
+    let free = loading.free_of(material);
     let response = respond(material, &with_free(imposed, free, lateral)).ok()?;
     Some(Linear::of(&response, free, &rate).traction)
 }

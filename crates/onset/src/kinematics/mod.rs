@@ -248,6 +248,22 @@ impl DeformationGradient {
         (0..3).all(|i| (0..3).all(|j| (i < D) == (j < D) || self.0[i][j] == 0.0))
     }
 
+    /// The state as it is given to a law of so many dimensions: its leading block, beyond which nothing is deformed.
+    ///
+    /// ```
+    /// use onset::kinematics::DeformationGradient;
+    /// let f = DeformationGradient::from_stretches([1.2, 0.9, 0.8])?;
+    /// assert_eq!(f.given_in(2), DeformationGradient::from_stretches([1.2, 0.9, 1.0])?);
+    /// # Ok::<(), onset::kinematics::KinematicsError>(())
+    /// ```
+    pub fn given_in(&self, dimension: usize) -> Self {
+        let mut f = Self::identity();
+        for i in 0..dimension.min(3) {
+            f.0[i][..dimension.min(3)].copy_from_slice(&self.0[i][..dimension.min(3)]);
+        }
+        f
+    }
+
     /// Whether all components off the diagonal are zero.
     pub fn is_diagonal(&self) -> bool {
         (0..3).all(|i| (0..3).all(|j| i == j || self.0[i][j] == 0.0))

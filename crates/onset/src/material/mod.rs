@@ -8,6 +8,7 @@
 mod invariants;
 mod law;
 mod laws;
+mod plane_stress;
 mod principal;
 mod tensors;
 
@@ -15,6 +16,7 @@ pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invaria
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
+pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
@@ -91,6 +93,23 @@ pub enum MaterialError {
         "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that what is scaled with Young's modulus has no size"
     )]
     NoYoungsModulus,
+    /// A law cannot be that of a sheet in plane stress, or of a bar in uniaxial stress.
+    #[error("the law has no plane stress: {reason}")]
+    NoPlaneStress {
+        /// Why.
+        reason: &'static str,
+    },
+    /// The branch of states of plane stress that begins at the reference ends before this state.
+    #[error(
+        "there is no state of plane stress at this deformation: the branch of states without traction across that begins at the reference ends at \
+         {reached:.3} of the way, where the stretch across is {stretch:.6}"
+    )]
+    PlaneStressEnds {
+        /// The part of the way to the state.
+        reached: f64,
+        /// `F_33` there.
+        stretch: f64,
+    },
     /// Energy, stress or tangent over- or underflow at this state.
     #[error(
         "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"
@@ -110,7 +129,15 @@ impl From<StateError> for MaterialError {
 impl MaterialError {
     /// Whether the law has no stress at this state, while it has one at others.
     pub fn leaves_undefined(&self) -> bool {
-        matches!(self, Self::OutsideDomain { .. } | Self::Formula(_))
+        matches!(
+            self,
+            Self::OutsideDomain { .. } | Self::Formula(_) | Self::PlaneStressEnds { .. }
+        )
+    }
+
+    /// Whether the state is what is wrong, so that there can be a response at others.
+    fn is_of_the_state(&self) -> bool {
+        self.leaves_undefined() || matches!(self, Self::NotFinite { .. })
     }
 
     /// Checks that a combination of parameters, named by its formula, is positive and finite.
@@ -196,6 +223,12 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
     /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
+
+    /// In how many dimensions a state is given to it: 3, unless it finds the components of `F` beyond them itself, as [`PlaneStress`] does, whose
+    /// [`Response::deformation`] has them.
+    fn dimension(&self) -> usize {
+        3
+    }
 
     /// Energy and first Piola-Kirchhoff stress at a state, without the tangent. Units of stress.
     ///

@@ -9,6 +9,7 @@ mod intervals;
 mod lanes;
 mod library;
 mod numbers;
+mod plane_stress;
 #[path = "../shared/random.rs"]
 mod random;
 mod rates;

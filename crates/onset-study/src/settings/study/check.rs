@@ -1,7 +1,8 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
 use super::super::{
-    Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings, aliases,
+    Axis, Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
+    aliases,
 };
 use super::Study;
 use crate::methods::{hint, method};
@@ -27,6 +28,7 @@ impl Study {
             self.check_axis_has_effect(number)?;
         }
         self.check_dimension()?;
+        self.check_given(&self.settings)?;
         self.check_map()?;
         self.corners()
             .iter()
@@ -163,6 +165,34 @@ impl Study {
         Ok(())
     }
 
+    /// That no stretch is given which a sheet in plane stress, or a bar in uniaxial stress, finds itself.
+    pub(super) fn check_given(&self, settings: &Settings) -> Result<(), SettingError> {
+        if !settings.material.is_plane_stress() {
+            return Ok(());
+        }
+        let refused = |name: &str, origin: &Origin| {
+            let message =
+                format!("{name} is given, and material.plane is stress, so that it is found");
+            Err(SettingError::new(origin.clone(), message).hint(format!(
+                "leave out {name}, or set material.plane = \"strain\""
+            )))
+        };
+        for number in settings.dimension() + 1..=3 {
+            let name = format!("state.stretch-{number}");
+            if let Some(origin) = self.origins.keys.get(name.as_str()) {
+                return refused(&name, origin);
+            }
+            let is_axis = |axis: &Axis| axis.quantity == Quantity::Stretch(number);
+            if let Some(axis) = self.axes.iter().position(is_axis) {
+                return refused(
+                    &format!("the axis stretch-{number}"),
+                    &self.origins.axes[axis].quantity,
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn check_map(&self) -> Result<(), SettingError> {
         if self.map.refine_from > self.map.tile {
             let message = format!(
@@ -255,6 +285,9 @@ impl Study {
             MethodError::Lattice(LatticeError::Spacing { .. }) => {
                 self.origin_of("discretization.spacing")
             }
+            MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
+                self.origin_of("material.plane")
+            }
             MethodError::Material(MaterialError::External { .. }) => {
                 let origins = ["material.energy", "material.model"];
                 let mut origins = origins.map(|name| self.origin_of(name)).into_iter();
@@ -292,7 +325,7 @@ impl Study {
 /// Builds material and method; a library is not loaded to see whether a study is valid.
 fn built(settings: &Settings) -> Result<(), MethodError> {
     if !settings.material.is_library() {
-        settings.material.build()?;
+        settings.law()?;
     }
     check_method(&method(settings)?)
 }

@@ -53,6 +53,7 @@ impl Settings {
         }
         study.check_nothing_is_left_open(|key| settings.origin(key.name).is_some())?;
         settings.check(&[])?;
+        study.check_given(&settings)?;
         Ok((settings, study.state))
     }
 
@@ -90,7 +91,7 @@ impl MaterialSettings {
     /// assigned, and those of the file are for other questions.
     ///
     /// # Errors
-    /// [`SettingError`] as for [`Settings::of_file`], and for an assignment of something else than the material.
+    /// [`SettingError`] as for [`Settings::of_file`], for an assignment of something else than the material, and for plane stress, which a body has.
     pub fn of_file<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -116,6 +117,7 @@ impl MaterialSettings {
             !key.is_parameter() || settings.origin(key.name).is_some()
         })?;
         settings.material.check(&[])?;
+        settings.material.check_in_space()?;
         units::check(settings.material.measures())?;
         Ok(settings.material)
     }

@@ -55,6 +55,12 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
             "leave out the third stretch",
         ));
     }
+    if problem.settings.material.is_plane_stress() {
+        return Err(refused(
+            "planar decks are in plane strain",
+            "leave out material.plane",
+        ));
+    }
     let law = &*problem.material;
     if let Some(own) = Volumetric::of(law, f).map_err(MethodError::from)? {
         if problem.settings.method.penalty != 0.0 {

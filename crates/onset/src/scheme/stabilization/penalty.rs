@@ -146,7 +146,8 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
     }
 }
 
-/// The compliance of the material in the reference state, `S = C^-1` with six strains and six stresses.
+/// The compliance of the material in the reference state, `S = C^-1` with six strains and six stresses; of a sheet or bar with those within its
+/// dimensions.
 pub(in super::super) struct Compliance(Matrix6<f64>);
 
 /// Pairs of indices in the order of Voigt.
@@ -156,9 +157,14 @@ impl Compliance {
     /// That of a material.
     pub(in super::super) fn of(material: &dyn Hyperelastic) -> Result<Self, MaterialError> {
         let tangent = material.response(&DeformationGradient::identity())?.tangent;
+        let is_strained = |(i, j): (usize, usize)| i.max(j) < material.dimension();
         // Of a stressed reference state, whose tangent turns with it, the part that strains see.
         let stiffness = Matrix6::from_fn(|row, column| {
             let ((i, j), (k, l)) = (VOIGT[row], VOIGT[column]);
+            if !(is_strained((i, j)) && is_strained((k, l))) {
+                // Beyond, nothing is asked of it.
+                return f64::from(u8::from(row == column));
+            }
             let entries = [(i, j, k, l), (j, i, k, l), (i, j, l, k), (j, i, l, k)];
             entries.iter().map(|entry| tangent[*entry]).sum::<f64>() / 4.0
         });

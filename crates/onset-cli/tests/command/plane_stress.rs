@@ -1,0 +1,298 @@
+//! Plane stress: what a sheet answers, beside plane strain with the constants of a sheet, and what is refused.
+
+use super::{assert_close, document, fresh_place, number, numbers, onset_line};
+use serde_json::Value;
+
+/// Lame's constants in space.
+const MU: f64 = 1.0;
+const LAMBDA: f64 = 6.0;
+
+/// Saint-Venant and Kirchhoff's law in plane stress.
+fn sheet() -> String {
+    format!(
+        "--set material.model=saint-venant-kirchhoff --set material.mu={MU} --set material.lambda={LAMBDA} --set material.plane=stress"
+    )
+}
+
+/// The same sheet by hand: in the plane the law stays one of its kind, with `2 lambda mu / (lambda + 2 mu)`, so that plane strain of that is the same
+/// but for what is across.
+fn by_hand() -> String {
+    let lambda = 2.0 * LAMBDA * MU / (LAMBDA + 2.0 * MU);
+    format!(
+        "--set material.model=saint-venant-kirchhoff --set material.mu={MU} --set material.lambda={lambda}"
+    )
+}
+
+fn ask(command: &str, law: &str) -> Value {
+    document(&format!("{command} {law}"))
+}
+
+fn assert_same(one: &Value, other: &Value, pointer: &str) {
+    let (one, other) = (number(one, pointer), number(other, pointer));
+    let scale = one.abs().max(other.abs()).max(1e-6);
+    assert!(
+        (one - other).abs() <= 1e-9 * scale,
+        "{pointer}: {one} {other}"
+    );
+}
+
+const METHODS: [&str; 5] = [
+    "set method=total-lagrangian-sph set lattice=square",
+    "set frame=eulerian set support=1.6",
+    "set method=updated-sph",
+    "set method=finite-elements",
+    "set method=material-points",
+];
+
+#[test]
+fn states_of_a_sheet_are_those_of_plane_strain_with_its_own_constants() {
+    for method in METHODS {
+        for state in ["1,1", "1.1,0.95", "0.8,1"] {
+            let state = format!("state --stretch {state} {method}");
+            let (own, expected) = (ask(&state, &sheet()), ask(&state, &by_hand()));
+            assert_eq!(own["verdict"], expected["verdict"], "{state}");
+            for pointer in [
+                "/discretization/maximum_omega",
+                "/discretization/critical_time_step",
+                "/discretization/minimum_omega_squared/re",
+                "/discretization/growth_rate",
+                "/discretization/long_wave_minimum_scaled",
+                "/material/minimum_acoustic_eigenvalue",
+                "/material/first_piola/0/0",
+                "/material/tangent/0/0/1/1",
+                "/material/tangent/0/1/0/1",
+            ] {
+                assert_same(&own, &expected, pointer);
+            }
+            assert_eq!(own["settings"]["material.plane"]["value"], "stress");
+            assert!(own.get("material_3d").is_none() && expected.get("material_3d").is_some());
+            // E33 = -lambda/(lambda + 2 mu) (E11 + E22), and no stress across.
+            let f = |i: usize| numbers(&own, &format!("/deformation_gradient/{i}"))[i];
+            let strain = |i: usize| 0.5 * (f(i) * f(i) - 1.0);
+            let expected = -LAMBDA / (LAMBDA + 2.0 * MU) * (strain(0) + strain(1));
+            assert!((strain(2) - expected).abs() < 1e-13, "{state}");
+            assert_eq!(number(&own, "/material/cauchy/2/2"), 0.0);
+        }
+    }
+}
+
+#[test]
+fn paths_dispersion_and_motions_of_a_sheet_are_too() {
+    let elements = "set method=finite-elements";
+    let path = format!("path --from 1,1 --to 0.5,1 {elements}");
+    let (own, expected) = (ask(&path, &sheet()), ask(&path, &by_hand()));
+    for pointer in [
+        "/material_onset/parameter",
+        "/discretization_onset/parameter",
+    ] {
+        let (own, expected) = (number(&own, pointer), number(&expected, pointer));
+        assert!((own - expected).abs() < 1e-7, "{pointer}: {own} {expected}");
+    }
+    let waves = format!("dispersion --stretch 1.1,0.9 --wave-vector 1.1,0.4 {elements}");
+    let (own, expected) = (ask(&waves, &sheet()), ask(&waves, &by_hand()));
+    for pointer in ["/omega_squared/0/re", "/omega_squared/1/re"] {
+        assert_same(&own, &expected, pointer);
+    }
+    // Forces on a patch, stepped by themselves: no tangent is in them.
+    let run = "simulate --stretch 0.72,1 --cells 8 set method=total-lagrangian-sph set lattice=square \
+               set penalty=0";
+    let (own, expected) = (ask(run, &sheet()), ask(run, &by_hand()));
+    assert_eq!(own["outcome"], expected["outcome"]);
+    for pointer in ["/predicted/rate", "/measured/rate"] {
+        if own.pointer(pointer).is_some_and(Value::is_number) {
+            let (own, expected) = (number(&own, pointer), number(&expected, pointer));
+            assert_close(own, expected, 1e-6);
+        }
+    }
+}
+
+#[test]
+fn what_is_said_of_a_sheet_names_it() {
+    let answer = onset_line(&format!("state --stretch 1.1,1 {}", sheet()));
+    assert!(answer.stdout.contains("plane stress"), "{}", answer.stdout);
+    assert!(
+        answer.stdout.contains("thickness stretch     F33 0.91"),
+        "{}",
+        answer.stdout
+    );
+    assert!(!answer.stdout.contains("in 3D"), "{}", answer.stdout);
+    let certified = onset_line(&format!("state --stretch 1.1,1 --certify {}", sheet()));
+    assert!(
+        certified
+            .stdout
+            .contains("material              proved-stable"),
+        "{}",
+        certified.stdout
+    );
+    assert!(!certified.stdout.contains("in 3D"), "{}", certified.stdout);
+    // Compressed beyond its ellipticity the next question is about the law in space.
+    let lost = onset_line(&format!(
+        "state --stretch 0.5,1 {} set method=finite-elements",
+        sheet()
+    ));
+    let next = lost
+        .stdout
+        .lines()
+        .find(|line| line.contains("onset criteria"));
+    assert!(
+        next.is_some_and(|line| !line.contains("plane")),
+        "{}",
+        lost.stdout
+    );
+}
+
+#[test]
+fn bars_are_in_uniaxial_stress() {
+    let bar = format!(
+        "{} set method=total-lagrangian-sph set lattice=chain",
+        sheet()
+    );
+    let state = ask("state --stretch 1.2", &bar);
+    assert_eq!(state["notes"].as_array().map(Vec::len), Some(0));
+    // P = E lambda (lambda^2 - 1)/2 with Young's modulus.
+    let young = MU * (3.0 * LAMBDA + 2.0 * MU) / (LAMBDA + MU);
+    assert_close(
+        number(&state, "/material/first_piola/0/0"),
+        young * 1.2 * 0.22,
+        1e-12,
+    );
+    let f = |i: usize| numbers(&state, &format!("/deformation_gradient/{i}"))[i];
+    let poisson = 0.5 * LAMBDA / (LAMBDA + MU);
+    assert_close(f(1), (1.0 - 2.0 * poisson * 0.22_f64).sqrt(), 1e-12);
+    assert_close(f(1), f(2), 1e-13);
+    // The speed of sound of a bar, sqrt(E/rho), at long waves.
+    let waves = ask("dispersion --stretch 1 --wave-vector 1e-3", &bar);
+    assert_close(number(&waves, "/omega_squared/0/re"), young * 1e-6, 1e-4);
+    let text = onset_line(&format!("state --stretch 1.2 {bar}"));
+    assert!(text.stdout.contains("uniaxial stress"), "{}", text.stdout);
+}
+
+#[test]
+fn loadings_with_a_free_third_face_are_followed_in_the_plane() {
+    let law = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=5 set method=finite-elements";
+    for loading in [
+        "--mode uniaxial",
+        "--mode equibiaxial",
+        "--mode planar",
+        "--mode simple-shear",
+    ] {
+        let line = format!("path {loading} --to 1.4 {law}");
+        let (space, sheet) = (ask(&line, ""), ask(&line, "--set material.plane=stress"));
+        assert_eq!(space["loading"], sheet["loading"]);
+        for row in 0..3 {
+            let pointer = format!("/to/{row}");
+            let (own, expected) = (numbers(&sheet, &pointer), numbers(&space, &pointer));
+            for (own, expected) in own.iter().zip(expected) {
+                assert!((own - expected).abs() < 1e-10, "{line}: {own} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_contradicts_plane_stress_is_refused_with_a_hint() {
+    let neo = "--set material.model=neo-hooke --set material.plane=stress";
+    let three = "set lattice=simple-cubic set support=1.65";
+    for (line, fact) in [
+        (
+            format!("state --stretch 1,1,1 {neo}"),
+            "in plane stress the stretch across the sheet is found",
+        ),
+        (
+            format!("state --stretch 1,1,0.9 {neo}"),
+            "set material.plane=strain",
+        ),
+        (
+            format!("state --deformation-gradient 1,0,0,0,1,0,0,0,0.9 {neo}"),
+            "expected 4: in plane stress",
+        ),
+        (
+            format!("path --from 1,1 --to 1,1.2,0.9 {neo}"),
+            "in plane stress",
+        ),
+        (
+            format!("state --stretch 1,1,1 {three} {neo}"),
+            "has three dimensions",
+        ),
+        (
+            format!("state --stretch 1.1,1 --set material.model=j2 --set material.plane=stress"),
+            "not supported with j2",
+        ),
+        (
+            format!(
+                "state --stretch 1.1,1 --energy K*(J-ln(J)) --set material.K=2 --set material.plane=stress"
+            ),
+            "a fluid's is not",
+        ),
+        (
+            format!("state --stretch 1.1,1 {neo} --set material.plane=bending"),
+            "expected strain | stress",
+        ),
+        (
+            format!("path --mode uniaxial --lateral plane-strain --to 1.2 {neo}"),
+            "a sheet in plane stress",
+        ),
+        (
+            format!("path --mode hydrostatic --to 1.2 {neo}"),
+            "set material.plane=strain",
+        ),
+        (
+            format!("path --mode equibiaxial --to 1.2 {neo} set lattice=chain"),
+            "--mode uniaxial",
+        ),
+        (
+            format!("criteria {neo}"),
+            "about the law in three dimensions",
+        ),
+        (format!("card {neo}"), "about the law in three dimensions"),
+        (format!("audit {neo}"), "about the law in three dimensions"),
+        (
+            format!(
+                "state --stretch 2,2 --set material.model=saint-venant-kirchhoff --set material.plane=stress"
+            ),
+            "there is no state of plane stress",
+        ),
+        (
+            format!(
+                "verify deck --code lammps-smd-tlsph --stretch 1,1 --wave-vector 1,0 --out {} {neo}",
+                fresh_place("deck").display()
+            ),
+            "plane strain",
+        ),
+    ] {
+        let answer = onset_line(&line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+        assert!(answer.stderr.contains("hint"), "{line}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn a_study_of_a_sheet_gives_no_third_stretch() {
+    let place = fresh_place("sheet");
+    std::fs::create_dir_all(&place).expect("a folder");
+    let study = |third: &str, axis: &str| {
+        let file = place.join("study.toml");
+        let text = format!(
+            "[material]\nmodel = 'neo-hooke'\nplane = 'stress'\n[discretization]\nmethod = 'finite-elements'\n{third}\
+             [[axes]]\nquantity = 'stretch-1'\nrange = [0.9, 1.1]\nstates = 4\n\
+             [[axes]]\nquantity = '{axis}'\nrange = [0.9, 1.1]\nstates = 4\n"
+        );
+        std::fs::write(&file, text).expect("a file");
+        onset_line(&format!("check {}", file.display()))
+    };
+    let good = study("", "stretch-2");
+    assert_eq!(good.code, Some(0), "{}", good.stderr);
+    assert!(good.stdout.contains("plane stress"), "{}", good.stdout);
+    for refused in [
+        study("[state]\nstretch-3 = 1.0\n", "stretch-2"),
+        study("", "stretch-3"),
+    ] {
+        assert_eq!(refused.code, Some(2));
+        assert!(
+            refused.stderr.contains("stretch-3 is given"),
+            "{}",
+            refused.stderr
+        );
+    }
+}

@@ -1,0 +1,479 @@
+//! Plane stress: what a law of space is for a thin sheet, or a thin bar, the faces of which carry no traction.
+
+use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
+use crate::kinematics::DeformationGradient;
+use crate::real::{Interval, Real};
+use nalgebra::{DMatrix, Matrix3};
+use std::sync::Arc;
+
+/// Components of `F` across a sheet, `3 i + J`: its third column.
+const ACROSS_SHEET: &[usize] = &[2, 5, 8];
+/// Components across a bar: its second and third column without `F_32`, which a rotation about the bar takes away.
+const ACROSS_BAR: &[usize] = &[1, 4, 2, 5, 8];
+
+/// Steps of Newton's method at one state.
+const STEPS: usize = 20;
+/// The largest relative change of the stretch across by the first step: so far from a root the next one need not be its own.
+const FARTHEST: f64 = 0.5;
+/// By how much each further step must be smaller than the one before, which it is close to the root that Newton's method is going to.
+const CONTRACTION: f64 = 0.25;
+/// Relative steps that are rounding.
+const ROUNDING: f64 = 1e-15;
+/// Relative steps below which one that is not smaller than the last is rounding too.
+const CLOSE: f64 = 1e-7;
+/// The smallest part of the way from the reference to a state in which the branch is followed.
+const SMALLEST_STRIDE: f64 = 1.0 / 4096.0;
+/// Stiffness across the sheet, relative to the largest one, that is rounding.
+const NO_STIFFNESS: f64 = 1e-12;
+/// How often an interval of the components across is widened in the search for one that holds a root of every state.
+const WIDENINGS: usize = 8;
+
+/// A law of space, as a sheet in plane stress (two dimensions) or a bar in uniaxial stress (one) has it.
+///
+/// Faces without traction, `P_i3 = 0`, are what minimizes the energy over the third column of `F`:
+///
+/// ```math
+/// W_2(F_{11}, F_{12}, F_{21}, F_{22}) = \min_{F_{13}, F_{23}, F_{33}} W(F),
+/// \qquad
+/// A^{(2)}_{iJkL} = A_{iJkL} - A_{iJm3} \, (Q^{-1})_{mn} \, A_{n3kL},
+/// \qquad
+/// Q_{mn} = A_{m3n3} .
+/// ```
+///
+/// `Q` is the acoustic tensor of waves across the sheet, so that the minimum is one where those travel. Of laws that are isotropic, or have the
+/// plane of the sheet for a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is found; of others all three. A bar has
+/// the second column too, up to a rotation about its axis. Of several minima it is the one that continues from the reference along
+/// `R ((1 - t) 1 + t U)`, with the in-plane `F = R U`.
+///
+/// Components of a state beyond its dimensions are not read: [`Response::deformation`] has those that were found. Stress and tangent beyond the
+/// dimensions are zero; `A_3131` and the like are those of the membrane, `dP_31/dF_31`. Units of stress, per reference volume.
+/// Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549 (membranes).
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::material::{Hyperelastic, Law, PlaneStress};
+/// let law = Law::named("saint-venant-kirchhoff").ok_or("no such law")?;
+/// let sheet = PlaneStress::new(law.build(&[("mu", 1.0), ("lambda", 2.0)])?.into(), 2)?;
+/// let response = sheet.response(&DeformationGradient::from_stretches([1.2, 1.0, 1.0])?)?;
+/// // E33 = -lambda/(lambda + 2 mu) (E11 + E22)
+/// assert!((response.deformation.components()[2][2] - (1.0_f64 - 0.5 * 0.44).sqrt()).abs() < 1e-14);
+/// // S11 = E11 4 mu (lambda + mu)/(lambda + 2 mu)
+/// assert!((response.first_piola[(0, 0)] - 1.2 * 0.22 * 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct PlaneStress {
+    law: Arc<dyn Hyperelastic>,
+    dimension: usize,
+    /// `3 i + J` of the components that are found.
+    across: &'static [usize],
+    /// The reference with what is found across it.
+    reference: [[f64; 3]; 3],
+}
+
+impl PlaneStress {
+    /// A law as a sheet has it (`dimension` 2), or a bar (1).
+    ///
+    /// # Errors
+    /// [`MaterialError::NoPlaneStress`] when the law has no stiffness against strains across the reference, as a fluid, when its tangent is one of
+    /// flow, and in three dimensions.
+    pub fn new(law: Arc<dyn Hyperelastic>, dimension: usize) -> Result<Self, MaterialError> {
+        let refused = |reason| Err(MaterialError::NoPlaneStress { reason });
+        let across = match dimension {
+            1 => ACROSS_BAR,
+            2 => ACROSS_SHEET,
+            _ => return refused("a body in three dimensions has no direction across it"),
+        };
+        if law.is_path_dependent() {
+            return refused(
+                "the way to a state of a law with plastic flow is given, and faces would have to be free of traction all along it",
+            );
+        }
+        let mut sheet = Self {
+            law,
+            dimension,
+            across,
+            reference: *DeformationGradient::identity().components(),
+        };
+        match sheet.at_rest()? {
+            Some(reference) => sheet.reference = reference,
+            None => {
+                return refused(
+                    "no state near F = 1 without traction on the faces is stable against strains across (a fluid's is not)",
+                );
+            }
+        }
+        Ok(sheet)
+    }
+
+    /// The reference within the dimensions, with no traction on the faces.
+    fn at_rest(&self) -> Result<Option<[[f64; 3]; 3]>, MaterialError> {
+        // Without stress it is the reference itself, even of a law that has a tangent of one side there.
+        let undeformed = self.law.undeformed()?;
+        let Some(condensed) = self.condensed(&undeformed) else {
+            return Ok(None);
+        };
+        if condensed.step(&self.reference, self.across) <= CLOSE * CLOSE {
+            return Ok(Some(self.reference));
+        }
+        match self.settled(self.reference) {
+            Ok(settled) => Ok(Some(*settled.response.deformation.components())),
+            Err(Unsettled::Law(error)) => Err(error),
+            Err(Unsettled::Lost) => Ok(None),
+        }
+    }
+
+    /// Slopes and stiffness of the law with the components across eliminated, where these are at a minimum.
+    fn condensed(&self, response: &Response) -> Option<Condensed<f64>> {
+        let tangent = &response.tangent;
+        let least = NO_STIFFNESS * tangent.largest();
+        Condensed::new(
+            self.across,
+            |i, j| response.first_piola[(i, j)],
+            |i, j, k, l| tangent[(i, j, k, l)],
+            |pivot| pivot > least,
+        )
+    }
+
+    /// The root of the tractions across that Newton's method is drawn to from a state, with all of it on the way there.
+    fn settled(&self, mut state: [[f64; 3]; 3]) -> Result<Settled, Unsettled> {
+        let mut last = f64::INFINITY;
+        for _ in 0..STEPS {
+            let f = DeformationGradient::from_components(state);
+            if !(f.jacobian() > 0.0 && f.jacobian().is_finite()) {
+                return Err(Unsettled::Lost);
+            }
+            let response = self.law.response(&f)?;
+            let condensed = self.condensed(&response).ok_or(Unsettled::Lost)?;
+            let step = condensed.step(&state, self.across);
+            if step <= ROUNDING || (last <= CLOSE && step > CONTRACTION * last) {
+                return Ok(Settled {
+                    response,
+                    condensed,
+                });
+            }
+            // Not a number is not smaller either.
+            let admitted = (CONTRACTION * last).min(FARTHEST);
+            if step.is_nan() || step > admitted {
+                return Err(Unsettled::Lost);
+            }
+            condensed.move_across(&mut state, self.across);
+            last = step;
+        }
+        Err(Unsettled::Lost)
+    }
+
+    /// The state without traction across that continues from the reference.
+    fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
+        let way = Way::to(f, self.dimension);
+        let mut state = way.turned(&self.reference);
+        let (mut reached, mut stride) = (0.0, 1.0_f64);
+        loop {
+            let next = (reached + stride).min(1.0);
+            match self.settled(way.at(next, &state)) {
+                Ok(settled) if next == 1.0 => return Ok(settled),
+                Ok(settled) => {
+                    state = *settled.response.deformation.components();
+                    reached = next;
+                    stride *= 2.0;
+                }
+                // A law that ends somewhere may be left by a step of Newton's method alone.
+                Err(Unsettled::Law(error)) if !error.is_of_the_state() => return Err(error),
+                Err(_) if stride > SMALLEST_STRIDE => stride *= 0.5,
+                Err(_) => {
+                    return Err(MaterialError::PlaneStressEnds {
+                        reached,
+                        stretch: state[2][2],
+                    });
+                }
+            }
+        }
+    }
+
+    fn is_within(&self, index: usize) -> bool {
+        index < self.dimension
+    }
+
+    /// An enclosure of the components across of all states of some intervals, each the only root there, by Krawczyk's operator about that of the middle.
+    fn across_of(
+        &self,
+        f: &DeformationGradient<Interval>,
+    ) -> Option<DeformationGradient<Interval>> {
+        let middle = f.components().map(|row| row.map(Interval::midpoint));
+        let found = self
+            .found(&DeformationGradient::from_components(middle))
+            .ok()?;
+        let center = *found.response.deformation.components();
+        let all = self.across.len();
+        let place = |n: usize| (self.across[n] / 3, self.across[n] % 3);
+        let stiffness = DMatrix::from_fn(all, all, |n, m| {
+            let ((i, j), (k, l)) = (place(n), place(m));
+            found.response.tangent[(i, j, k, l)]
+        });
+        let inverse = stiffness.try_inverse()?;
+        // Within the dimensions the given intervals, across them an interval about the middle.
+        let state = |offsets: &[Interval]| {
+            let mut all = center.map(|row| row.map(Interval::point));
+            for (i, row) in all.iter_mut().enumerate().take(self.dimension) {
+                row[..self.dimension].copy_from_slice(&f.components()[i][..self.dimension]);
+            }
+            for (n, offset) in offsets.iter().enumerate() {
+                let (i, j) = place(n);
+                all[i][j] = Interval::point(center[i][j]) + *offset;
+            }
+            DeformationGradient::from_components(all)
+        };
+        let tractions = self.law.enclosure(&state(&[])).first_piola;
+        let newton: Vec<Interval> = (0..all)
+            .map(|n| {
+                let terms = (0..all).map(|m| {
+                    let (i, j) = place(m);
+                    tractions[i][j] * inverse[(n, m)]
+                });
+                -terms.fold(Interval::ZERO, |sum, term| sum + term)
+            })
+            .collect();
+        let scale = center[2][2].abs();
+        let mut radii: Vec<f64> = newton
+            .iter()
+            .map(|step| 2.0 * step.magnitude() + 4.0 * f64::EPSILON * scale)
+            .collect();
+        for _ in 0..WIDENINGS {
+            let offsets: Vec<Interval> = radii
+                .iter()
+                .map(|radius| Interval::new(-radius, *radius))
+                .collect();
+            let tangent = self.law.enclosure(&state(&offsets)).tangent;
+            let image: Vec<Interval> = (0..all)
+                .map(|n| {
+                    (0..all).fold(newton[n], |sum, m| {
+                        let (k, l) = place(m);
+                        let product = (0..all).fold(Interval::ZERO, |sum, r| {
+                            let (i, j) = place(r);
+                            sum + tangent[i][j][k][l] * inverse[(n, r)]
+                        });
+                        let identity = f64::from(u8::from(n == m));
+                        sum + (Interval::point(identity) - product) * offsets[m]
+                    })
+                })
+                .collect();
+            if image.iter().any(|own| !own.is_finite()) {
+                return None;
+            }
+            let is_inside =
+                |(own, radius): (&Interval, &f64)| own.low > -radius && own.high < *radius;
+            if image.iter().zip(&radii).all(is_inside) {
+                return Some(state(&image));
+            }
+            for (radius, own) in radii.iter_mut().zip(&image) {
+                *radius = radius.max(1.5 * own.magnitude());
+            }
+        }
+        None
+    }
+
+    fn enclosed(&self, f: &DeformationGradient<Interval>) -> Option<ResponseEnclosure> {
+        let ResponseEnclosure {
+            energy,
+            first_piola,
+            tangent,
+        } = self.law.enclosure(&self.across_of(f)?);
+        let condensed = Condensed::new(
+            self.across,
+            |i, j| first_piola[i][j],
+            |i, j, k, l| tangent[i][j][k][l],
+            |pivot: Interval| pivot.low > 0.0 && pivot.is_finite(),
+        )?;
+        let within =
+            |is_meant: bool, value: Interval| if is_meant { value } else { Interval::ZERO };
+        let component = |i: usize, j: usize, k: usize, l: usize| {
+            within(
+                self.is_within(j) && self.is_within(l),
+                condensed.stiffness[3 * i + j][3 * k + l],
+            )
+        };
+        Some(ResponseEnclosure {
+            energy,
+            // Those of the root are no larger than all of the interval, without the tractions that it has elsewhere.
+            first_piola: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    within(self.is_within(i) && self.is_within(j), first_piola[i][j])
+                })
+            }),
+            tangent: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    std::array::from_fn(|k| std::array::from_fn(|l| component(i, j, k, l)))
+                })
+            }),
+        })
+    }
+}
+
+impl Hyperelastic for PlaneStress {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let Settled {
+            response,
+            condensed,
+        } = self.found(f)?;
+        let is_within = |index: usize| self.is_within(index);
+        Response {
+            deformation: response.deformation,
+            energy: response.energy,
+            first_piola: Matrix3::from_fn(|i, j| match is_within(i) && is_within(j) {
+                true => condensed.slope[3 * i + j],
+                false => 0.0,
+            }),
+            tangent: FourthOrder::from_fn(|i, j, k, l| match is_within(j) && is_within(l) {
+                true => condensed.stiffness[3 * i + j][3 * k + l],
+                false => 0.0,
+            }),
+        }
+        .finite()
+    }
+
+    fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {
+        self.enclosed(f).unwrap_or(ResponseEnclosure::ENTIRE)
+    }
+}
+
+/// A state without traction across.
+struct Settled {
+    /// The response of the law of space there.
+    response: Response,
+    condensed: Condensed<f64>,
+}
+
+/// Why a root was not found from where it was sought.
+enum Unsettled {
+    /// The law has no response on the way.
+    Law(MaterialError),
+    /// Newton's method goes too far, or the energy has no minimum there.
+    Lost,
+}
+
+impl From<MaterialError> for Unsettled {
+    fn from(error: MaterialError) -> Self {
+        Self::Law(error)
+    }
+}
+
+/// Derivatives of an energy by the nine components of `F`, some of which are where its derivative by them vanishes.
+struct Condensed<R> {
+    /// Of components that are left the derivative of the energy, to second order in the steps that are missing to the root.
+    slope: [R; 9],
+    /// Of components that are left the second derivatives.
+    stiffness: [[R; 9]; 9],
+}
+
+impl<R: Real> Condensed<R> {
+    /// Gauss and Jordan's elimination of some components; `None` where a pivot is not positive, so that there is no minimum.
+    fn new(
+        across: &[usize],
+        slope: impl Fn(usize, usize) -> R,
+        stiffness: impl Fn(usize, usize, usize, usize) -> R,
+        is_positive: impl Fn(R) -> bool,
+    ) -> Option<Self> {
+        let mut slope: [R; 9] = std::array::from_fn(|n| slope(n / 3, n % 3));
+        let mut stiffness: [[R; 9]; 9] =
+            std::array::from_fn(|n| std::array::from_fn(|m| stiffness(n / 3, n % 3, m / 3, m % 3)));
+        for &p in across {
+            let (row, own) = (stiffness[p], slope[p]);
+            let pivot = row[p];
+            if !is_positive(pivot) {
+                return None;
+            }
+            for i in (0..9).filter(|i| *i != p) {
+                let factor = stiffness[i][p];
+                // A product first: major symmetry is kept to the last digit.
+                for j in 0..9 {
+                    stiffness[i][j] = stiffness[i][j] - factor * row[j] / pivot;
+                }
+                slope[i] = slope[i] - factor * own / pivot;
+            }
+        }
+        Some(Self { slope, stiffness })
+    }
+}
+
+impl Condensed<f64> {
+    /// What is missing of an eliminated component to the root.
+    fn missing(&self, p: usize) -> f64 {
+        -self.slope[p] / self.stiffness[p][p]
+    }
+
+    /// The largest of what is missing, relative to the smaller stretch across.
+    fn step(&self, state: &[[f64; 3]; 3], across: &[usize]) -> f64 {
+        let on_diagonal = across.iter().filter(|p| *p % 4 == 0);
+        let stretch = on_diagonal.fold(f64::INFINITY, |least, p| least.min(state[p / 3][p % 3]));
+        let missing = across.iter().map(|p| self.missing(*p).abs());
+        // A maximum that keeps what is not a number.
+        missing.fold(
+            0.0,
+            |largest, own| if own <= largest { largest } else { own },
+        ) / stretch
+    }
+
+    fn move_across(&self, state: &mut [[f64; 3]; 3], across: &[usize]) {
+        for p in across {
+            state[p / 3][p % 3] += self.missing(*p);
+        }
+    }
+}
+
+/// The way from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
+struct Way {
+    dimension: usize,
+    rotation: [[f64; 2]; 2],
+    end: [[f64; 3]; 3],
+}
+
+impl Way {
+    fn to(f: &DeformationGradient, dimension: usize) -> Self {
+        let end = *f.components();
+        let rotation = match dimension {
+            1 => [[1.0, 0.0], [0.0, 1.0]],
+            _ => {
+                // The rotation R of F = R U in the plane.
+                let (cosine, sine) = (end[0][0] + end[1][1], end[1][0] - end[0][1]);
+                let size = cosine.hypot(sine);
+                let (cosine, sine) = (cosine / size, sine / size);
+                [[cosine, -sine], [sine, cosine]]
+            }
+        };
+        Self {
+            dimension,
+            rotation,
+            end,
+        }
+    }
+
+    /// A state of the reference, turned.
+    fn turned(&self, state: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        let mut turned = *state;
+        for (i, row) in self.rotation.iter().enumerate() {
+            for (j, entry) in turned[i].iter_mut().enumerate() {
+                *entry = row[0] * state[0][j] + row[1] * state[1][j];
+            }
+        }
+        turned
+    }
+
+    /// The state at `t`, with the components across of another one.
+    fn at(&self, t: f64, across: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        let mut state = *across;
+        for i in 0..self.dimension {
+            for j in 0..self.dimension {
+                // The end is met exactly.
+                state[i][j] = if t == 1.0 {
+                    self.end[i][j]
+                } else {
+                    (1.0 - t) * self.rotation[i][j] + t * self.end[i][j]
+                };
+            }
+        }
+        state
+    }
+}
