@@ -185,7 +185,7 @@ impl Problem {
         py: Python<'_>,
         key: String,
         time_step: String,
-        (stretch, components): (Option<String>, Option<String>),
+        state: (Option<String>, Option<String>),
         range: Option<(f64, f64)>,
         safety: f64,
         integrator: &str,
@@ -193,9 +193,9 @@ impl Problem {
         let problem = Arc::clone(&self.0);
         let integrator = Integrator::named(integrator);
         interrupt::ending(py, move |interrupt| {
-            let strain = match (&stretch, &components) {
+            let strain = match (state.0.as_deref(), state.1.as_deref()) {
                 (None, None) => Strain::reference(),
-                given => strain(&problem, given.0.as_deref(), given.1.as_deref())?,
+                (stretch, components) => strain(&problem, stretch, components)?,
             };
             let integrator = integrator.ok_or_else(|| {
                 let known = Integrator::ALL.map(Integrator::name).join(", ");

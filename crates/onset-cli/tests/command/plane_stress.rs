@@ -215,13 +215,11 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
             "has three dimensions",
         ),
         (
-            format!("state --stretch 1.1,1 --set material.model=j2 --set material.plane=stress"),
+            "state --stretch 1.1,1 --set material.model=j2 --set material.plane=stress".to_owned(),
             "not supported with j2",
         ),
         (
-            format!(
-                "state --stretch 1.1,1 --energy K*(J-ln(J)) --set material.K=2 --set material.plane=stress"
-            ),
+            "state --stretch 1.1,1 --energy K*(J-ln(J)) --set material.K=2 --set material.plane=stress".to_owned(),
             "a fluid's is not",
         ),
         (
@@ -247,9 +245,7 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
         (format!("card {neo}"), "about the law in three dimensions"),
         (format!("audit {neo}"), "about the law in three dimensions"),
         (
-            format!(
-                "state --stretch 2,2 --set material.model=saint-venant-kirchhoff --set material.plane=stress"
-            ),
+            "state --stretch 2,2 --set material.model=saint-venant-kirchhoff --set material.plane=stress".to_owned(),
             "there is no state of plane stress",
         ),
         (
