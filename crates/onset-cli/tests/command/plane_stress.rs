@@ -107,6 +107,21 @@ fn paths_dispersion_and_motions_of_a_sheet_are_too() {
 }
 
 #[test]
+fn a_sheet_in_compression_is_said_to_buckle() {
+    // Shear alone compresses along a diagonal.
+    for (state, is_compressed) in [
+        ("--stretch 1.1,1.05", false),
+        ("--stretch 1.1,0.8", true),
+        ("--deformation-gradient 1,0.1,0.1,1", true),
+        ("--stretch 1,1", false),
+    ] {
+        let answer = onset_line(&format!("state {state} {}", sheet()));
+        let is_said = answer.stdout.contains("the sheet is compressed");
+        assert_eq!(is_said, is_compressed, "{state}: {}", answer.stdout);
+    }
+}
+
+#[test]
 fn what_is_said_of_a_sheet_names_it() {
     let answer = onset_line(&format!("state --stretch 1.1,1 {}", sheet()));
     assert!(answer.stdout.contains("plane stress"), "{}", answer.stdout);

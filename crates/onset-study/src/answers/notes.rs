@@ -1,10 +1,10 @@
 //! What a reader must know of a law and a method whatever the question.
 
-use crate::number::told_of;
-use crate::settings::{Bonds, Family, Settings};
+use crate::number::{told, told_of};
+use crate::settings::{Bonds, Family, Settings, Units};
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
-use onset::material::Hyperelastic;
+use onset::material::{Hyperelastic, Response};
 
 /// Stresses at `F = 1` below this share of the stiffness are rounding.
 const UNSTRESSED: f64 = 1e-9;
@@ -27,6 +27,32 @@ pub(super) fn is_unstressed(material: &dyn Hyperelastic, f: &DeformationGradient
     let response = material.response(f);
     response
         .is_ok_and(|response| response.cauchy().amax() <= UNSTRESSED * response.tangent.largest())
+}
+
+/// What a sheet or bar does that no wave within it shows: it buckles where a principal Cauchy stress `sigma_1` within it is compressive. `material` is the
+/// law of the sheet or bar; there is no note on others.
+pub(super) fn buckling(
+    material: &dyn Hyperelastic,
+    response: &Response,
+    units: Units,
+) -> Option<String> {
+    let cauchy = response.cauchy();
+    let (what, least) = match material.dimension() {
+        2 => {
+            let mean = 0.5 * (cauchy[(0, 0)] + cauchy[(1, 1)]);
+            let difference = 0.5 * (cauchy[(0, 0)] - cauchy[(1, 1)]);
+            ("sheet", mean - difference.hypot(cauchy[(0, 1)]))
+        }
+        1 => ("bar", cauchy[(0, 0)]),
+        _ => return None,
+    };
+    let is_compressed = least < -UNSTRESSED * response.tangent.largest();
+    is_compressed.then(|| {
+        format!(
+            "the {what} is compressed (least principal Cauchy stress {}): if it is thin it buckles out of its own dimensions, which waves within it do not show",
+            units.of(told(least), "Pa")
+        )
+    })
 }
 
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.

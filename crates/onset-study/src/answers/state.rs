@@ -5,7 +5,7 @@ use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
-use super::notes::notes;
+use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use crate::number::{told, told_of, vector};
@@ -281,6 +281,11 @@ fn answer(
     }
     let discretization = discretization_answer(problem, assessment, f, is_ended)?;
     let mut notes = notes(&problem.settings, &*problem.material);
+    notes.extend(buckling(
+        &*problem.material,
+        response,
+        problem.settings.units(),
+    ));
     let discrete_time = discretization.discrete_time.as_ref();
     notes.extend(
         discrete_time.and_then(|own| note(own, discretization.stable, problem.settings.units())),
