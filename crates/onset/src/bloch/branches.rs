@@ -154,15 +154,14 @@ impl<const D: usize> Taylor<f64, D> {
     /// Whether all derivatives are finite.
     #[inline]
     pub(super) fn is_finite(&self) -> bool {
-        // What is not finite leaves no zero of differences.
-        let mut sum = 0.0;
+        let mut is_finite = true;
         for a in 0..D {
-            sum += self.gradient[a] - self.gradient[a];
+            is_finite &= self.gradient[a].is_finite();
             for b in 0..D {
-                sum += self.hessian[a][b] - self.hessian[a][b];
+                is_finite &= self.hessian[a][b].is_finite();
             }
         }
-        sum == 0.0
+        is_finite
     }
 
     /// The function times a number.
