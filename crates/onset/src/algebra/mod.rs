@@ -10,6 +10,7 @@ mod random;
 mod sort;
 mod symmetric;
 mod trigonometric;
+mod turn;
 mod unit;
 mod well;
 
@@ -24,6 +25,7 @@ pub use random::uniform;
 pub(crate) use sort::sort_by_value;
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
+pub(crate) use turn::sines_and_cosines;
 pub(crate) use unit::moderate_unit;
 pub(crate) use well::{is_well, neighbors, settled, settled_along};
 

@@ -1,7 +1,7 @@
 //! The dynamical matrix from the linearized discrete forces.
 
 use super::DynamicalMatrix;
-use super::dynamical_matrix::{Block, ForceConstants};
+use super::dynamical_matrix::{Block, ForceConstants, matrix_of};
 use crate::approximation::Order;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -270,14 +270,22 @@ fn contracted<const D: usize>(
     stress: Option<&SMatrix<f64, D, D>>,
     factor: f64,
 ) -> [Block<D>; D] {
-    std::array::from_fn(|l| {
-        std::array::from_fn(|i| {
-            std::array::from_fn(|k| {
-                let elastic: f64 = (0..D).map(|j| own[j] * tangent[i][j][k][l]).sum();
-                factor * (elastic + stress.map_or(0.0, |sigma| sigma[(i, l)] * own[k]))
-            })
-        })
-    })
+    let mut contracted = [[[0.0; D]; D]; D];
+    for l in 0..D {
+        for i in 0..D {
+            for k in 0..D {
+                let mut sum = 0.0;
+                for j in 0..D {
+                    sum += own[j] * tangent[i][j][k][l];
+                }
+                if let Some(sigma) = stress {
+                    sum += sigma[(i, l)] * own[k];
+                }
+                contracted[l][i][k] = factor * sum;
+            }
+        }
+    }
+    contracted
 }
 
 /// The force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor, and where strain is expanded
@@ -302,7 +310,7 @@ fn add_lagrangian<const D: usize>(
             pairs.add_products(D * (1 + l), first, second);
         }
     }
-    pairs.sum(point, constants);
+    pairs.sum(&constants.places(&point.cells), constants);
 }
 
 /// The force constants of a point of an Eulerian kernel: the gradient stiffness, and `sigma_ij d(phi_I,j)(x_q)`, since the
@@ -331,9 +339,10 @@ fn add_eulerian<const D: usize>(
         contracted(&spatial.tangent, own, Some(sigma), factor)
     });
     let mut number = D;
+    let turned = |matrix: &SMatrix<f64, D, D>, factor: f64| product(sigma, matrix, factor);
     if is_interpolated {
         // The motion of the quadrature point, with the interpolated displacement.
-        let of_i = |i: usize| block_of(&(sigma * hessians[i] * factor));
+        let of_i = |i: usize| turned(&hessians[i], factor);
         pairs.add(number, of_i, |k| [[shape.values[k]; D]; D]);
         number += 1;
     }
@@ -342,36 +351,66 @@ fn add_eulerian<const D: usize>(
         for b in 0..motion.basis {
             let at = |i: usize| i * motion.basis + b;
             let of_i = |i: usize| [[factor * motion.terms[at(i)].0; D]; D];
-            pairs.add(number, of_i, |k| {
-                block_of(&(sigma * motion.shifts[at(k)].1))
-            });
+            pairs.add(number, of_i, |k| turned(&motion.shifts[at(k)].1, 1.0));
             let of_i = |i: usize| {
-                let along = sigma * motion.terms[at(i)].1;
-                std::array::from_fn(|row| [-factor * along[row]; D])
+                let gradient = &motion.terms[at(i)].1;
+                let mut block = [[0.0; D]; D];
+                for row in 0..D {
+                    let mut along = 0.0;
+                    for j in 0..D {
+                        along += sigma[(row, j)] * gradient[j];
+                    }
+                    block[row] = [-factor * along; D];
+                }
+                block
             };
-            let of_k = |k: usize| [std::array::from_fn(|t| motion.shifts[at(k)].0[t]); D];
+            let of_k = |k: usize| {
+                let shift = &motion.shifts[at(k)].0;
+                let mut row = [0.0; D];
+                for t in 0..D {
+                    row[t] = shift[t];
+                }
+                [row; D]
+            };
             pairs.add(number + 1, of_i, of_k);
             number += 2;
         }
     }
-    pairs.sum(point, constants);
+    let places = constants.places(&point.cells);
+    pairs.sum(&places, constants);
     for (i, from) in point.cells.iter().enumerate() {
-        let block = sigma * hessians[i] * factor;
+        let block = turned(&hessians[i], factor);
         if point.is_node {
-            constants.add(from, &[0; D], &block);
+            constants.add(0_usize.wrapping_sub(places[i]), &block);
         } else if !is_interpolated {
             let fractional = SVector::from_fn(|a, _| point.place[a] - f64::from(from[a]));
-            constants.add_loose(fractional, &block);
+            constants.add_loose(fractional, &matrix_of(&block));
         }
         match motion {
-            Some(motion) => constants.add(from, from, &(sigma * motion.own[i] * factor)),
-            None => constants.add(from, from, &-block),
+            Some(motion) => constants.add(0, &turned(&motion.own[i], factor)),
+            None => constants.add(0, &block.map(|row| row.map(|entry| -entry))),
         }
     }
 }
 
-fn block_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Block<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
+/// `factor left right`.
+#[inline]
+fn product<const D: usize>(
+    left: &SMatrix<f64, D, D>,
+    right: &SMatrix<f64, D, D>,
+    factor: f64,
+) -> Block<D> {
+    let mut product = [[0.0; D]; D];
+    for i in 0..D {
+        for k in 0..D {
+            let mut sum = 0.0;
+            for j in 0..D {
+                sum += left[(i, j)] * right[(j, k)];
+            }
+            product[i][k] = factor * sum;
+        }
+    }
+    product
 }
 
 /// What a point contributes to the force constants of all pairs of its neighbors: a sum of few products, entry by entry, of
@@ -426,24 +465,19 @@ impl<const D: usize> Pairs<D> {
     ) {
         for n in 0..self.first.len() / self.rank {
             let at = n * self.rank + number;
-            self.first[at..at + D].copy_from_slice(&of_i(n));
-            let components = of_k(n);
+            let (own, components) = (of_i(n), of_k(n));
             for l in 0..D {
+                self.first[at + l] = own[l];
                 self.second[at + l] = [[components[l]; D]; D];
             }
         }
     }
 
     /// Adds up all pairs.
-    fn sum(&self, point: &ConfiguredPoint<D>, constants: &mut ForceConstants<D>) {
-        let places: Vec<usize> = point
-            .cells
-            .iter()
-            .map(|cell| constants.place(cell))
-            .collect();
+    fn sum(&self, places: &[usize], constants: &mut ForceConstants<D>) {
         Arch::new().dispatch(Summing {
             pairs: self,
-            places: &places,
+            places,
             middle: constants.middle(),
             blocks: constants.blocks_mut(),
         });

@@ -47,6 +47,7 @@ pub(super) struct Taylor<T, const D: usize> {
 
 impl<T: Copy, const D: usize> Taylor<T, D> {
     /// Applies a linear map to value and derivatives.
+    #[inline]
     pub(super) fn map<U>(&self, map: impl Fn(T) -> U) -> Taylor<U, D> {
         Taylor {
             value: map(self.value),
@@ -55,45 +56,52 @@ impl<T: Copy, const D: usize> Taylor<T, D> {
         }
     }
 
+    // Loops rather than closures over arrays here and below: this is the innermost work of all descents.
+    #[inline]
     fn zip(&self, other: &Self, sum: impl Fn(T, T) -> T) -> Self {
-        Self {
-            value: sum(self.value, other.value),
-            gradient: std::array::from_fn(|a| sum(self.gradient[a], other.gradient[a])),
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| sum(self.hessian[a][b], other.hessian[a][b]))
-            }),
+        let mut both = *self;
+        both.value = sum(self.value, other.value);
+        for a in 0..D {
+            both.gradient[a] = sum(self.gradient[a], other.gradient[a]);
+            for b in 0..D {
+                both.hessian[a][b] = sum(self.hessian[a][b], other.hessian[a][b]);
+            }
         }
+        both
     }
 }
 
 impl<T: Number, const D: usize> Taylor<T, D> {
+    #[inline]
     fn times(&self, other: &Self) -> Self {
         let (x, y) = (self, other);
-        Self {
-            value: x.value * y.value,
-            gradient: std::array::from_fn(|a| x.gradient[a] * y.value + x.value * y.gradient[a]),
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
-                    x.hessian[a][b] * y.value
-                        + x.gradient[a] * y.gradient[b]
-                        + x.gradient[b] * y.gradient[a]
-                        + x.value * y.hessian[a][b]
-                })
-            }),
+        let mut product = *x;
+        product.value = x.value * y.value;
+        for a in 0..D {
+            product.gradient[a] = x.gradient[a] * y.value + x.value * y.gradient[a];
+            for b in 0..D {
+                product.hessian[a][b] = x.hessian[a][b] * y.value
+                    + x.gradient[a] * y.gradient[b]
+                    + x.gradient[b] * y.gradient[a]
+                    + x.value * y.hessian[a][b];
+            }
         }
+        product
     }
 
     /// The composition with a function of which the value and two derivatives are given.
+    #[inline]
     fn chain(&self, value: T, first: T, second: T) -> Self {
-        Self {
-            value,
-            gradient: self.gradient.map(|slope| slope * first),
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
-                    self.hessian[a][b] * first + self.gradient[a] * self.gradient[b] * second
-                })
-            }),
+        let mut composed = *self;
+        composed.value = value;
+        for a in 0..D {
+            composed.gradient[a] = self.gradient[a] * first;
+            for b in 0..D {
+                composed.hessian[a][b] =
+                    self.hessian[a][b] * first + self.gradient[a] * self.gradient[b] * second;
+            }
         }
+        composed
     }
 }
 
@@ -108,37 +116,83 @@ impl<const D: usize> Taylor<Complex, D> {
 
 impl<const D: usize> Taylor<f64, D> {
     /// The quotient with another function.
+    #[inline]
     pub(super) fn over(&self, scale: &Self) -> Self {
-        let value = self.value / scale.value;
-        let gradient: [f64; D] =
-            std::array::from_fn(|a| (self.gradient[a] - value * scale.gradient[a]) / scale.value);
+        let inverse = 1.0 / scale.value;
+        let value = self.value * inverse;
+        let mut quotient = *self;
+        quotient.value = value;
+        for a in 0..D {
+            quotient.gradient[a] = (self.gradient[a] - value * scale.gradient[a]) * inverse;
+        }
+        let gradient = quotient.gradient;
+        for a in 0..D {
+            for b in 0..D {
+                quotient.hessian[a][b] = (self.hessian[a][b]
+                    - gradient[a] * scale.gradient[b]
+                    - gradient[b] * scale.gradient[a]
+                    - value * scale.hessian[a][b])
+                    * inverse;
+            }
+        }
+        quotient
+    }
+
+    /// Zero.
+    pub(super) const ZERO: Self = Self::constant(0.0);
+    /// What is not to be sought.
+    pub(super) const INFINITE: Self = Self::constant(f64::INFINITY);
+
+    const fn constant(value: f64) -> Self {
         Self {
             value,
-            gradient,
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
-                    (self.hessian[a][b]
-                        - gradient[a] * scale.gradient[b]
-                        - gradient[b] * scale.gradient[a]
-                        - value * scale.hessian[a][b])
-                        / scale.value
-                })
-            }),
+            gradient: [value; D],
+            hessian: [[value; D]; D],
         }
     }
 
+    /// Whether all derivatives are finite.
+    #[inline]
+    pub(super) fn is_finite(&self) -> bool {
+        let mut is_finite = true;
+        for a in 0..D {
+            is_finite &= self.gradient[a].is_finite();
+            for b in 0..D {
+                is_finite &= self.hessian[a][b].is_finite();
+            }
+        }
+        is_finite
+    }
+
+    /// The function times a number.
+    #[inline]
+    pub(super) fn times_number(&self, factor: f64) -> Self {
+        let mut product = *self;
+        product.value *= factor;
+        for a in 0..D {
+            product.gradient[a] *= factor;
+            for b in 0..D {
+                product.hessian[a][b] *= factor;
+            }
+        }
+        product
+    }
+
     /// The gradient as a vector.
+    #[inline]
     pub(super) fn slope(&self) -> SVector<f64, D> {
         SVector::from(self.gradient)
     }
 
     /// The second derivatives as a matrix.
+    #[inline]
     pub(super) fn curvature(&self) -> SMatrix<f64, D, D> {
         SMatrix::from_fn(|a, b| self.hessian[a][b])
     }
 }
 
 impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
+    #[inline]
     fn entry(&self, i: usize, j: usize) -> Taylor<T, D> {
         Taylor {
             value: self.value[(i, j)],
@@ -295,16 +349,12 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// Minus the square of the growth rate of a complex pair, `(h - sqrt(det D)) / 2`; as smooth where branches are real, and
-    /// positive there. Planar only.
-    pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {
-        let product = self.entry(0, 0).times(&self.entry(1, 1));
-        let mixed = self.entry(0, 1).times(&self.entry(1, 0));
-        let determinant = product.zip(&mixed, |x, y| x - y);
-        let root = determinant.value.sqrt();
-        let first = 0.5 / root;
-        let root = determinant.chain(root, first, -0.5 * first / determinant.value);
-        self.half_trace().zip(&root, |x, y| 0.5 * (x - y))
+    /// Half of the trace and the discriminant. Planar only.
+    fn branches(&self) -> Branches<D> {
+        Branches {
+            mean: self.half_trace(),
+            discriminant: self.discriminant(),
+        }
     }
 
     /// The same as for complex matrices.
@@ -312,14 +362,42 @@ impl<const D: usize> Expansion<f64, D> {
         if D == 1 {
             return self.entry(0, 0);
         }
-        let p = self.discriminant();
+        self.branches().branch(sign)
+    }
+}
+
+/// What the two branches `h -+ sqrt(p)` of a real matrix in the plane are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Branches<const D: usize> {
+    /// `h`, half of the trace.
+    pub(super) mean: Taylor<f64, D>,
+    /// `p`, negative where `omega^2` is complex.
+    pub(super) discriminant: Taylor<f64, D>,
+}
+
+impl<const D: usize> Branches<D> {
+    /// `Re omega^2` of the lowest (`sign` -1) or the highest branch (+1).
+    #[inline]
+    pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
+        let p = &self.discriminant;
         if p.value < 0.0 {
             // A complex pair: the real part is half of the trace.
-            return self.half_trace();
+            return self.mean;
         }
         let root = p.value.sqrt();
         let first = 0.5 / root;
         let root = p.chain(root, first, -0.5 * first / p.value);
-        self.half_trace().zip(&root, |x, y| x + sign * y)
+        self.mean.zip(&root, |x, y| x + sign * y)
+    }
+
+    /// Minus the square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`; as smooth where branches are real, and
+    /// positive there.
+    pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {
+        let square = self.mean.times(&self.mean);
+        let determinant = square.zip(&self.discriminant, |x, y| x - y);
+        let root = determinant.value.sqrt();
+        let first = 0.5 / root;
+        let root = determinant.chain(root, first, -0.5 * first / determinant.value);
+        self.mean.zip(&root, |x, y| 0.5 * (x - y))
     }
 }

@@ -9,6 +9,7 @@ use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// `D(k) = sum_R Phi(R) exp(i k.R)`: force constants per mass between a particle and what is displaced
 /// from it by the reference vector `R`.
@@ -29,8 +30,8 @@ pub struct DynamicalMatrix<const D: usize> {
     centrosymmetric: bool,
     /// Whether `Phi(-R) = Phi(R)^T`, which makes `D` Hermitian.
     hermitian: bool,
-    /// The force constants by rows, where `D` is planar and real.
-    rows: Option<PlanarRows>,
+    /// The force constants by rows, where `D` is planar and real; made when they are first asked for.
+    rows: OnceLock<Option<PlanarRows>>,
     /// Rounding error to expect in an entry.
     noise: f64,
 }
@@ -146,11 +147,18 @@ impl<const D: usize> ForceConstants<D> {
         }
     }
 
-    /// The place of a lattice vector relative to that of zero; places of differences are differences of places.
-    pub(super) fn place(&self, cell: &[i32; D]) -> usize {
-        let steps = cell.iter().zip(&self.steps);
-        // Wrapped around below zero, as are sums and differences of places.
-        steps.map(|(n, step)| i64::from(*n) * step).sum::<i64>() as usize
+    /// The places of lattice vectors relative to that of zero; places of differences are differences of places.
+    pub(super) fn places(&self, cells: &[[i32; D]]) -> Vec<usize> {
+        let mut places = Vec::with_capacity(cells.len());
+        for cell in cells {
+            // Wrapped around below zero, as are sums and differences of places.
+            let mut place = 0_i64;
+            for i in 0..D {
+                place += i64::from(cell[i]) * self.steps[i];
+            }
+            places.push(place as usize);
+        }
+        places
     }
 
     /// The place of the vector zero.
@@ -163,15 +171,27 @@ impl<const D: usize> ForceConstants<D> {
         &mut self.blocks
     }
 
-    /// Adds to the force constant of the lattice vector `to - from`.
-    pub(super) fn add(&mut self, from: &[i32; D], to: &[i32; D], block: &SMatrix<f64, D, D>) {
-        let difference = std::array::from_fn(|i| to[i] - from[i]);
-        let place = self.middle().wrapping_add(self.place(&difference));
+    /// Adds to the force constant of the lattice vector at a place.
+    pub(super) fn add(&mut self, place: usize, block: &Block<D>) {
+        let place = self.middle().wrapping_add(place);
+        let own = &mut self.blocks[place];
         for i in 0..D {
             for k in 0..D {
-                self.blocks[place][i][k] += block[(i, k)];
+                own[i][k] += block[i][k];
             }
         }
+    }
+
+    /// Adds to the force constant of a lattice vector.
+    pub(super) fn add_to(&mut self, cell: &[i32; D], matrix: &SMatrix<f64, D, D>) {
+        let place = self.places(std::slice::from_ref(cell))[0];
+        let mut block = [[0.0; D]; D];
+        for i in 0..D {
+            for k in 0..D {
+                block[i][k] = matrix[(i, k)];
+            }
+        }
+        self.add(place, &block);
     }
 
     /// Adds to the force constant of a vector given by its lattice coordinates.
@@ -190,30 +210,29 @@ impl<const D: usize> ForceConstants<D> {
         lattice: &BravaisLattice<D>,
         is_inverted: bool,
     ) -> DynamicalMatrix<D> {
-        let side = (2 * self.reach + 1) as usize;
         let mut sites = vec![SVector::zeros()];
-        let mut pairs = Vec::new();
         let middle = self.blocks.len() / 2;
-        let matrix = |block: &Block<D>| SMatrix::from_fn(|i, k| block[i][k]);
-        let mut rigid = matrix(&self.blocks[middle]);
+        let mut sum = PairSum {
+            terms: Vec::with_capacity(middle + self.loose.len()),
+            rigid: matrix_of(&self.blocks[middle]),
+            magnitude: largest(&matrix_of(&self.blocks[middle])),
+            is_inverted,
+        };
+        let mut cell = [0; D];
         for index in middle + 1..self.blocks.len() {
-            let opposite = self.blocks.len() - 1 - index;
-            let mut rest = index;
-            let mut cell = [0; D];
-            for i in (0..D).rev() {
-                cell[i] = (rest % side) as i32 - self.reach;
-                rest /= side;
+            self.advance(&mut cell);
+            let (forward, backward) = (
+                &self.blocks[index],
+                &self.blocks[self.blocks.len() - 1 - index],
+            );
+            let is_zero = |block: &Block<D>| block.as_flattened().iter().all(|x| *x == 0.0);
+            if is_zero(forward) && is_zero(backward) {
+                continue;
             }
-            if !self.basis.is_given() {
-                let given = self.basis.change * SVector::from(cell.map(f64::from));
-                cell = std::array::from_fn(|i| given[i] as i32);
-            }
-            pairs.push((
-                cell,
-                0,
-                matrix(&self.blocks[index]),
-                matrix(&self.blocks[opposite]),
-            ));
+            let given = self.given(&cell);
+            let vector = lattice.vector_to(&given);
+            let blocks = [matrix_of(forward), matrix_of(backward)];
+            sum.add(given, 0, vector, blocks);
         }
         while let Some((_, (fractional, forward))) = self.loose.pop_first() {
             let backward = self
@@ -230,64 +249,137 @@ impl<const D: usize> ForceConstants<D> {
                 sites.push(place);
                 sites.len() - 1
             });
-            pairs.push((cell, site, forward, backward));
+            let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);
+            sum.add(cell, site, vector, [forward, backward]);
         }
-        let magnitude = pairs
-            .iter()
-            .map(|(_, _, f, b)| f.amax() + b.amax())
-            .sum::<f64>()
-            + rigid.amax();
-        let noise = f64::EPSILON * magnitude;
+        sum.finish(sites, *lattice.vectors())
+    }
+
+    /// The next cell in the order of the blocks, the last coordinate fastest.
+    fn advance(&self, cell: &mut [i32; D]) {
+        for coordinate in cell.iter_mut().rev() {
+            if *coordinate < self.reach {
+                *coordinate += 1;
+                return;
+            }
+            *coordinate = -self.reach;
+        }
+    }
+
+    /// A lattice vector of the short basis in the given one.
+    fn given(&self, cell: &[i32; D]) -> [i32; D] {
+        if self.basis.is_given() {
+            return *cell;
+        }
+        let given = self.basis.change * SVector::from(cell.map(f64::from));
+        std::array::from_fn(|i| given[i] as i32)
+    }
+}
+
+/// Pairs of opposite vectors with the sums over all of them.
+struct PairSum<const D: usize> {
+    terms: Vec<Term<D>>,
+    /// `sum_R Phi(R)`.
+    rigid: SMatrix<f64, D, D>,
+    /// The sum of the largest entries.
+    magnitude: f64,
+    is_inverted: bool,
+}
+
+impl<const D: usize> PairSum<D> {
+    fn add(
+        &mut self,
+        cell: [i32; D],
+        site: usize,
+        vector: SVector<f64, D>,
+        [forward, backward]: [SMatrix<f64, D, D>; 2],
+    ) {
+        self.magnitude += largest(&forward) + largest(&backward);
+        let even = forward + backward;
+        let odd = if self.is_inverted {
+            SMatrix::zeros()
+        } else {
+            forward - backward
+        };
+        self.rigid += even;
+        if largest(&even) > 0.0 || largest(&odd) > 0.0 {
+            self.terms.push(Term {
+                vector,
+                cell,
+                site,
+                even,
+                odd,
+            });
+        }
+    }
+
+    fn finish(
+        self,
+        sites: Vec<SVector<f64, D>>,
+        vectors: SMatrix<f64, D, D>,
+    ) -> DynamicalMatrix<D> {
+        let Self {
+            terms,
+            mut rigid,
+            magnitude,
+            ..
+        } = self;
         // What symmetry makes vanish does so to the rounding error of the shape functions, which can be many times
         // that of the sums.
         let zero = ZERO * magnitude;
-        let mut terms = Vec::new();
-        for (cell, site, forward, backward) in pairs {
-            let even = forward + backward;
-            let odd = if is_inverted {
-                SMatrix::zeros()
-            } else {
-                forward - backward
-            };
-            rigid += even;
-            if even.amax() > 0.0 || odd.amax() > 0.0 {
-                let vector = lattice.vectors() * (SVector::from(cell.map(f64::from)) + sites[site]);
-                terms.push(Term {
-                    vector,
-                    cell,
-                    site,
-                    even,
-                    odd,
-                });
-            }
-        }
-        if rigid.amax() <= zero {
+        if largest(&rigid) <= zero {
             rigid.fill(0.0);
         }
-        let centrosymmetric = terms.iter().all(|term| term.odd.amax() <= zero);
         // D(k) = rigid + sum (cos - 1) even + i sin odd: Hermitian for symmetric even, antisymmetric odd parts.
         let asymmetry = |term: &Term<D>| {
-            (term.even - term.even.transpose()).amax() + (term.odd + term.odd.transpose()).amax()
+            let (mut even, mut odd) = (0.0_f64, 0.0_f64);
+            for i in 0..D {
+                for k in 0..=i {
+                    even = even.max((term.even[(i, k)] - term.even[(k, i)]).abs());
+                    odd = odd.max((term.odd[(i, k)] + term.odd[(k, i)]).abs());
+                }
+            }
+            even + odd
         };
-        let hermitian = terms.iter().all(|term| asymmetry(term) <= zero);
         let coordinates = terms.iter().flat_map(|term| term.cell);
-        let reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
-        let vectors = *lattice.vectors();
-        let rows = centrosymmetric
-            .then(|| PlanarRows::new(&terms, &sites, &vectors, &rigid))
-            .flatten();
         DynamicalMatrix {
+            centrosymmetric: terms.iter().all(|term| largest(&term.odd) <= zero),
+            hermitian: terms.iter().all(|term| asymmetry(term) <= zero),
+            reach: coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize,
             terms,
             vectors,
             sites,
-            reach,
             rigid,
-            centrosymmetric,
-            hermitian,
-            rows,
-            noise,
+            rows: OnceLock::new(),
+            noise: f64::EPSILON * magnitude,
         }
     }
+}
+
+/// A matrix from its rows.
+pub(super) fn matrix_of<const D: usize>(block: &Block<D>) -> SMatrix<f64, D, D> {
+    let mut matrix = SMatrix::zeros();
+    for i in 0..D {
+        for k in 0..D {
+            matrix[(i, k)] = block[i][k];
+        }
+    }
+    matrix
+}
+
+/// The largest magnitude of an entry; NaN where one is.
+#[inline]
+fn largest<const D: usize>(matrix: &SMatrix<f64, D, D>) -> f64 {
+    let mut largest = 0.0_f64;
+    for entry in matrix.as_slice() {
+        if entry.abs() > largest || entry.is_nan() {
+            largest = entry.abs();
+        }
+        if largest.is_nan() {
+            break;
+        }
+    }
+    largest
 }
 
 fn rounded<const D: usize>(fractional: &SVector<f64, D>) -> Vec<i64> {
@@ -369,14 +461,20 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// The long-wave limit: the stiffness per density `T` with `D(k) -> T_iJkL k_J k_L`,
     /// `T = -1/2 sum_R Phi(R) R (x) R`. Units length^2/time^2.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
-        Stiffness::from_fn(|i, j, k, l| {
-            let sum: f64 = self
-                .terms
-                .iter()
-                .map(|term| term.even[(i, k)] * (term.vector[j] * term.vector[l]))
-                .sum();
-            -0.5 * sum
-        })
+        let mut sums = [[[[0.0; D]; D]; D]; D];
+        for term in &self.terms {
+            for j in 0..D {
+                for l in 0..=j {
+                    let moment = -0.5 * term.vector[j] * term.vector[l];
+                    for i in 0..D {
+                        for k in 0..D {
+                            sums[j][l][i][k] += term.even[(i, k)] * moment;
+                        }
+                    }
+                }
+            }
+        }
+        Stiffness::from_fn(|i, j, k, l| sums[j.max(l)][j.min(l)][i][k])
     }
 
     /// `D(0)`: zero, unless the shape functions are no partition of unity, so that a rigid
@@ -407,7 +505,13 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// The force constants by rows, where `D` is planar and real.
     pub(super) fn planar_rows(&self) -> Option<&PlanarRows> {
-        self.rows.as_ref()
+        self.rows
+            .get_or_init(|| {
+                self.centrosymmetric
+                    .then(|| PlanarRows::new(&self.terms, &self.sites, &self.vectors, &self.rigid))
+                    .flatten()
+            })
+            .as_ref()
     }
 
     /// The force constants of pairs of opposite vectors.
@@ -418,10 +522,9 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// The sums along a mirror line, where `D` is planar, real, periodic and has one of the mirrors, and a translation is
     /// free.
     pub(super) fn mirror_sums(&self, mirrors: &[Mirror]) -> Option<MirrorSums> {
-        let rows = self.rows.as_ref()?;
         let is_free = self.rigid.amax() == 0.0;
-        is_free
-            .then(|| MirrorSums::new(&self.terms, mirrors, rows.constant()))
+        (is_free && self.centrosymmetric)
+            .then(|| MirrorSums::new(&self.terms, mirrors))
             .flatten()
     }
 
@@ -471,7 +574,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
         let coordinates = moved.terms.iter().flat_map(|term| term.cell);
         moved.reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
-        moved.rows = moved.planar_rows_of_terms();
+        moved.rows = OnceLock::new();
         moved
     }
 
@@ -489,15 +592,8 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
         scaled.rigid /= unit;
         scaled.noise /= unit;
-        scaled.rows = scaled.planar_rows_of_terms();
+        scaled.rows = OnceLock::new();
         scaled
-    }
-
-    /// The force constants by rows, where there are some.
-    fn planar_rows_of_terms(&self) -> Option<PlanarRows> {
-        self.centrosymmetric
-            .then(|| PlanarRows::new(&self.terms, &self.sites, &self.vectors, &self.rigid))
-            .flatten()
     }
 
     /// Where in its cell a vector ends.
@@ -512,11 +608,14 @@ impl<const D: usize> DynamicalMatrix<D> {
 
     /// Rounding error to expect in `D(k) / |k|^2` for long waves. Length^2/time^2.
     pub(super) fn long_wave_noise(&self) -> f64 {
-        let sum: f64 = self
-            .terms
-            .iter()
-            .map(|term| term.even.amax() * term.vector.norm_squared())
-            .sum();
+        let mut sum = 0.0;
+        for term in &self.terms {
+            let mut square = 0.0;
+            for x in term.vector.as_slice() {
+                square += x * x;
+            }
+            sum += largest(&term.even) * square;
+        }
         0.5 * f64::EPSILON * sum
     }
 

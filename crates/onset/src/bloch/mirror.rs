@@ -5,13 +5,14 @@
 //! `sin i u sin j v` in the phases `u`, `v` along the lines. That the force constants have the symmetry is read off them;
 //! nothing is inferred from lattice, state and law.
 
-use super::dynamical_matrix::{Expansion, Term};
-use crate::lattice::{HARMONICS, Mirror};
-use nalgebra::Matrix2;
-use pulp::{Arch, NullaryFnOnce};
+use super::branches::{Branches, Taylor};
+use super::dynamical_matrix::Term;
+use crate::algebra::{Pack, WIDEST, sines_and_cosines};
+use crate::lattice::{FILL, Group, HARMONICS, Mirror};
+use pulp::{Arch, Simd, WithSimd};
 
-/// Wave vectors whose expansions are computed together.
-pub(super) const LANES: usize = 4;
+/// Wave vectors that are evaluated together at most.
+pub(super) const LANES: usize = WIDEST;
 /// Differences of force constants below this fraction of the sum of all are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -23,6 +24,8 @@ pub(super) struct MirrorSums {
     pub(super) mirror: Mirror,
     /// Largest `i` and `j`.
     pub(super) reach: [usize; 2],
+    /// For each `j` the largest `i`: forces end at a circle.
+    ends: Vec<usize>,
     /// Factors of `cos i u cos j v` in `D_11`, `D_22` and of `sin i u sin j v` in `D_12`, `D_21`, at `[j][i]`, in the order of
     /// the entries.
     factors: Vec<[f64; 4]>,
@@ -31,46 +34,75 @@ pub(super) struct MirrorSums {
 /// One number a wave vector.
 pub(super) type Lanes = [f64; LANES];
 
-/// `D(k)` at several wave vectors with the derivatives by `u`, `v`: value, `u`, `v`, `uu`, `uv`, `vv`.
-pub(super) struct LaneExpansions([[Lanes; 4]; 6]);
+/// A function of `u`, `v` at several wave vectors: value, and derivatives by `u`, `v`, `uu`, `uv`, `vv`.
+type LaneTaylor = [Lanes; 6];
 
-impl LaneExpansions {
-    /// The expansion at one of the wave vectors.
-    pub(super) fn of(&self, lane: usize) -> Expansion<f64, 2> {
-        let matrix = |n: usize| {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|e| self.0[n][e][lane]);
-            Matrix2::new(a, b, c, d)
+/// Half of the trace of `D(k)` and the discriminant `((D_11 - D_22) / 2)^2 + D_12 D_21` at several wave vectors.
+pub(super) struct LaneBranches {
+    mean: LaneTaylor,
+    discriminant: LaneTaylor,
+}
+
+impl LaneBranches {
+    /// At one of the wave vectors.
+    #[inline]
+    pub(super) fn of(&self, lane: usize) -> Branches<2> {
+        let taylor = |f: &LaneTaylor| Taylor {
+            value: f[0][lane],
+            gradient: [f[1][lane], f[2][lane]],
+            hessian: [[f[3][lane], f[4][lane]], [f[4][lane], f[5][lane]]],
         };
-        Expansion {
-            value: matrix(0),
-            gradient: [matrix(1), matrix(2)],
-            hessian: [[matrix(3), matrix(4)], [matrix(4), matrix(5)]],
+        Branches {
+            mean: taylor(&self.mean),
+            discriminant: taylor(&self.discriminant),
+        }
+    }
+
+    /// Sets a group of lanes from the entries of `D` with their derivatives, `[derivative][entry]`.
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, entries: &[[Pack<S>; 4]; 6], group: usize) {
+        let number = entries[0][0].constant(0.5);
+        let mut half = [number; 6];
+        for n in 0..6 {
+            let mean = (entries[n][0] + entries[n][3]) * number;
+            mean.write(&mut self.mean[n], group);
+            half[n] = (entries[n][0] - entries[n][3]) * number;
+        }
+        let two = number.constant(2.0);
+        for n in 0..6 {
+            // The product rule for half^2 + b c: which factor is differentiated by what.
+            let [b, c] = [entries[n][1], entries[n][2]];
+            let [b0, c0] = [entries[0][1], entries[0][2]];
+            let mut p = half[0] * half[n];
+            if let Some((i, j)) = [None, None, None, Some((1, 1)), Some((1, 2)), Some((2, 2))][n] {
+                p = half[i].times_plus(half[j], p);
+            }
+            if n > 0 {
+                p = p * two;
+                p = b.times_plus(c0, p);
+            }
+            p = b0.times_plus(c, p);
+            if let Some((i, j)) = [None, None, None, Some((1, 1)), Some((1, 2)), Some((2, 2))][n] {
+                p = entries[i][1].times_plus(entries[j][2], p);
+                p = entries[j][1].times_plus(entries[i][2], p);
+            }
+            p.write(&mut self.discriminant[n], group);
         }
     }
 }
 
 impl MirrorSums {
-    /// The sums, if force constants (those of `R` and `-R` together) have one of the mirrors.
-    pub(super) fn new<const D: usize>(
-        terms: &[Term<D>],
-        mirrors: &[Mirror],
-        constant: &[f64; 4],
-    ) -> Option<Self> {
-        if terms.iter().any(|term| term.site > 0) {
+    /// The sums, if force constants (those of `R` and `-R` together) of particles whose translation is free have one of the
+    /// mirrors.
+    pub(super) fn new<const D: usize>(terms: &[Term<D>], mirrors: &[Mirror]) -> Option<Self> {
+        if D != 2 || terms.iter().any(|term| term.site > 0) {
             return None;
         }
-        let mirrors = mirrors.iter().enumerate();
-        mirrors
-            .filter_map(|(number, mirror)| Self::with(number, mirror, terms, constant))
-            .next()
+        let mut mirrors = mirrors.iter().enumerate();
+        mirrors.find_map(|(number, mirror)| Self::with(number, mirror, terms))
     }
 
-    fn with<const D: usize>(
-        number: usize,
-        mirror: &Mirror,
-        terms: &[Term<D>],
-        constant: &[f64; 4],
-    ) -> Option<Self> {
+    fn with<const D: usize>(number: usize, mirror: &Mirror, terms: &[Term<D>]) -> Option<Self> {
         let mut reach = [0; 2];
         for term in terms {
             let coordinates = mirror.coordinates_of([term.cell[0], term.cell[1]]);
@@ -86,33 +118,37 @@ impl MirrorSums {
         // What reflection would make vanish.
         let mut rest = factors.clone();
         let mut magnitude = 0.0;
+        let mut total = [0.0; 4];
         for term in terms {
             let [i, j] = mirror.coordinates_of([term.cell[0], term.cell[1]]);
             let index = j.unsigned_abs() as usize * width + i.unsigned_abs() as usize;
             // cos (i u + j v) = cos i u cos j v - sin i u sin j v.
             let sign = f64::from((i * j).signum());
-            let even = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|at| term.even[at]);
-            for (e, even) in even.into_iter().enumerate() {
+            for e in 0..4 {
+                let even = term.even[(e / 2, e % 2)];
                 magnitude += even.abs();
-                let (kept, lost) = if e == 0 || e == 3 {
-                    (even, sign * even)
-                } else {
-                    (-sign * even, even)
-                };
-                factors[index][e] += kept;
-                rest[index][e] += lost;
+                total[e] += even;
+                let is_diagonal = e == 0 || e == 3;
+                factors[index][e] += if is_diagonal { even } else { -sign * even };
+                rest[index][e] += if is_diagonal { sign * even } else { even };
             }
         }
         let is_rest = |x: &f64| x.abs() <= ROUNDING * magnitude;
-        if !rest.iter().flatten().all(is_rest) || !is_rest(&constant[1]) || !is_rest(&constant[2]) {
+        let is_symmetric = rest.as_flattened().iter().all(is_rest);
+        if !is_symmetric || !is_rest(&total[1]) || !is_rest(&total[2]) {
             return None;
         }
-        factors[0][0] += constant[0];
-        factors[0][3] += constant[3];
+        // D(0) = 0.
+        factors[0][0] -= total[0];
+        factors[0][3] -= total[3];
+        let matters = |factor: &f64| factor.abs() > 1e-3 * f64::EPSILON * magnitude;
+        let end = |row: &[[f64; 4]]| row.iter().rposition(|own| own.iter().any(matters));
+        let ends = factors.chunks(width).map(|row| end(row).unwrap_or(0));
         Some(Self {
             number,
             mirror: *mirror,
             reach,
+            ends: ends.collect(),
             factors,
         })
     }
@@ -145,151 +181,215 @@ impl MirrorSums {
         &self.factors[j * width..][..width]
     }
 
-    /// The numbers `i` at which factors with a `j` do not vanish: the first, and the step to the next.
+    /// The numbers `i` at which factors with a `j` do not vanish.
     #[inline(always)]
-    fn indices(&self, j: usize) -> std::iter::StepBy<std::ops::RangeInclusive<usize>> {
-        if self.mirror.is_centered() {
-            (j % 2..=self.reach[0]).step_by(2)
-        } else {
-            (0..=self.reach[0]).step_by(1)
+    fn indices(&self, j: usize) -> Indices {
+        let is_centered = self.mirror.is_centered();
+        Indices {
+            next: if is_centered { j % 2 } else { 0 },
+            step: if is_centered { 2 } else { 1 },
+            last: self.ends[j],
         }
     }
 
-    /// The entries of `D` along lines of constant `v` as sums of multiples of `cos j v` and `sin j v`: for each `j` the four
-    /// factors at all columns.
+    /// The entries of `D` along lines of constant `v` as sums of multiples of `cos j v` and `sin j v`: for each `j` and each
+    /// group of columns the four factors.
     #[inline(always)]
-    pub(super) fn rows(&self, cosines: &[f64], sines: &[f64], width: usize, rows: &mut [f64]) {
+    pub(super) fn rows<S: Simd>(
+        &self,
+        simd: S,
+        [cosines, sines]: [&[Group]; 2],
+        rows: &mut [[Group; 4]],
+    ) {
+        let groups = rows.len() / (self.reach[1] + 1);
         for j in 0..=self.reach[1] {
-            let row = &mut rows[4 * j * width..][..4 * width];
-            row.fill(0.0);
-            let (d11, rest) = row.split_at_mut(width);
-            let (d12, rest) = rest.split_at_mut(width);
-            let (d21, d22) = rest.split_at_mut(width);
             let factors = self.row(j);
-            for i in self.indices(j) {
-                let [f11, f12, f21, f22] = factors[i];
-                let (cosines, sines) =
-                    (&cosines[i * width..][..width], &sines[i * width..][..width]);
-                for n in 0..width {
-                    d11[n] += f11 * cosines[n];
-                    d22[n] += f22 * cosines[n];
-                    d12[n] += f12 * sines[n];
-                    d21[n] += f21 * sines[n];
+            for group in 0..groups {
+                for part in 0..FILL / S::F64_LANES {
+                    let mut sum = [Pack::splat(simd, 0.0); 4];
+                    for i in self.indices(j) {
+                        let cosine = Pack::of(simd, &cosines[i * groups + group], part);
+                        let sine = Pack::of(simd, &sines[i * groups + group], part);
+                        let [f11, f12, f21, f22] = &factors[i];
+                        sum[0] = cosine.times_plus(cosine.constant(*f11), sum[0]);
+                        sum[1] = sine.times_plus(sine.constant(*f12), sum[1]);
+                        sum[2] = sine.times_plus(sine.constant(*f21), sum[2]);
+                        sum[3] = cosine.times_plus(cosine.constant(*f22), sum[3]);
+                    }
+                    for e in 0..4 {
+                        sum[e].write(&mut rows[j * groups + group][e], part);
+                    }
                 }
             }
         }
     }
 
-    /// `D` with its derivatives by `u` and `v` at several wave vectors.
-    pub(super) fn expansions(&self, u: &Lanes, v: &Lanes) -> LaneExpansions {
-        Arch::new().dispatch(ExpansionsAt { sums: self, u, v })
+    /// What the branches of `D` at the first wave vectors of several are made of.
+    pub(super) fn branches(&self, count: usize, u: &Lanes, v: &Lanes) -> LaneBranches {
+        Arch::new().dispatch(BranchesAt {
+            sums: self,
+            count,
+            u,
+            v,
+        })
     }
 
-    /// With tables of at least as many multiples as there are.
+    /// `D` with its derivatives by `u` and `v`, `[derivative][entry]`, from the multiples of both.
     #[inline(always)]
-    fn expanded<const COUNT: usize>(&self, u: &Lanes, v: &Lanes) -> LaneExpansions {
-        let (mut first, mut second) = (Multiples::<COUNT>::none(), Multiples::<COUNT>::none());
-        first.fill(u, self.reach[0]);
-        second.fill(v, self.reach[1]);
-        let mut sums = [[[0.0; LANES]; 4]; 6];
+    fn entries<S: Simd, const COUNT: usize>(
+        &self,
+        first: &Multiples<S, COUNT>,
+        second: &Multiples<S, COUNT>,
+    ) -> [[Pack<S>; 4]; 6] {
+        let zero = first.sines[0];
+        let mut sums = [[zero; 4]; 6];
         for j in 0..=self.reach[1] {
             let factors = self.row(j);
-            // Sums over i of value, first and second derivatives by u.
-            let (mut even, mut odd) = ([[[0.0; LANES]; 2]; 3], [[[0.0; LANES]; 2]; 3]);
+            // Sums over i of value, first and second derivatives by u; signs that all terms have in common come last.
+            let (mut even, mut odd) = ([[zero; 2]; 3], [[zero; 2]; 3]);
             for i in self.indices(j) {
-                let [f11, f12, f21, f22] = factors[i];
-                let (cosine, sine) = (&first.cosines[i], &first.sines[i]);
-                let (n, nn) = (i as f64, (i * i) as f64);
-                for l in 0..LANES {
-                    let (c, s) = (cosine[l], sine[l]);
-                    let (ns, nc, nnc, nns) = (n * s, n * c, nn * c, nn * s);
-                    even[0][0][l] += f11 * c;
-                    even[0][1][l] += f22 * c;
-                    even[1][0][l] -= f11 * ns;
-                    even[1][1][l] -= f22 * ns;
-                    even[2][0][l] -= f11 * nnc;
-                    even[2][1][l] -= f22 * nnc;
-                    odd[0][0][l] += f12 * s;
-                    odd[0][1][l] += f21 * s;
-                    odd[1][0][l] += f12 * nc;
-                    odd[1][1][l] += f21 * nc;
-                    odd[2][0][l] -= f12 * nns;
-                    odd[2][1][l] -= f21 * nns;
+                let factors = &factors[i];
+                let (f11, f12) = (zero.constant(factors[0]), zero.constant(factors[1]));
+                let (f21, f22) = (zero.constant(factors[2]), zero.constant(factors[3]));
+                let cosines = weighted(first.cosines[i], i);
+                let sines = weighted(first.sines[i], i);
+                for n in 0..3 {
+                    let (c, s) = match n {
+                        1 => (sines[1], cosines[1]),
+                        _ => (cosines[n], sines[n]),
+                    };
+                    even[n][0] = c.times_plus(f11, even[n][0]);
+                    even[n][1] = c.times_plus(f22, even[n][1]);
+                    odd[n][0] = s.times_plus(f12, odd[n][0]);
+                    odd[n][1] = s.times_plus(f21, odd[n][1]);
                 }
             }
-            let (cosine, sine) = (&second.cosines[j], &second.sines[j]);
-            let (n, nn) = (j as f64, (j * j) as f64);
+            let (c, s) = (weighted(second.cosines[j], j), weighted(second.sines[j], j));
             for e in 0..2 {
-                let (diagonal, mixed) = (3 * e, 1 + e);
-                for l in 0..LANES {
-                    let (c, s) = (cosine[l], sine[l]);
-                    sums[0][diagonal][l] += even[0][e][l] * c;
-                    sums[1][diagonal][l] += even[1][e][l] * c;
-                    sums[2][diagonal][l] -= even[0][e][l] * (n * s);
-                    sums[3][diagonal][l] += even[2][e][l] * c;
-                    sums[4][diagonal][l] -= even[1][e][l] * (n * s);
-                    sums[5][diagonal][l] -= even[0][e][l] * (nn * c);
-                    sums[0][mixed][l] += odd[0][e][l] * s;
-                    sums[1][mixed][l] += odd[1][e][l] * s;
-                    sums[2][mixed][l] += odd[0][e][l] * (n * c);
-                    sums[3][mixed][l] += odd[2][e][l] * s;
-                    sums[4][mixed][l] += odd[1][e][l] * (n * c);
-                    sums[5][mixed][l] -= odd[0][e][l] * (nn * s);
+                let diagonal = [
+                    (0, c[0]),
+                    (1, c[0]),
+                    (0, s[1]),
+                    (2, c[0]),
+                    (1, s[1]),
+                    (0, c[2]),
+                ];
+                let mixed = [
+                    (0, s[0]),
+                    (1, s[0]),
+                    (0, c[1]),
+                    (2, s[0]),
+                    (1, c[1]),
+                    (0, s[2]),
+                ];
+                for n in 0..6 {
+                    let (own, factor) = diagonal[n];
+                    sums[n][3 * e] = even[own][e].times_plus(factor, sums[n][3 * e]);
+                    let (own, factor) = mixed[n];
+                    sums[n][1 + e] = odd[own][e].times_plus(factor, sums[n][1 + e]);
                 }
             }
         }
-        LaneExpansions(sums)
+        // A cosine differentiated once or twice, a sine twice.
+        for n in [1, 2, 3, 5] {
+            sums[n][0] = -sums[n][0];
+            sums[n][3] = -sums[n][3];
+        }
+        for n in [3, 5] {
+            sums[n][1] = -sums[n][1];
+            sums[n][2] = -sums[n][2];
+        }
+        sums
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
-struct ExpansionsAt<'a> {
+/// A number times zeroth, first and second powers of an integer.
+#[inline(always)]
+fn weighted<S: Simd>(x: Pack<S>, n: usize) -> [Pack<S>; 3] {
+    let n = x.constant(n as f64);
+    let first = n * x;
+    [x, first, n * first]
+}
+
+/// Numbers at equal steps. (Those of the standard library are not inlined everywhere.)
+struct Indices {
+    next: usize,
+    step: usize,
+    last: usize,
+}
+
+impl Iterator for Indices {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let own = self.next;
+        self.next += self.step;
+        (own <= self.last).then_some(own)
+    }
+}
+
+/// Work for the widest vectors of the machine.
+struct BranchesAt<'a> {
     sums: &'a MirrorSums,
+    count: usize,
     u: &'a Lanes,
     v: &'a Lanes,
 }
 
-impl NullaryFnOnce for ExpansionsAt<'_> {
-    type Output = LaneExpansions;
+impl BranchesAt<'_> {
+    /// With tables of at least as many multiples as there are.
+    #[inline(always)]
+    fn with<S: Simd, const COUNT: usize>(&self, simd: S) -> LaneBranches {
+        let mut branches = LaneBranches {
+            mean: [[0.0; LANES]; 6],
+            discriminant: [[0.0; LANES]; 6],
+        };
+        let (u, v) = (sines_and_cosines(self.u), sines_and_cosines(self.v));
+        for group in 0..self.count.div_ceil(S::F64_LANES) {
+            let first = Multiples::<S, COUNT>::of(simd, &u, group, self.sums.reach[0]);
+            let second = Multiples::<S, COUNT>::of(simd, &v, group, self.sums.reach[1]);
+            branches.set(&self.sums.entries(&first, &second), group);
+        }
+        branches
+    }
+}
+
+impl WithSimd for BranchesAt<'_> {
+    type Output = LaneBranches;
 
     #[inline(always)]
-    fn call(self) -> LaneExpansions {
+    fn with_simd<S: Simd>(self, simd: S) -> LaneBranches {
         match self.sums.reach.into_iter().max() {
-            Some(0..=7) => self.sums.expanded::<8>(self.u, self.v),
-            Some(8..=15) => self.sums.expanded::<16>(self.u, self.v),
-            _ => self.sums.expanded::<{ HARMONICS + 1 }>(self.u, self.v),
+            Some(0..=7) => self.with::<S, 8>(simd),
+            Some(8..=15) => self.with::<S, 16>(simd),
+            _ => self.with::<S, { HARMONICS + 1 }>(simd),
         }
     }
 }
 
 /// `cos n t` and `sin n t`.
-struct Multiples<const COUNT: usize> {
-    cosines: [Lanes; COUNT],
-    sines: [Lanes; COUNT],
+struct Multiples<S: Simd, const COUNT: usize> {
+    cosines: [Pack<S>; COUNT],
+    sines: [Pack<S>; COUNT],
 }
 
-impl<const COUNT: usize> Multiples<COUNT> {
+impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
+    /// From the sines and cosines of a group of lanes.
     #[inline(always)]
-    fn none() -> Self {
-        Self {
-            cosines: [[1.0; LANES]; COUNT],
-            sines: [[0.0; LANES]; COUNT],
-        }
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, t: &Lanes, reach: usize) {
-        let (mut sine, mut cosine) = ([0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            (sine[l], cosine[l]) = t[l].sin_cos();
-        }
+    fn of(simd: S, (sines, cosines): &(Lanes, Lanes), group: usize, reach: usize) -> Self {
+        let sine = Pack::of(simd, sines, group);
+        let cosine = Pack::of(simd, cosines, group);
+        let mut multiples = Self {
+            cosines: [cosine.constant(1.0); COUNT],
+            sines: [sine.constant(0.0); COUNT],
+        };
         for n in 1..=reach {
-            let (c, s) = (self.cosines[n - 1], self.sines[n - 1]);
-            for l in 0..LANES {
-                self.cosines[n][l] = c[l] * cosine[l] - s[l] * sine[l];
-                self.sines[n][l] = c[l] * sine[l] + s[l] * cosine[l];
-            }
+            let (c, s) = (multiples.cosines[n - 1], multiples.sines[n - 1]);
+            multiples.cosines[n] = c.times_plus(cosine, -(s * sine));
+            multiples.sines[n] = c.times_plus(sine, s * cosine);
         }
+        multiples
     }
 }
 
@@ -339,34 +439,36 @@ mod tests {
     }
 
     #[test]
-    fn sums_along_the_mirror_lines_are_the_matrix_with_its_derivatives() {
+    fn sums_along_the_mirror_lines_have_the_branches_of_the_matrix_with_their_derivatives() {
         let method = eulerian();
         let (d, sums) = at(&method, [[1.2, 0.0], [0.0, 0.7]]);
         let sums = sums.expect("a mirror line");
-        let (u, v) = ([0.3, -1.2, 2.0, 0.1], [1.1, 0.4, -0.7, 2.9]);
-        let expansions = sums.expansions(&u, &v);
+        let u = [0.3, -1.2, 2.0, 0.1, 1.7, -0.2, 0.9, 3.0];
+        let v = [1.1, 0.4, -0.7, 2.9, -1.6, 0.2, 2.2, -0.4];
+        let branches = sums.branches(LANES, &u, &v);
         let exact = |u: f64, v: f64| {
             let phases = Vector2::from(sums.mirror.phases([u, v])) / std::f64::consts::TAU;
-            d.at(&(method.lattice().reciprocal() * phases))
-                .map(|entry| entry.re)
+            let d = d.at(&(method.lattice().reciprocal() * phases));
+            let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|at| d[at].re);
+            [0.5 * (a + d), 0.25 * (a - d) * (a - d) + b * c]
         };
         let h = 1e-4;
         for lane in 0..LANES {
             let (u, v) = (u[lane], v[lane]);
-            let expansion = expansions.of(lane);
-            assert!((expansion.value - exact(u, v)).amax() < 1e-12);
-            let [ahead, behind] = [h, -h].map(|h| exact(u + h, v));
-            assert!((expansion.gradient[0] - (ahead - behind) / (2.0 * h)).amax() < 1e-5);
-            let second = (ahead + behind - exact(u, v) * 2.0) / (h * h);
-            assert!((expansion.hessian[0][0] - second).amax() < 1e-4);
-            let [up, down] = [h, -h].map(|h| exact(u, v + h));
-            assert!((expansion.gradient[1] - (up - down) / (2.0 * h)).amax() < 1e-5);
-            let second = (up + down - exact(u, v) * 2.0) / (h * h);
-            assert!((expansion.hessian[1][1] - second).amax() < 1e-4);
-            let corner = |a: f64, b: f64| exact(u + a * h, v + b * h);
-            let mixed =
-                corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0);
-            assert!((expansion.hessian[0][1] - mixed / (4.0 * h * h)).amax() < 1e-4);
+            let own = branches.of(lane);
+            for (n, known) in [own.mean, own.discriminant].iter().enumerate() {
+                let at = |a: f64, b: f64| exact(u + a * h, v + b * h)[n];
+                let scale = at(0.0, 0.0).abs().max(1.0);
+                assert!((known.value - at(0.0, 0.0)).abs() < 1e-12 * scale);
+                for (axis, [a, b]) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+                    let slope = (at(a, b) - at(-a, -b)) / (2.0 * h);
+                    let second = (at(a, b) + at(-a, -b) - 2.0 * at(0.0, 0.0)) / (h * h);
+                    assert!((known.gradient[axis] - slope).abs() < 1e-5 * scale);
+                    assert!((known.hessian[axis][axis] - second).abs() < 1e-4 * scale);
+                }
+                let mixed = at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0);
+                assert!((known.hessian[0][1] - mixed / (4.0 * h * h)).abs() < 1e-4 * scale);
+            }
         }
     }
 }

@@ -81,11 +81,6 @@ impl PlanarRows {
         })
     }
 
-    /// `D(0) - sum even(R)`.
-    pub(super) fn constant(&self) -> &[f64; 4] {
-        &self.constant
-    }
-
     #[inline(always)]
     fn on_grid<const D: usize>(
         &self,

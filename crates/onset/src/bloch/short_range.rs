@@ -33,6 +33,9 @@ impl<const D: usize> ShortRange<D> {
         lattice: &BravaisLattice<D>,
         forces: &[(SVector<f64, D>, f64)],
     ) -> Option<Self> {
+        if is_plainly_short(forces) {
+            return None;
+        }
         let (mut change, mut inverse) = (SMatrix::identity(), SMatrix::identity());
         for _ in 0..ROUNDS {
             let (vectors, is_flat) = isotropic(forces, &inverse, lattice.cell_volume())?;
@@ -101,6 +104,24 @@ impl<const D: usize> ShortRange<D> {
             ..*found
         }
     }
+}
+
+/// Whether the given basis is one that does, by the extents of the forces alone: in isotropic coordinates the longest of its
+/// vectors is at most `OBLIQUE` times as long as the side of a cube with the volume of the cell, and the longest of no basis is
+/// shorter than that side.
+fn is_plainly_short<const D: usize>(forces: &[(SVector<f64, D>, f64)]) -> bool {
+    let mut extents = SMatrix::<f64, D, D>::zeros();
+    for (vector, size) in forces {
+        for i in 0..D {
+            for j in 0..D {
+                extents[(i, j)] += vector[i] * vector[j] * size;
+            }
+        }
+    }
+    // A vector of the basis has the squared length `(N^-1)_ii` there, the cell the squared volume `1 / det N`.
+    let volume = determinant(&extents).powf(1.0 / D as f64);
+    let is_short = |squared: f64| squared * volume <= (1.0 - 1e-6) * OBLIQUE * OBLIQUE;
+    inverse_of(&extents).is_some_and(|inverse| inverse.diagonal().iter().all(|x| is_short(*x)))
 }
 
 /// Primitive vectors of a cell volume in coordinates in which `sum |force| R (x) R` is isotropic, `N^-1/2` of that sum in

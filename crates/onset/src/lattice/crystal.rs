@@ -311,7 +311,11 @@ fn per_particle<const D: usize>(particles: usize) -> f64 {
 
 /// All cells between two corners, both included.
 pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> Vec<[i32; D]> {
-    let mut cells = Vec::new();
+    let mut count = 1_usize;
+    for i in 0..D {
+        count = count.saturating_mul((i64::from(high[i]) - i64::from(low[i]) + 1).max(1) as usize);
+    }
+    let mut cells = Vec::with_capacity(count);
     let mut cell = *low;
     loop {
         cells.push(cell);

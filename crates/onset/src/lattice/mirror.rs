@@ -23,6 +23,8 @@ const REACH: i32 = 2;
 pub(crate) const HARMONICS: usize = 48;
 /// Columns of a line are filled up to a multiple of this, which fills vectors.
 pub(crate) const FILL: usize = 8;
+/// As many columns of a line.
+pub(crate) type Group = [f64; FILL];
 
 impl Mirror {
     /// The mirrors of a lattice; none unless it is planar.
@@ -110,11 +112,11 @@ pub(crate) struct MirrorWaves {
     pub(crate) steps: [f64; 2],
     /// Columns of a line; the first, and those beyond the intervals, overlap what the symmetry repeats.
     pub(crate) width: usize,
-    /// `cos i u`, `sin i u` at `[i][column]`, `cos j v`, `sin j v` at `[j][line]`.
-    pub(crate) along: [Vec<f64>; 2],
+    /// `cos i u`, `sin i u` at `[i][group of columns]`, `cos j v`, `sin j v` at `[j][line]`.
+    pub(crate) along: [Vec<Group>; 2],
     pub(crate) across: [Vec<f64>; 2],
-    /// `1 / |k|_h^2` at `[line][column]`, at `(u, v)` and at `(u, -v)`.
-    pub(crate) inverse_laplacian: [Vec<f64>; 2],
+    /// `1 / |k|_h^2` at `[line][group of columns]`, at `(u, v)` and at `(u, -v)`.
+    pub(crate) inverse_laplacian: [Vec<Group>; 2],
 }
 
 impl MirrorWaves {
@@ -146,20 +148,26 @@ impl MirrorWaves {
                     .map(|n| weights[n] * (0.5 * t[n]).sin().powi(2))
                     .sum::<f64>()
             };
-            let across = v.iter();
-            across
+            let lines = v.iter();
+            let all: Vec<f64> = lines
                 .flat_map(|v| u.iter().map(|u| inverse(*u, *v)).collect::<Vec<_>>())
-                .collect()
+                .collect();
+            all.as_chunks().0.to_vec()
         });
         Self {
             mirror,
             intervals,
             steps,
             width,
-            along: [table(&u, f64::cos), table(&u, f64::sin)],
+            along: [f64::cos, f64::sin].map(|of| table(&u, of).as_chunks().0.to_vec()),
             across: [table(&v, f64::cos), table(&v, f64::sin)],
             inverse_laplacian,
         }
+    }
+
+    /// Groups of columns of a line.
+    pub(crate) fn groups(&self) -> usize {
+        self.width / FILL
     }
 
     /// How many lines there are; the first and the last overlap what the symmetry repeats.

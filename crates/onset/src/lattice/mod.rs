@@ -17,7 +17,7 @@ pub(crate) use crystal::cells_between;
 pub use crystal::{Crystal, Particle};
 pub use delaunay::delaunay_centers;
 pub use kind::LatticeKind;
-pub(crate) use mirror::{FILL, HARMONICS, Mirror, MirrorWaves};
+pub(crate) use mirror::{FILL, Group, HARMONICS, Mirror, MirrorWaves};
 pub(crate) use reduction::{Ball, Reduced, inverse_of};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
@@ -156,11 +156,7 @@ impl<const D: usize> Measure<D> {
 impl<const D: usize> BravaisLattice<D> {
     /// The lattice with primitive vectors as columns; `None` when they are linearly dependent.
     pub fn new(vectors: SMatrix<f64, D, D>) -> Option<Self> {
-        // Solved through the generic LU: `try_inverse` needs a fixed dimension.
-        let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| vectors[(j, i)]);
-        let inverse = dynamic.try_inverse()?;
-        let reciprocal: SMatrix<f64, D, D> =
-            SMatrix::from_fn(|i, j| std::f64::consts::TAU * inverse[(i, j)]);
+        let reciprocal = inverse_of(&vectors.transpose())? * std::f64::consts::TAU;
         reciprocal
             .iter()
             .all(|value| value.is_finite())
@@ -184,6 +180,19 @@ impl<const D: usize> BravaisLattice<D> {
     /// The volume of the primitive cell, `V0`; length^D.
     pub fn cell_volume(&self) -> f64 {
         determinant(&self.vectors).abs()
+    }
+
+    /// The vector to a cell.
+    #[inline]
+    pub(crate) fn vector_to(&self, cell: &[i32; D]) -> SVector<f64, D> {
+        let mut vector = SVector::zeros();
+        for n in 0..D {
+            let coordinate = f64::from(cell[n]);
+            for i in 0..D {
+                vector[i] += self.vectors[(i, n)] * coordinate;
+            }
+        }
+        vector
     }
 
     /// The lattice with every vector mapped by `m`, as a homogeneous deformation does.

@@ -4,7 +4,7 @@
 //! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
 
 use super::{BravaisLattice, Fractional, LatticeError, cells_between};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
 /// Steps after which a basis counts as short enough; each shortens a vector, and few are needed.
 const STEPS: usize = 1000;
@@ -128,10 +128,16 @@ fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVe
 /// All combinations with coefficients -1, 0 and 1, but for zero; of opposite ones both. Among those of a Minkowski-reduced
 /// basis in up to three dimensions are all that bound the Voronoi cell (Nguyen, Stehle, ACM Trans. Algorithms 5 (2009) 46).
 pub(super) fn combinations<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
-    cells_between(&[-1; D], &[1; D])
-        .into_iter()
-        .filter(|cell| cell.iter().any(|n| *n != 0))
-        .map(|cell| SVector::from(cell.map(f64::from)))
+    let count = 3_usize.pow(D as u32);
+    let others = (0..count).filter(move |number| 2 * number + 1 != count);
+    others.map(|mut number| {
+        let mut combination = SVector::zeros();
+        for n in 0..D {
+            combination[n] = (number % 3) as f64 - 1.0;
+            number /= 3;
+        }
+        combination
+    })
 }
 
 /// The coordinates of the canonical basis in a reduced one.
@@ -194,8 +200,21 @@ fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
 
 /// The inverse of a matrix.
 pub(crate) fn inverse_of<const D: usize>(m: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
-    let inverse = nalgebra::DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse()?;
-    Some(SMatrix::from_fn(|i, j| inverse[(i, j)]))
+    // In closed form up to three, which takes a fixed dimension.
+    match D {
+        1 => Matrix1::from_fn(|i, j| m[(i, j)])
+            .try_inverse()
+            .map(|inverse| SMatrix::from_fn(|i, j| inverse[(i, j)])),
+        2 => Matrix2::from_fn(|i, j| m[(i, j)])
+            .try_inverse()
+            .map(|inverse| SMatrix::from_fn(|i, j| inverse[(i, j)])),
+        3 => Matrix3::from_fn(|i, j| m[(i, j)])
+            .try_inverse()
+            .map(|inverse| SMatrix::from_fn(|i, j| inverse[(i, j)])),
+        _ => nalgebra::DMatrix::from_fn(D, D, |i, j| m[(i, j)])
+            .try_inverse()
+            .map(|inverse| SMatrix::from_fn(|i, j| inverse[(i, j)])),
+    }
 }
 
 /// The lattice points in a ball: of the lattice with the columns of a matrix as primitive vectors.

@@ -3,9 +3,9 @@
 use super::{Background, Frame, Method, MethodError, SupportSize};
 use crate::approximation::{Approximation, Order, ShapeFunctions};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Ball, Reduced, determinant};
+use crate::lattice::{Ball, Reduced, determinant, inverse_of};
 use crate::quadrature::QuadraturePoint;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 /// A quadrature point at a homogeneous state: what it sees, and the deformation that it carries.
 #[derive(Clone, Debug)]
@@ -145,8 +145,11 @@ impl<const D: usize> Method<D> {
         } else {
             "stress point"
         };
-        let (mut seen, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for cell in support.cells(&point.place) {
+        let cells = support.cells(&point.place);
+        let mut seen = Vec::with_capacity(cells.len());
+        let mut positions = Vec::with_capacity(cells.len());
+        let mut weights = Vec::with_capacity(cells.len());
+        for cell in cells {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
             let position = layout.vectors * fractional;
             let kernel = self.choices.kernel;
@@ -225,10 +228,7 @@ impl<const D: usize> Method<D> {
 /// The inverse of a matrix of up to three rows; NaN where it is singular, which the checks of
 /// deformation gradients and dynamical matrices report.
 fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-    match DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse() {
-        Some(inverse) => SMatrix::from_fn(|i, j| inverse[(i, j)]),
-        None => SMatrix::repeat(f64::NAN),
-    }
+    inverse_of(m).unwrap_or_else(|| SMatrix::repeat(f64::NAN))
 }
 
 /// The ball of the support in the lattice that the kernels see.

@@ -400,6 +400,9 @@ pub(super) fn newton_step<const D: usize>(
     longest: f64,
 ) -> (SVector<f64, D>, bool) {
     let limit = 0.1 * longest;
+    if let Some(step) = planar_step(slope, curvature, limit) {
+        return (step, true);
+    }
     let (values, axes) = principal(curvature);
     let largest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
     let is_convex = values.iter().all(|value| *value > 1e-12 * largest);
@@ -428,6 +431,37 @@ pub(super) fn newton_step<const D: usize>(
             is_convex,
         )
     }
+}
+
+/// The Newton step in the plane where the curvature is positive beyond doubt: by Cramer's rule, many times faster than by
+/// principal axes.
+#[inline]
+fn planar_step<const D: usize>(
+    slope: &SVector<f64, D>,
+    curvature: &SMatrix<f64, D, D>,
+    limit: f64,
+) -> Option<SVector<f64, D>> {
+    if D != 2 {
+        return None;
+    }
+    let [a, b, c] = [curvature[(0, 0)], curvature[(0, 1)], curvature[(1, 1)]];
+    let (trace, determinant) = (a + c, a * c - b * b);
+    let is_certain = trace > 0.0 && determinant > 1e-6 * trace * trace;
+    if !is_certain {
+        return None;
+    }
+    let mut step = [
+        (b * slope[1] - c * slope[0]) / determinant,
+        (b * slope[0] - a * slope[1]) / determinant,
+    ];
+    let norm = (step[0] * step[0] + step[1] * step[1]).sqrt();
+    if !norm.is_finite() {
+        return None;
+    }
+    if norm > limit {
+        step = step.map(|x| x * (limit / norm));
+    }
+    Some(SVector::from_fn(|i, _| step[i]))
 }
 
 /// Principal values and axes of a symmetric matrix of up to three rows.

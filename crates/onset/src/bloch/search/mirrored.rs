@@ -6,13 +6,12 @@
 
 use super::descent::{newton_step, principal};
 use super::{Objective, RAY};
-use crate::algebra::sort_by_value;
-use crate::bloch::Expansion;
-use crate::bloch::branches::Taylor;
-use crate::bloch::mirror::{LANES, Lanes, MirrorSums};
-use crate::lattice::{BravaisLattice, FILL, Mirror, MirrorWaves};
+use crate::algebra::{Pack, WIDEST, sines_and_cosines, sort_by_value};
+use crate::bloch::branches::{Branches, Taylor};
+use crate::bloch::mirror::{LANES, MirrorSums};
+use crate::lattice::{BravaisLattice, FILL, Group, Mirror, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Points of the grid per period of the fastest phase.
 const DENSITY: usize = 12;
@@ -66,18 +65,18 @@ impl Laplacian {
     }
 
     fn at(&self, [u, v]: [f64; 2]) -> Taylor<f64, 2> {
-        let mut sum = Taylor {
-            value: 0.0,
-            gradient: [0.0; 2],
-            hessian: [[0.0; 2]; 2],
-        };
-        for (weight, factors) in self.vectors {
-            let (sine, cosine) = (0.5 * (factors[0] * u + factors[1] * v)).sin_cos();
+        let [(_, a), (_, b)] = &self.vectors;
+        let halves = [0.5 * (a[0] * u + a[1] * v), 0.5 * (b[0] * u + b[1] * v)];
+        let (sines, cosines) = sines_and_cosines(&halves);
+        let mut sum = Taylor::ZERO;
+        for n in 0..2 {
+            let (weight, factors) = self.vectors[n];
+            let (sine, cosine) = (sines[n], cosines[n]);
             sum.value += 4.0 * weight * sine * sine;
+            let curvature = 2.0 * weight * (cosine * cosine - sine * sine);
             for a in 0..2 {
                 sum.gradient[a] += 4.0 * weight * sine * cosine * factors[a];
                 for b in 0..2 {
-                    let curvature = 2.0 * weight * (cosine * cosine - sine * sine);
                     sum.hessian[a][b] += curvature * factors[a] * factors[b];
                 }
             }
@@ -300,45 +299,45 @@ impl<'a> Mirrored<'a> {
         // Between the origin and the first points of the grid, along the softest of the long waves, a well may be too narrow
         // in angle for the grid. What falls on beyond is seen from there.
         let places = RAY.map(|step| soft.map(|x| x * step));
-        let expansions = self
-            .sums
-            .expansions(&places.map(|place| place[0]), &places.map(|place| place[1]));
-        let ray: [f64; LANES] = std::array::from_fn(|lane| {
-            self.objective(request.objective, &expansions.of(lane), places[lane])
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        for (lane, place) in places.iter().enumerate() {
+            [u[lane], v[lane]] = *place;
+        }
+        let branches = self.sums.branches(places.len(), &u, &v);
+        let ray: [f64; RAY.len()] = std::array::from_fn(|lane| {
+            self.objective(request.objective, &branches.of(lane), places[lane])
                 .value
         });
         let is_dip = |n: &usize| (*n == 0 || ray[n - 1] >= ray[*n]) && ray[n + 1] >= ray[*n];
-        if let Some(n) = (0..LANES - 1).find(is_dip) {
+        if let Some(n) = (0..RAY.len() - 1).find(is_dip) {
             descents.push(Descent::from(request.objective, places[n]));
         }
     }
 
     /// Follows descents to their ends, several at once.
     fn descend(&self, descents: &mut [Descent], requests: &[Request]) {
+        let mut floors = Floors::new(requests, descents);
+        let mut running = Vec::with_capacity(descents.len());
         for _ in 0..STEPS {
-            let running: Vec<usize> = (0..descents.len())
-                .filter(|n| descents[*n].state == State::Running)
-                .collect();
+            running.clear();
+            running.extend((0..descents.len()).filter(|n| descents[*n].state == State::Running));
             if running.is_empty() {
                 return;
             }
             for chunk in running.chunks(LANES) {
-                let lane = |axis: usize| -> Lanes {
-                    std::array::from_fn(|n| descents[chunk[n.min(chunk.len() - 1)]].place[axis])
-                };
-                let expansions = self.sums.expansions(&lane(0), &lane(1));
+                let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
                 for (lane, n) in chunk.iter().enumerate() {
-                    let Descent {
-                        objective, place, ..
-                    } = descents[*n];
-                    let floor = Self::floor(objective, requests, descents);
-                    let expansion = expansions.of(lane);
-                    let taylor = self.objective(objective, &expansion, place);
-                    let descent = &mut descents[*n];
-                    descent.proceed(&taylor, floor, self);
+                    [u[lane], v[lane]] = descents[*n].place;
+                }
+                let branches = self.sums.branches(chunk.len(), &u, &v);
+                for (lane, n) in chunk.iter().enumerate() {
+                    let (descent, here) = (&mut descents[*n], branches.of(lane));
+                    let taylor = self.objective(descent.objective, &here, descent.place);
+                    descent.proceed(&taylor, floors.of(descent.objective), self);
+                    floors.lower(descent);
                     if let State::Settled(valley) = descent.state {
                         descent.is_intricate =
-                            valley.is_some() || self.is_near_crossing(&expansion);
+                            valley.is_some() || self.is_near_crossing(&here.discriminant);
                     }
                 }
             }
@@ -346,8 +345,7 @@ impl<'a> Mirrored<'a> {
     }
 
     /// Whether the discriminant may vanish within two steps of the grid.
-    fn is_near_crossing(&self, d: &Expansion<f64, 2>) -> bool {
-        let p = d.discriminant();
+    fn is_near_crossing(&self, p: &Taylor<f64, 2>) -> bool {
         let along = |axis: usize| {
             let step = 2.0 * self.waves.steps[axis];
             step * p.gradient[axis].abs() + 0.5 * step * step * p.hessian[axis][axis].abs()
@@ -355,55 +353,57 @@ impl<'a> Mirrored<'a> {
         p.value < along(0) + along(1)
     }
 
-    /// What a descent has to get below: the floor of the search, and what others have reached; of the discriminant, all of
-    /// whose wells are wanted, the former alone.
-    fn floor(objective: Objective, requests: &[Request], descents: &[Descent]) -> f64 {
-        let requests = requests
-            .iter()
-            .filter(|request| request.objective == objective);
-        let floor = requests
-            .map(|request| request.floor)
-            .fold(f64::INFINITY, f64::min);
-        if objective == Objective::Discriminant {
-            return floor;
-        }
-        let others = descents.iter().filter(|other| other.objective == objective);
-        others.map(|other| other.value).fold(floor, f64::min)
-    }
-
     /// How many steps of the grid a place is from the origin.
     fn steps_from_origin(&self, place: [f64; 2]) -> f64 {
-        let [u, v] = [0, 1].map(|axis| place[axis].abs() / self.waves.steps[axis]);
-        u.max(v)
+        let [u, v] = self.waves.steps;
+        (place[0].abs() / u).max(place[1].abs() / v)
     }
 
     /// An objective with its derivatives by the phases; infinite for waves that are too long to be sought.
-    fn objective(
-        &self,
-        objective: Objective,
-        d: &Expansion<f64, 2>,
-        place: [f64; 2],
-    ) -> Taylor<f64, 2> {
+    fn objective(&self, objective: Objective, d: &Branches<2>, place: [f64; 2]) -> Taylor<f64, 2> {
         match objective {
-            Objective::Highest => d.branch(1.0).map(|x| -x),
+            Objective::Highest => d.branch(1.0).times_number(-1.0),
             Objective::Lowest => d.branch(-1.0),
             Objective::Growth => d.negative_square_of_growth(),
-            Objective::Discriminant => {
-                let discriminant = d.discriminant();
-                if self.steps_from_origin(place) < FLAT {
-                    discriminant.map(|_| f64::INFINITY)
-                } else {
-                    discriminant
-                }
-            }
+            Objective::Discriminant if self.steps_from_origin(place) < FLAT => Taylor::INFINITE,
+            Objective::Discriminant => d.discriminant,
             Objective::Scaled => {
                 let laplacian = self.laplacian.at(place);
                 if laplacian.value < LONG_WAVE * LONG_WAVE * self.laplacian.vectors[0].0 {
-                    laplacian.map(|_| f64::INFINITY)
+                    Taylor::INFINITE
                 } else {
                     d.branch(-1.0).over(&laplacian)
                 }
             }
+        }
+    }
+}
+
+/// What descents have to get below: the floor of the search, and what others have reached; of the discriminant, all of
+/// whose wells are wanted, the former alone.
+struct Floors([f64; 5]);
+
+impl Floors {
+    fn new(requests: &[Request], descents: &[Descent]) -> Self {
+        let mut floors = Self([f64::INFINITY; 5]);
+        for request in requests {
+            let floor = &mut floors.0[request.objective as usize];
+            *floor = floor.min(request.floor);
+        }
+        for descent in descents {
+            floors.lower(descent);
+        }
+        floors
+    }
+
+    fn of(&self, objective: Objective) -> f64 {
+        self.0[objective as usize]
+    }
+
+    fn lower(&mut self, descent: &Descent) {
+        if descent.objective != Objective::Discriminant {
+            let floor = &mut self.0[descent.objective as usize];
+            *floor = floor.min(descent.value);
         }
     }
 }
@@ -454,26 +454,26 @@ impl Descent {
             return;
         }
         if here.value.is_nan() || here.value >= self.value {
-            self.step = self.step.map(|x| 0.25 * x);
+            self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
             if length(self.step) < SHORT {
                 self.state = State::Lost;
             }
-            self.place = [0, 1].map(|n| self.last[n] + self.step[n]);
+            self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
             return;
         }
         self.value = here.value;
         self.last = self.place;
-        let (slope, curvature) = (here.slope(), here.curvature());
-        if !slope.iter().chain(curvature.iter()).all(|x| x.is_finite()) {
+        if !here.is_finite() {
             self.state = State::Lost;
             return;
         }
+        let (slope, curvature) = (here.slope(), here.curvature());
         // Steps are at most a tenth of what is given: a step of the grid.
         let [u, v] = search.waves.steps;
         let (step, is_convex) = newton_step(&slope, &curvature, 10.0 * u.max(v));
-        let decrease = -slope.dot(&step);
+        let decrease = -(slope[0] * step[0] + slope[1] * step[1]);
         self.step = [step[0], step[1]];
-        self.place = [0, 1].map(|n| self.last[n] + self.step[n]);
+        self.place = [self.last[0] + step[0], self.last[1] + step[1]];
         if !is_convex {
             return;
         }
@@ -504,123 +504,116 @@ struct Sweep<'a> {
     lowest: f64,
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Work for the widest vectors of the machine.
 struct Sweeping<'a, 'b>(&'b mut Sweep<'a>);
 
-impl NullaryFnOnce for Sweeping<'_, '_> {
+impl WithSimd for Sweeping<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        self.0.run();
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.run(simd);
     }
 }
 
 impl Sweep<'_> {
     #[inline(always)]
-    fn run(&mut self) {
-        let width = self.waves.width;
-        let mut rows = vec![0.0; 4 * width * (self.sums.reach[1] + 1)];
+    fn run<S: Simd>(&mut self, simd: S) {
+        let groups = self.waves.groups();
+        let mut rows = vec![[[0.0; FILL]; 4]; groups * (self.sums.reach[1] + 1)];
         let [cosines, sines] = &self.waves.along;
-        self.sums.rows(cosines, sines, width, &mut rows);
+        self.sums.rows(simd, [cosines, sines], &mut rows);
         // The values of the objectives on the last three lines.
-        let mut ring = vec![0.0; 3 * SOUGHT.len() * width];
-        let mut is_low = vec![0_u8; width];
-        let size = SOUGHT.len() * width;
+        let size = SOUGHT.len() * groups;
+        // What is looked at beside the last column of all does not count.
+        let mut ring = vec![[0.0; FILL]; 3 * size + 1];
         for line in 0..self.waves.lines() {
-            self.fill(line, &rows, &mut ring[line % 3 * size..][..size]);
+            self.fill(simd, line, &rows, &mut ring[line % 3 * size..][..size]);
             if line >= 2 {
-                self.find(line - 1, &ring, &mut is_low);
+                self.find(simd, line - 1, ring.as_flattened());
             }
         }
     }
 
     /// The objectives on a line.
     #[inline(always)]
-    fn fill(&mut self, line: usize, rows: &[f64], values: &mut [f64]) {
-        let width = self.waves.width;
+    fn fill<S: Simd>(&self, simd: S, line: usize, rows: &[[Group; 4]], values: &mut [Group]) {
+        let groups = self.waves.groups();
         let lines = self.waves.lines();
-        let (scaled, rest) = values.split_at_mut(width);
-        let (image, rest) = rest.split_at_mut(width);
-        let (lowest, rest) = rest.split_at_mut(width);
-        let (highest, discriminant) = rest.split_at_mut(width);
-        let [own, other] = &self.waves.inverse_laplacian;
-        let (own, other) = (
-            &own[line * width..][..width],
-            &other[line * width..][..width],
-        );
+        let [own, image] = &self.waves.inverse_laplacian;
         let [cosines, sines] = &self.waves.across;
-        for start in (0..width).step_by(FILL) {
-            let mut entries = [[0.0; FILL]; 4];
-            for j in 0..=self.sums.reach[1] {
-                let row = &rows[4 * j * width..][..4 * width];
-                let (cosine, sine) = (cosines[j * lines + line], sines[j * lines + line]);
-                for (e, factor) in [cosine, sine, sine, cosine].into_iter().enumerate() {
-                    let part = &row[e * width + start..][..FILL];
-                    for l in 0..FILL {
-                        entries[e][l] += part[l] * factor;
-                    }
+        let (zero, number) = (Pack::splat(simd, 0.0), Pack::splat(simd, 0.5));
+        for group in 0..groups {
+            for part in 0..FILL / S::F64_LANES {
+                let mut d = [zero; 4];
+                for j in 0..=self.sums.reach[1] {
+                    let row = &rows[j * groups + group];
+                    let cosine = zero.constant(cosines[j * lines + line]);
+                    let sine = zero.constant(sines[j * lines + line]);
+                    d[0] = Pack::of(simd, &row[0], part).times_plus(cosine, d[0]);
+                    d[1] = Pack::of(simd, &row[1], part).times_plus(sine, d[1]);
+                    d[2] = Pack::of(simd, &row[2], part).times_plus(sine, d[2]);
+                    d[3] = Pack::of(simd, &row[3], part).times_plus(cosine, d[3]);
                 }
-            }
-            let at =
-                |values: &'_ [f64]| -> [f64; FILL] { std::array::from_fn(|l| values[start + l]) };
-            let (own, other) = (at(own), at(other));
-            for l in 0..FILL {
-                let mean = 0.5 * (entries[0][l] + entries[3][l]);
-                let half = 0.5 * (entries[0][l] - entries[3][l]);
-                let p = half * half + entries[1][l] * entries[2][l];
-                let root = if p > 0.0 { p } else { 0.0 }.sqrt();
+                let mean = (d[0] + d[3]) * number;
+                let half = (d[0] - d[3]) * number;
+                let p = half.times_plus(half, d[1] * d[2]);
+                let root = p.max(zero).sqrt();
                 let low = mean - root;
-                scaled[start + l] = low * own[l];
-                image[start + l] = low * other[l];
-                lowest[start + l] = low;
-                highest[start + l] = -(mean + root);
-                discriminant[start + l] = p;
+                let place = line * groups + group;
+                let sought = [
+                    low * Pack::of(simd, &own[place], part),
+                    low * Pack::of(simd, &image[place], part),
+                    low,
+                    -(mean + root),
+                    p,
+                ];
+                for number in 0..SOUGHT.len() {
+                    sought[number].write(&mut values[number * groups + group], part);
+                }
             }
         }
         if line == 1 {
             // Long waves are taken to their limit elsewhere.
-            for values in [scaled, image, lowest, highest, discriminant] {
-                values[1] = f64::INFINITY;
+            for number in 0..SOUGHT.len() {
+                values[number * groups][1] = f64::INFINITY;
             }
         }
     }
 
     /// The wells on a line with those before and behind it.
     #[inline(always)]
-    fn find(&mut self, line: usize, ring: &[f64], is_low: &mut [u8]) {
+    fn find<S: Simd>(&mut self, simd: S, line: usize, ring: &[f64]) {
         let width = self.waves.width;
         let size = SOUGHT.len() * width;
         let [last_column, last_line] = self.waves.intervals.map(|n| n + 1);
-        for (number, (objective, is_image)) in SOUGHT.into_iter().enumerate() {
-            let [before, here, behind] = [line + 2, line, line + 1]
-                .map(|line| &ring[line % 3 * size + number * width..][..width]);
+        for number in 0..SOUGHT.len() {
+            let (objective, is_image) = SOUGHT[number];
             // On mirror lines the image is the wave itself.
             if is_image && (line == 1 || line == last_line) {
                 continue;
             }
-            let smaller = |a: f64, b: f64| if a < b { a } else { b };
-            for n in 1..width - 1 {
-                let beside = smaller(here[n - 1], here[n + 1]);
-                let above = smaller(smaller(before[n - 1], before[n]), before[n + 1]);
-                let below = smaller(smaller(behind[n - 1], behind[n]), behind[n + 1]);
-                let around = smaller(beside, smaller(above, below));
-                is_low[n] = u8::from(around >= here[n]);
-            }
-            for n in 1..=last_column {
-                if is_low[n] == 0 || (is_image && n == 1) {
+            let lines = [line + 2, line, line + 1]
+                .map(|line| &ring[line % 3 * size + number * width..][..width + 2]);
+            for group in 0..width / S::F64_LANES {
+                let around = lowest_around(simd, &lines, group);
+                let here = Pack::of(simd, &lines[1][1..=width], group);
+                if !here.is_at_most(around).any() {
                     continue;
                 }
-                if objective == Objective::Highest {
-                    self.lowest = self.lowest.min(here[n]);
+                let mut lowest = [0.0; WIDEST];
+                around.write(&mut lowest[..S::F64_LANES], 0);
+                for lane in 0..S::F64_LANES {
+                    let n = group * S::F64_LANES + lane + 1;
+                    let is_own = n <= last_column && !(is_image && n == 1);
+                    if !is_own || lines[1][n] > lowest[lane] || lines[1][n].is_nan() {
+                        continue;
+                    }
+                    if objective == Objective::Highest {
+                        self.lowest = self.lowest.min(lines[1][n]);
+                    }
+                    self.record(objective, is_image, [n, line], lines, self.floors[number]);
                 }
-                self.record(
-                    objective,
-                    is_image,
-                    [n, line],
-                    [before, here, behind],
-                    self.floors[number],
-                );
             }
         }
     }
@@ -635,15 +628,24 @@ impl Sweep<'_> {
         floor: f64,
     ) {
         let n = at[0];
-        let [a, b, c] = lines.map(|line| [line[n - 1], line[n], line[n + 1]]);
+        let three = |line: &[f64]| [line[n - 1], line[n], line[n + 1]];
+        let [a, b, c] = [three(lines[0]), three(lines[1]), three(lines[2])];
         let value = b[1];
-        let around = || a.iter().chain(&b).chain(&c).filter(|x| x.is_finite());
-        let bound = value - (around().fold(value, |high, x| high.max(*x)) - value);
+        let mut highest = value;
+        for x in [a, b, c].as_flattened() {
+            if x.is_finite() {
+                highest = highest.max(*x);
+            }
+        }
+        let bound = value - (highest - value);
         if bound > floor || !value.is_finite() {
             return;
         }
         let steps = self.waves.steps;
-        let mut place = [0, 1].map(|axis| (at[axis] as f64 - 1.0) * steps[axis]);
+        let mut place = [
+            (at[0] as f64 - 1.0) * steps[0],
+            (at[1] as f64 - 1.0) * steps[1],
+        ];
         // To the bottom of the paraboloid through the points around.
         let slope = Vector2::new(0.5 * (b[2] - b[0]), 0.5 * (c[1] - a[1]));
         let mixed = 0.25 * (c[2] - c[0] - a[2] + a[0]);
@@ -673,4 +675,18 @@ impl Sweep<'_> {
             place,
         });
     }
+}
+
+/// The lowest of the eight points around each point of a group on the second of three lines, its first point left out.
+#[inline(always)]
+fn lowest_around<S: Simd>(simd: S, lines: &[&[f64]; 3], group: usize) -> Pack<S> {
+    let width = lines[1].len() - 2;
+    let mut lowest = Pack::of(simd, &lines[1][..width], group);
+    lowest = lowest.min(Pack::of(simd, &lines[1][2..], group));
+    for line in [lines[0], lines[2]] {
+        for shift in 0..3 {
+            lowest = lowest.min(Pack::of(simd, &line[shift..][..width], group));
+        }
+    }
+    lowest
 }

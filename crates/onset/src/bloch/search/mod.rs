@@ -16,11 +16,13 @@ use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
 use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates};
+use crate::lattice::{
+    BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates, inverse_of,
+};
 use crate::method::Method;
 use grid::{Grid, complex_growth};
 use mirrored::{Bottom, Mirrored, Request};
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
 /// Scaled measures within this multiple of the rounding error of the matrix count as zero.
@@ -90,12 +92,12 @@ impl<const D: usize> ZoneSearch<D> {
     /// `None` when the lattice degenerates in floating point.
     pub fn new(method: &Method<D>, f: &DeformationGradient, speed_squared: f64) -> Option<Self> {
         let home = method.home_map(f);
-        let inverse = DMatrix::from_fn(D, D, |i, j| home[(j, i)]).try_inverse()?;
+        let to_reference = home.transpose();
         Some(Self {
             lattice: method.lattice().mapped(&home)?,
             zone: OnceLock::new(),
-            to_reference: home.transpose(),
-            from_reference: SMatrix::from_fn(|i, j| inverse[(i, j)]),
+            from_reference: inverse_of(&to_reference)?,
+            to_reference,
             home_is_reference: home == SMatrix::<f64, D, D>::identity(),
             grids: Arc::clone(method.wave_grids()),
             is_periodic: method.is_periodic(),
@@ -341,21 +343,40 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
     pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
+        let (k, d, omega_squared) = self.spectrum_at(matrix, k);
+        self.mode_of(k, &d, &omega_squared, omega_squared[0])
+    }
+
+    /// The wave vector that is shown of those equivalent to a given one, with `D` and its eigenvalues there.
+    fn spectrum_at(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        k: &SVector<f64, D>,
+    ) -> (SVector<f64, D>, SMatrix<Complex, D, D>, [Complex; D]) {
         // Of equivalent wave vectors the one in the zone is shown, of k and -k that with a positive leading component.
         let mut folded = if self.is_periodic { self.folded(k) } else { *k };
         if is_shown_reversed(&folded) {
             folded = -folded;
         }
-        let k = &folded;
-        let d = matrix.at(k);
-        let omega_squared = eigenvalues(&d, matrix.noise())[0];
-        let laplacian = self.reference().laplacian(k);
+        let d = matrix.at(&folded);
+        (folded, d, eigenvalues(&d, matrix.noise()))
+    }
+
+    /// The mode of one of the eigenvalues.
+    fn mode_of(
+        &self,
+        wave_vector: SVector<f64, D>,
+        d: &SMatrix<Complex, D, D>,
+        all: &[Complex; D],
+        omega_squared: Complex,
+    ) -> Mode<D> {
+        let laplacian = self.reference().laplacian(&wave_vector);
         Mode {
-            wave_vector: *k,
+            wave_vector,
             is_long_wave: false,
             omega_squared,
-            scaled: omega_squared.re / (self.speed_squared * laplacian),
-            polarization: eigenvector(&d, omega_squared),
+            scaled: all[0].re / (self.speed_squared * laplacian),
+            polarization: eigenvector(d, omega_squared),
         }
     }
 
@@ -715,17 +736,12 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The fastest growing mode with a complex `omega^2` at a wave vector.
     fn fluttering_mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Option<Mode<D>> {
-        let mode = self.mode(matrix, k);
-        let d = matrix.at(&mode.wave_vector);
-        let omega_squared = eigenvalues(&d, matrix.noise())
-            .into_iter()
+        let (k, d, all) = self.spectrum_at(matrix, k);
+        let omega_squared = all
+            .iter()
             .filter(|value| value.im != 0.0)
-            .max_by(|a, b| growth_rate(*a).total_cmp(&growth_rate(*b)))?;
-        Some(Mode {
-            omega_squared,
-            polarization: eigenvector(&d, omega_squared),
-            ..mode
-        })
+            .max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b)))?;
+        Some(self.mode_of(k, &d, &all, *omega_squared))
     }
 }
 

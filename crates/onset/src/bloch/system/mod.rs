@@ -295,11 +295,11 @@ impl<const D: usize> WaveSystem<D> {
         for (_, to, block) in self.stiffness.blocks() {
             let block = block / mass;
             match &self.drift {
-                None => constants.add(&[0; D], &to.cell, &block),
+                None => constants.add_to(&to.cell, &block),
                 Some(drift) => {
                     for (_, beyond, smoothed) in drift.blocks() {
                         let cell = std::array::from_fn(|i| to.cell[i] + beyond.cell[i]);
-                        constants.add(&[0; D], &cell, &(block * smoothed));
+                        constants.add_to(&cell, &(block * smoothed));
                     }
                 }
             }
