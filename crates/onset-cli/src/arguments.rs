@@ -219,8 +219,7 @@ fn plastic_parameters() -> String {
     )
 }
 
-/// Tells where your material and your particle discretization are stable, and whether the first
-/// instability is physical or numerical.
+/// Where are your material and your discretization stable, and is an instability physical or numerical?
 #[derive(Debug, Parser)]
 #[command(
     name = "onset",

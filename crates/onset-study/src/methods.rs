@@ -111,6 +111,9 @@ fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
     Ok(())
 }
 
+/// The longest step of which the squares of products with frequencies are numbers.
+const LONGEST: f64 = 1e100;
+
 /// That the step of time at which rates are told is one.
 fn require_a_step(settings: &Settings) -> Result<(), MethodError> {
     match settings.method.time_step {
@@ -118,6 +121,11 @@ fn require_a_step(settings: &Settings) -> Result<(), MethodError> {
             name: "time-step",
             value,
             expected: "a positive number, or 0 for half of the largest stable step",
+        }),
+        value if value > LONGEST => Err(MethodError::Setting {
+            name: "time-step",
+            value,
+            expected: "at most 1e100",
         }),
         _ => Ok(()),
     }

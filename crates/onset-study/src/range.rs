@@ -33,7 +33,7 @@ pub fn spread([low, high]: [f64; 2], count: usize) -> Vec<f64> {
 /// The value in the middle: of positive ones that of their logarithms.
 pub fn middle(low: f64, high: f64) -> f64 {
     match low > 0.0 && high > 0.0 {
-        true => (low * high).sqrt(),
+        true => low.sqrt() * high.sqrt(),
         false => 0.5 * (low + high),
     }
 }

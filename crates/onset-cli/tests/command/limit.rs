@@ -40,7 +40,7 @@ fn the_smallest_spacing_and_density_are_those_of_the_wave_speed() {
     assert!((density / (4.0 * 0.01) - 1.0).abs() < 1e-8, "{density}");
     let text = onset_line(&line("spacing")).stdout;
     assert!(
-        text.contains("is stable with discretization.spacing from 0.2 on."),
+        text.contains("is below the critical one with discretization.spacing from 0.2 on."),
         "{text}"
     );
     assert!(text.contains("It is 1 now"), "{text}");
@@ -114,7 +114,7 @@ fn units_of_step_and_values_are_those_of_the_study() {
     assert_eq!(with.code, Some(0), "{}", with.stderr);
     assert!(
         with.stdout
-            .contains("A time step of 1e-6 s is stable with material.young up to 7.42857e8 Pa."),
+            .contains("A time step of 1e-6 s is below the critical one with material.young up to 7.42857e8 Pa."),
         "{}",
         with.stdout
     );
@@ -134,12 +134,59 @@ fn no_value_and_every_value_are_said_to_be_so() {
         format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
     };
     let none = onset_line(&line("0.01,0.1")).stdout;
-    assert!(none.contains("is stable with no discretization.spacing from 0.01 to 0.1; the largest critical step is 0.05, at 0.1."), "{none}");
+    assert!(none.contains("is below the critical one with no discretization.spacing from 0.01 to 0.1; the largest critical step is 0.05, at 0.1."), "{none}");
     let all = onset_line(&line("1,2")).stdout;
     assert!(
-        all.contains("is stable with every discretization.spacing from 1 to 2."),
+        all.contains("is below the critical one with every discretization.spacing from 1 to 2."),
         "{all}"
     );
+}
+
+#[test]
+fn what_is_known_beside_a_limit_is_said() {
+    let unstable = onset_line(&format!(
+        "limit --vary material.mu --time-step 0.01 {LAW} {BARS} --stretch 0.05 --set material.model=saint-venant-kirchhoff"
+    ));
+    assert!(
+        unstable
+            .stdout
+            .contains("The verdict on the state is physical with all of these values"),
+        "{}{}",
+        unstable.stdout,
+        unstable.stderr
+    );
+    assert!(
+        unstable.stdout.contains("with no critical step."),
+        "{}",
+        unstable.stdout
+    );
+    // Poisson's ratio ends at one half, with a note.
+    let law = "--set material.model=neo-hooke --set material.young=2 --set material.poisson=0.3";
+    let ratio = onset_line(&format!(
+        "limit --vary material.poisson --range 0.1,0.9 --time-step 1e-9 {law} {BARS}"
+    ));
+    assert!(
+        ratio.stdout.contains("with material.poisson up to 0.")
+            && ratio.stdout.contains("Beyond 0.4"),
+        "{}{}",
+        ratio.stdout,
+        ratio.stderr
+    );
+    // A grid that the waves of a body admit, and a point alone does not.
+    let fluid = "--energy stiffness*(sqrt(I3)-1-ln(sqrt(I3))) --set material.stiffness=400 set method=mls-mpm set lattice=square set grid=regular set spacing=0.005";
+    let alone = onset_line(&format!(
+        "limit --vary discretization.spacing --time-step 2e-4 {fluid}"
+    ));
+    assert!(
+        alone.stdout.contains("points that lose their neighbors"),
+        "{}{}",
+        alone.stdout,
+        alone.stderr
+    );
+    let document = document(&format!(
+        "limit --vary discretization.spacing --time-step 2e-4 {fluid}"
+    ));
+    assert!(document["integrator"].is_null(), "{document}");
 }
 
 #[test]
@@ -180,6 +227,14 @@ fn settings_and_steps_that_are_none_are_refused() {
         (
             "limit --vary discretization.spacing --time-step 1 --integrator x",
             "kick-drift-kick",
+        ),
+        (
+            "limit --vary discretization.time-step --time-step 1 set method=mls-mpm set lattice=square",
+            "is a time step itself",
+        ),
+        (
+            "tune discretization.time-step set method=mls-mpm set lattice=square",
+            "is no coefficient",
         ),
         ("limit --vary map.tile --time-step 1", "cannot be varied"),
     ] {

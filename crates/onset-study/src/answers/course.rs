@@ -169,6 +169,17 @@ impl Course {
     }
 }
 
+/// What a mode has in which the faces of a sheet are free of traction.
+fn free_faces(mode: Mode) -> String {
+    let of_mode = Loading::ALL.into_iter().filter(|own| own.mode == mode);
+    let free = of_mode.filter(|own| own.leaves_free(2));
+    let names: Vec<&str> = free.map(|own| own.lateral.name()).collect();
+    match names.is_empty() {
+        true => "--mode equibiaxial".to_owned(),
+        false => format!("--lateral {}", names.join(" or ")),
+    }
+}
+
 /// Why a loading is none of a sheet or bar, whose faces have no traction: it holds what is found across.
 fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     let (is_one, body, hint) = match dimension {
@@ -176,12 +187,12 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
         2 => (
             loading.leaves_free(2),
             "a sheet in plane stress, the thickness of which is found",
-            "--lateral free or plane-stress",
+            free_faces(loading.mode),
         ),
         _ => (
             loading.mode == Mode::Uniaxial && loading.lateral == Lateral::Free,
             "a bar in uniaxial stress, the lateral stretches of which are found",
-            "--mode uniaxial",
+            "--mode uniaxial".to_owned(),
         ),
     };
     (!is_one).then(|| {

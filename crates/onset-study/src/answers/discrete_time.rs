@@ -33,6 +33,9 @@ pub struct DiscreteTimeAnswer {
     pub wave_vector: Vec<f64>,
     /// The same in the deformed lattice.
     pub spatial_wave_vector: Vec<f64>,
+    /// Whether the step was asked for.
+    #[serde(skip)]
+    is_step_set: bool,
     /// The rate `s` of the fastest sound wave of eight cells along the first axis: minus its damping, and its frequency.
     pub sound: Option<ComplexNumber>,
 }
@@ -61,6 +64,7 @@ impl DiscreteTimeAnswer {
             largest_time_step: largest,
             point_alone_time_step: waves.point_alone(),
             time_step,
+            is_step_set: method.time_step > 0.0,
             growth_rate: rate.map(|rate| rate.re),
             frequency: rate.map(|rate| rate.im.abs()),
             wave_vector: list(dimension, &k),
@@ -90,7 +94,7 @@ impl DiscreteTimeAnswer {
     /// Whether it is longer than that of a point alone.
     fn is_too_long_for_a_point_alone(&self) -> bool {
         let both = self.time_step.zip(self.point_alone_time_step);
-        both.is_some_and(|(step, alone)| step > alone)
+        self.is_step_set && both.is_some_and(|(step, alone)| step > alone)
     }
 
     /// Lines of the text: names and what they say.
@@ -111,7 +115,10 @@ impl DiscreteTimeAnswer {
         if let Some(alone) = self.point_alone_time_step {
             lines.push((
                 "of a point alone",
-                format!("{}: unstressed, without neighbors on the grid", time(alone)),
+                format!(
+                    "{}: unstressed, at its place in the lattice, without neighbors on the grid",
+                    time(alone)
+                ),
             ));
         }
         if let Some((step, growth)) = self.time_step.zip(self.growth_rate) {
@@ -149,7 +156,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
     let transfer = own.transfer.name();
     match (is_stable, growth > 0.0) {
         (true, true) if own.is_too_long() => Some(format!(
-            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although the state is stable",
+            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although none grows in continuous time",
             units.of(told(own.largest_time_step?), "s")
         )),
         (true, false) if own.is_too_long_for_a_point_alone() => Some(format!(
@@ -158,7 +165,12 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
             units.of(told(own.point_alone_time_step?), "s")
         )),
         (false, true) => Some(format!(
-            "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}; shorter steps filter more often"
+            "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}{}",
+            match own.transfer {
+                // What points keep of their own velocities is not filtered.
+                Velocities::Flip => "",
+                _ => "; shorter steps filter more often",
+            }
         )),
         (false, false) => Some(format!(
             "with the step {step} the filter of the {transfer} transfer holds the waves that grow without it"

@@ -155,13 +155,14 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
     let method = &settings.method;
     let mut notes = Vec::new();
     if method.method == Family::Peridynamics && method.bonds == Bonds::BondBased {
-        let ratio = match settings.material.is_plane_stress() {
-            true => "1/3",
-            false => "1/4",
+        let ratio = match (settings.dimension(), settings.material.is_plane_stress()) {
+            (1, _) => "",
+            (_, true) => " with Poisson's ratio 1/3",
+            (_, false) => " with Poisson's ratio 1/4",
         };
         notes.push(format!(
             "bond-based peridynamics takes one number of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
-             the bonds are linear springs with Poisson's ratio {ratio}, whatever else the law says, and the continuum beside them is the \
+             the bonds are linear springs{ratio}, whatever else the law says, and the continuum beside them is the \
              whole law. With discretization.bonds = correspondence the particles follow the law"
         ));
     }

@@ -83,8 +83,16 @@ impl StudySummary {
                 .iter()
                 .any(|axis| axis.quantity.key_name() == name)
         };
+        // In plane stress what is across is found.
+        let extent = study.settings.extent();
+        let is_found = |quantity: &Quantity| {
+            let across = extent.dimension + 1..=3;
+            extent.is_found_beyond
+                && matches!(quantity, Quantity::Stretch(n) if across.contains(&(*n as usize)))
+        };
         let fixed = Quantity::OF_STATE
             .into_iter()
+            .filter(|quantity| !is_found(quantity))
             .filter(|quantity| !varied(&quantity.key_name()))
             .filter_map(|quantity| Some((quantity.name(), study.state.value(quantity.name())?)));
         let parameters = study.settings.material.entries().into_iter();

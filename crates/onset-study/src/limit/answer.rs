@@ -11,10 +11,13 @@ use crate::settings::{Effective, Settings, Units};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// Evaluations by which a limit is refined.
 const REFINEMENTS: usize = 60;
+/// Halvings towards values with which nothing can be evaluated.
+const HALVINGS: usize = 12;
 /// How close to one the ratio of the steps is at a limit, and two values of which only one admits the step.
 const CLOSE: f64 = 1e-10;
 
@@ -29,8 +32,14 @@ pub struct Tried {
     pub critical_time_step: f64,
     /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
     pub verdict: Option<Verdict>,
+    /// The critical step of a material point that is alone on the grid, of methods with a transfer. Time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point_alone_time_step: Option<f64>,
     /// Why nothing can be evaluated.
     pub note: Option<String>,
+    /// Whether it lies between values of the grid.
+    #[serde(skip)]
+    is_refined: bool,
 }
 
 /// Numbers that are not finite are `null`.
@@ -44,6 +53,11 @@ impl Tried {
     /// The logarithm of what the critical step is larger by than what it must be; no number where nothing can be evaluated.
     fn margin(&self, needed: f64) -> f64 {
         (self.critical_time_step / needed).ln()
+    }
+
+    fn refined(mut self) -> Self {
+        self.is_refined = true;
+        self
     }
 }
 
@@ -60,16 +74,19 @@ pub enum EndKind {
 }
 
 /// An end of the values that admit a step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct End {
     /// The last value that admits it.
     pub value: f64,
     /// What is beyond.
     pub kind: EndKind,
+    /// Why nothing can be evaluated there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 /// Values that admit a step, from one to another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Admitted {
     /// The smallest.
     pub from: End,
@@ -88,8 +105,8 @@ pub struct LimitAnswer {
     pub time_step: f64,
     /// The share of the critical step that it may be.
     pub safety: f64,
-    /// How steps are taken.
-    pub integrator: &'static str,
+    /// How steps are taken; `null` of a method with a transfer, which has a step of its own.
+    pub integrator: Option<&'static str>,
     /// The state, `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
     /// What the setting is now, where it is anything, and what that gives.
@@ -115,7 +132,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn measured(&self, value: f64) -> Result<(f64, Verdict), ProblemError> {
+    /// The critical step of the state, that of a point alone, and the verdict.
+    fn measured(&self, value: f64) -> Result<(f64, Option<f64>, Verdict), ProblemError> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
@@ -123,7 +141,9 @@ impl Search<'_> {
             true => analysis.critical_time_step(f, self.question.integrator)?,
             false => assessment.spectrum.critical_time_step(),
         };
-        Ok((step, assessment.verdict))
+        let transferred = analysis.transferred(f)?;
+        let alone = transferred.and_then(|waves| waves.point_alone());
+        Ok((step, alone, assessment.verdict))
     }
 
     fn tried(&self, value: f64) -> Tried {
@@ -134,9 +154,11 @@ impl Search<'_> {
         };
         Tried {
             value,
-            critical_time_step: measured.map_or(f64::NAN, |(step, _)| step),
-            verdict: measured.map(|(_, verdict)| verdict),
+            critical_time_step: measured.map_or(f64::NAN, |(step, ..)| step),
+            verdict: measured.map(|(.., verdict)| verdict),
+            point_alone_time_step: measured.and_then(|(_, alone, _)| alone),
             note,
+            is_refined: false,
         }
     }
 
@@ -150,17 +172,17 @@ impl Search<'_> {
         for n in 0..REFINEMENTS {
             let width = (outside.value - inside.value).abs();
             let is_close = width <= CLOSE * inside.value.abs().max(outside.value.abs());
-            if is_close || inside.margin(self.needed) <= CLOSE {
+            let is_of_domain = outside.note.is_some() && n >= HALVINGS;
+            if is_close || is_of_domain || inside.margin(self.needed) <= CLOSE {
                 break;
             }
             // Two secants, then a halving: each end of the interval moves.
             let halved = middle(inside.value, outside.value);
-            let secant = || self.secant(&inside, &outside);
             let value = match n % 3 {
                 2 => halved,
-                _ => secant().unwrap_or(halved),
+                _ => self.secant(&inside, &outside).unwrap_or(halved),
             };
-            let between = self.tried(value);
+            let between = self.tried(value).refined();
             all.push(between.clone());
             match self.admits(&between) {
                 true => inside = between,
@@ -173,6 +195,7 @@ impl Search<'_> {
                 Some(_) => EndKind::Undefined,
                 None => EndKind::Limit,
             },
+            note: outside.note,
         }
     }
 
@@ -206,8 +229,10 @@ impl LimitAnswer {
             .value(question.key())
             .and_then(|value| value.number());
         let [low, high] = question.range(present)?;
-        // What is wrong with the key is wrong at every value.
-        question.settings(settings, middle(low, high))?;
+        // What is wrong with the key is wrong with its present value too.
+        if let Some(present) = present {
+            question.settings(settings, present)?;
+        }
         let time_step = question.time_step(settings)?;
         let search = Search {
             question,
@@ -238,6 +263,7 @@ impl LimitAnswer {
                     None => End {
                         value: own.value,
                         kind: EndKind::Range,
+                        note: None,
                     },
                 };
                 let before = first.checked_sub(1).map(|n| &grid[n]);
@@ -248,22 +274,80 @@ impl LimitAnswer {
             })
             .collect();
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let problem = Problem::new(question.settings(settings, present.unwrap_or(high))?);
-        Ok(Self {
+        let problem = question.settings(settings, present.unwrap_or(high));
+        let problem = problem.and_then(Problem::new).ok();
+        let is_transferred = |problem: &Problem| problem.analysis.is_transferred();
+        let notes_on_problem = problem
+            .as_ref()
+            .map_or_else(Vec::new, |problem| notes(settings, &*problem.material));
+        let mut answer = Self {
             key: question.key(),
             unit: settings.unit(question.key),
             time_step,
             safety: question.safety,
-            integrator: question.integrator.name(),
+            integrator: (!problem.as_ref().is_some_and(is_transferred))
+                .then(|| question.integrator.name()),
             deformation_gradient: *strain.0.components(),
             present: present.map(|value| search.tried(value)),
             admitted,
             tried: all,
-            notes: problem.map_or_else(
-                |_| Vec::new(),
-                |problem| notes(settings, &*problem.material),
-            ),
+            notes: notes_on_problem,
             settings: settings.effective_beside(question.key()),
+        };
+        let alone = answer.point_alone();
+        answer.notes.extend(alone);
+        Ok(answer)
+    }
+
+    /// What values admit the step.
+    fn admitting(&self) -> impl Iterator<Item = &Tried> {
+        let needed = self.time_step / self.safety;
+        let tried = self.tried.iter();
+        tried.filter(move |one| one.margin(needed) >= 0.0)
+    }
+
+    /// Where the waves of a filled body admit the step, and a point alone does not.
+    fn point_alone(&self) -> Option<String> {
+        let needed = self.time_step / self.safety;
+        let (value, step) = self.admitting().find_map(|one| {
+            let alone = one.point_alone_time_step.filter(|step| *step < needed)?;
+            Some((one.value, alone))
+        })?;
+        Some(format!(
+            "these are steps of waves; points that lose their neighbors on the grid, or never had some, need shorter ones, with {} = {} below {} (`onset state` tells it)",
+            self.key,
+            self.value(told(value)),
+            self.step(step)
+        ))
+    }
+
+    /// What is to be known of the verdicts on states that admit the step.
+    fn verdicts(&self) -> Option<String> {
+        let unstable = |one: &&Tried| one.verdict.is_some_and(|own| own != Verdict::Stable);
+        let names: BTreeSet<&str> = self
+            .admitting()
+            .filter(unstable)
+            .filter_map(|one| one.verdict.map(Verdict::name))
+            .collect();
+        let with = match self.admitting().all(|one| unstable(&one)) {
+            true => "all",
+            false => "some",
+        };
+        let names: Vec<&str> = names.into_iter().collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "The verdict on the state is {} with {with} of these values: the step is that of the waves that do not grow.",
+                names.join(" or ")
+            )
+        })
+    }
+
+    /// Where values end because nothing can be evaluated beyond them.
+    fn ends_of_domain(&self) -> impl Iterator<Item = String> {
+        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
+        ends.filter_map(|end| {
+            let note = end.note.as_deref()?.lines().next()?;
+            Some(format!("Beyond {}: {note}.", self.value(told(end.value))))
         })
     }
 
@@ -293,7 +377,7 @@ impl LimitAnswer {
             .with(
                 Rule::horizontal(self.time_step / self.safety)
                     .dashed()
-                    .named("needed"),
+                    .named("required critical step"),
             );
         if let Some(present) = self
             .present
@@ -366,15 +450,16 @@ impl LimitAnswer {
     /// The answer in a sentence. Limits are told so that what is told admits the step.
     fn sentence(&self) -> String {
         let step = self.step(self.time_step);
-        let share = match self.safety {
-            1.0 => String::new(),
-            safety => format!(", at most {} of the critical one,", told(safety)),
+        let critical = match self.safety {
+            1.0 => "the critical one".to_owned(),
+            safety => format!("{} of the critical one", told(safety)),
         };
+        let below = format!("A time step of {step} is below {critical} with");
         let from = |own: &Admitted| self.value(told_above(own.from.value));
         let to = |own: &Admitted| self.value(told_below(own.to.value));
         let [first, last] = [self.tried.first(), self.tried.last()]
             .map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
-        let is_limit = |end: &End| end.kind == EndKind::Limit;
+        let is_open = |end: &End| end.kind == EndKind::Range;
         match &self.admitted[..] {
             [] => {
                 let steps = self.tried.iter().filter(|one| one.note.is_none());
@@ -387,43 +472,28 @@ impl LimitAnswer {
                         self.value(told(best.value))
                     )
                 });
-                format!(
-                    "A time step of {step}{share} is stable with no {} from {first} to {last}{best}.",
-                    self.key
-                )
+                format!("{below} no {} from {first} to {last}{best}.", self.key)
             }
-            [only] if !is_limit(&only.from) && !is_limit(&only.to) => {
+            [only] if is_open(&only.from) && is_open(&only.to) => {
                 format!(
-                    "A time step of {step}{share} is stable with every {} from {} to {}.",
+                    "{below} every {} from {} to {}.",
                     self.key,
                     from(only),
                     to(only)
                 )
             }
-            [only] if !is_limit(&only.from) => {
-                format!(
-                    "A time step of {step}{share} is stable with {} up to {}.",
-                    self.key,
-                    to(only)
-                )
+            [only] if is_open(&only.from) => {
+                format!("{below} {} up to {}.", self.key, to(only))
             }
-            [only] if !is_limit(&only.to) => {
-                format!(
-                    "A time step of {step}{share} is stable with {} from {} on.",
-                    self.key,
-                    from(only)
-                )
+            [only] if is_open(&only.to) => {
+                format!("{below} {} from {} on.", self.key, from(only))
             }
             several => {
                 let ranges: Vec<String> = several
                     .iter()
                     .map(|own| format!("from {} to {}", from(own), to(own)))
                     .collect();
-                format!(
-                    "A time step of {step}{share} is stable with {} {}.",
-                    self.key,
-                    ranges.join(", and ")
-                )
+                format!("{below} {} {}.", self.key, ranges.join(", and "))
             }
         }
     }
@@ -433,15 +503,31 @@ impl LimitAnswer {
         let present = self.present.as_ref()?;
         let value = self.value(told(present.value));
         let step = present.critical_time_step;
-        if step.is_nan() {
-            return None;
+        if let Some(note) = &present.note {
+            let note = note.lines().next().unwrap_or_default();
+            return Some(format!(
+                "It is {value} now, with which there is no answer: {note}."
+            ));
         }
-        let ratio = self.time_step / step;
+        if step.is_infinite() {
+            return Some(format!("It is {value} now, with no critical step."));
+        }
         Some(format!(
-            "It is {value} now, with a critical step of {}: {} of it.",
+            "It is {value} now, with a critical step of {}: the step is {} times that.",
             self.step(step),
-            told(ratio)
+            told(self.time_step / step)
         ))
+    }
+
+    /// Values of the grid, and those at which the step is just admitted.
+    fn rows(&self) -> impl Iterator<Item = &Tried> {
+        let ends = self
+            .admitted
+            .iter()
+            .flat_map(|own| [own.from.value, own.to.value]);
+        let ends: Vec<f64> = ends.collect();
+        let tried = self.tried.iter();
+        tried.filter(move |one| !one.is_refined || ends.contains(&one.value))
     }
 }
 
@@ -450,6 +536,9 @@ impl fmt::Display for LimitAnswer {
         write!(formatter, "{}", self.sentence())?;
         if let Some(present) = self.present_sentence() {
             write!(formatter, " {present}")?;
+        }
+        for sentence in self.ends_of_domain().chain(self.verdicts()) {
+            write!(formatter, " {sentence}")?;
         }
         let heading = match self.unit {
             Some(unit) => format!("value ({unit})"),
@@ -460,7 +549,7 @@ impl fmt::Display for LimitAnswer {
             "\n\n  {heading:>14}  {:>14}  verdict",
             "critical step"
         )?;
-        for one in &self.tried {
+        for one in self.rows() {
             match (&one.note, one.verdict) {
                 (None, Some(verdict)) => writeln!(
                     formatter,

@@ -10,7 +10,9 @@ pub use answer::{Admitted, End, EndKind, LimitAnswer, Tried};
 pub use onset::time_step::Integrator;
 
 use crate::answers::ProblemError;
-use crate::settings::{KEYS, Key, Kind, Origin, SettingError, Settings, Value, units, unknown_key};
+use crate::settings::{
+    KEYS, Key, Kind, Origin, STEP_OF_RATES, SettingError, Settings, Value, units, unknown_key,
+};
 
 /// Values that are looked at before limits are refined.
 const VALUES: usize = 25;
@@ -51,6 +53,12 @@ impl LimitQuestion {
             let message = format!("`{name}` cannot be varied: it takes {}", key.expects());
             return Err(SettingError::new(origin(), message)
                 .hint("give a number of [material] or [discretization], for example material.young or discretization.spacing"));
+        }
+        if key.name == STEP_OF_RATES {
+            let message =
+                format!("`{name}` is a time step itself: the critical one does not depend on it");
+            return Err(SettingError::new(origin(), message)
+                .hint("vary what the critical step depends on, for example material.young or discretization.spacing"));
         }
         Ok(Self {
             key,
@@ -127,7 +135,7 @@ impl LimitQuestion {
         }
         let present = present.filter(|value| *value > 0.0);
         present
-            .map(|value| [value / REACH, value * REACH])
+            .map(|value| [value / REACH, (value * REACH).min(f64::MAX)])
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());
                 let message = format!(

@@ -234,6 +234,9 @@ impl Default for MethodSettings {
     }
 }
 
+/// The key of the time step at which rates are told, on which nothing else depends.
+pub(crate) const STEP_OF_RATES: &str = "discretization.time-step";
+
 impl MethodSettings {
     /// The step of time at which rates are told, of material points with a transfer: the one that is set, or half of the largest stable one.
     pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {

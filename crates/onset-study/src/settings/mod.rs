@@ -37,6 +37,7 @@ pub use foreign::{Program, Reading, law_from};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::{MaterialSettings, Plane};
+pub(crate) use method::STEP_OF_RATES;
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns, Velocities};
 pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};

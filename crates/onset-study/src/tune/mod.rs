@@ -10,7 +10,7 @@ pub use answer::{Dependence, Tried, TuneAnswer};
 
 use crate::compare::Thresholds;
 use crate::range::spread;
-use crate::settings::{KEYS, Key, Settings, Value, unknown_key};
+use crate::settings::{KEYS, Key, STEP_OF_RATES, Settings, Value, unknown_key};
 use crate::settings::{Origin, SettingError};
 
 /// Values of the coefficient that are looked at.
@@ -54,6 +54,12 @@ impl TuneQuestion {
             return Err(SettingError::new(origin(), message)
                 .hint("give a key of [discretization] that takes a number, for example discretization.penalty"));
         };
+        if key.name == STEP_OF_RATES {
+            let message =
+                format!("`{name}` is no coefficient: it says at which time step rates are told");
+            return Err(SettingError::new(origin(), message)
+                .hint("give a coefficient of the method, for example discretization.flip-share"));
+        }
         if stretches.0 <= 0.0 {
             let message = format!(
                 "--stretches begins at {}; stretches are positive",

@@ -21,8 +21,8 @@ const CONTRACTION: f64 = 0.25;
 const ROUNDING: f64 = 1e-15;
 /// Relative steps below which one that is not smaller than the last is rounding too.
 const CLOSE: f64 = 1e-7;
-/// The smallest part of the way from the reference to a state in which the branch is followed.
-const SMALLEST_STRIDE: f64 = 1.0 / 4096.0;
+/// The smallest part of the way from the reference to a state in which the branch is followed: of a stretch of ten thousand it is a small strain.
+const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest one, that is rounding.
 const NO_STIFFNESS: f64 = 1e-12;
 /// How often an interval of the components across is widened in the search for one that holds a root of every state.

@@ -10,8 +10,10 @@ use nalgebra::SVector;
 const ROUNDING: f64 = 64.0;
 /// Factors of a step below this are zero: what does not outlast a step has no rate.
 const VANISHED: f64 = 1e-12;
-/// A factor is outside of the unit circle when it is by more than this.
+/// A wave grows when its rate does so by more than this share of its frequency: beyond the rounding of `ln(z)`.
 const OUTSIDE: f64 = 1e-10;
+/// `|omega^2 dt^2|` beyond which the larger factor is `-omega^2 dt^2` to all digits, and squares leave the range of numbers.
+const LONG: f64 = 1e40;
 
 /// The waves of a state in discrete time, of a method that carries velocities on points and accelerates them on a grid.
 ///
@@ -134,7 +136,10 @@ impl<const D: usize> TransferredWaves<D> {
             let square = omega_squared * (step * step);
             let half = (square + damped) * 0.5;
             let product = square * (1.0 - own);
-            let root = (half * half - product).sqrt();
+            let root = match square.norm() > LONG {
+                true => half,
+                false => (half * half - product).sqrt(),
+            };
             // The larger one has no cancellation; the other follows from the product.
             let far = match (half.conj() * root).re < 0.0 {
                 true => root - half,
@@ -199,10 +204,9 @@ impl<const D: usize> TransferredWaves<D> {
             let rate = growth(&(reciprocal * place));
             rate.map_or(0.0, |rate| -rate.re)
         };
-        let (least, place) = least_over_zone(at, is_ended);
+        let (_, place) = least_over_zone(at, is_ended);
         let k = reciprocal * place;
-        // A step turns rounding of factors into rates.
-        let rate = growth(&k).filter(|_| least < -OUTSIDE / step);
+        let rate = growth(&k).filter(|rate| rate.re > OUTSIDE * rate.norm());
         match rate {
             Some(rate) => (rate, k),
             None => (Complex::new(0.0, 0.0), SVector::zeros()),
@@ -217,7 +221,10 @@ impl<const D: usize> TransferredWaves<D> {
 
 /// `ln(1 + c)` without cancellation.
 fn logarithm(change: Complex) -> Complex {
-    let modulus = 0.5 * (2.0 * change.re + change.norm_sqr()).ln_1p();
+    let modulus = match change.norm() > LONG {
+        true => change.norm().ln(),
+        false => 0.5 * (2.0 * change.re + change.norm_sqr()).ln_1p(),
+    };
     Complex::new(modulus, change.im.atan2(1.0 + change.re))
 }
 
@@ -303,6 +310,34 @@ mod tests {
             }
             assert_eq!(waves.fastest(0.9 * step).0, Complex::new(0.0, 0.0));
             assert!(waves.fastest(1.1 * step).0.re > 0.0);
+        }
+    }
+
+    #[test]
+    fn growth_is_told_of_short_and_of_long_steps() {
+        // A spring that pushes: omega^2 = -4 at the edge of the zone, where half of the velocities is kept.
+        let mut waves = chain(0.125, 1.0);
+        let home = Particle::home(0);
+        let mut stiffness = BlochBlocks::new();
+        for (cell, spring) in [(0, -2.0), (1, 1.0), (-1, 1.0)] {
+            let spring = SMatrix::<f64, 1, 1>::from_element(spring);
+            stiffness.add(&home, &home.moved(&[cell]), &spring);
+        }
+        let crystal = waves.system.crystal().clone();
+        let stiffness = stiffness.sum(&crystal);
+        waves.system = WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0]));
+        for step in [1e-14, 1e-10, 1e-6] {
+            let growth = waves.fastest(step).0.re;
+            assert!((growth - 2.0).abs() < 1e-5, "{step}: {growth}");
+        }
+        for step in [1e10, 1e30, 1e100] {
+            // z = omega^2 dt^2 (1 - R/z ...): the larger factor alone grows.
+            let growth = waves.fastest(step).0.re * step;
+            let expected = 2.0 * (2.0 * step).ln();
+            assert!(
+                (growth / expected - 1.0).abs() < 1e-2,
+                "{step}: {growth} {expected}"
+            );
         }
     }
 

@@ -1,7 +1,7 @@
 //! Functions of the background grid: products of one-dimensional ones, which are pieces of polynomials.
 
 use crate::lattice::cells_between;
-use crate::real::Real;
+use crate::real::{Dual, Real};
 
 /// A position within this distance of a knot, in units of the grid spacing, is on it.
 const KNOT: f64 = 1e-9;
@@ -155,6 +155,22 @@ impl Profile {
         })
     }
 
+    /// `sum_j g_j^2 / N_j` along an axis with the gradients in use, of a place at `x` from some node; per squared grid spacing. Where a function ends, and
+    /// its slope with it, the limit from within: twice its curvature.
+    pub(super) fn squared_gradients(&self, x: f64) -> f64 {
+        let beyond = self.reach().ceil() as i32 + 1;
+        let nearest = x - x.round();
+        let of_node = |node: i32| {
+            let [distance] = Dual::<1>::variables([nearest - f64::from(node)]);
+            let (value, gradient) = self.along(distance);
+            match value.value > KNOT {
+                true => gradient.value * gradient.value / value.value,
+                false => 2.0 * gradient.gradient[0],
+            }
+        };
+        (-beyond..=beyond).map(of_node).sum()
+    }
+
     /// The function and what gradients have for its slope, see [`GridGradients`].
     fn along<R: Real>(&self, x: R) -> (R, R) {
         let (value, slope) = self.at(x);
@@ -278,6 +294,33 @@ mod tests {
                 .sum();
             assert!((sum / f64::from(n) - mean.at(x).0).abs() < 1e-7);
         }
+    }
+
+    #[test]
+    fn squared_gradients_over_functions_are_continuous_where_functions_end() {
+        for functions in [
+            GridFunctions::Gimp,
+            GridFunctions::QuadraticSpline,
+            GridFunctions::CubicSpline,
+        ] {
+            for gradients in [GridGradients::Functions, GridGradients::Moments] {
+                let profile = functions.profile(0.25, gradients);
+                for knot in [0.25, 0.5, 0.75, 1.0] {
+                    let of = |x: f64| profile.squared_gradients(x);
+                    assert!(
+                        (of(knot) - of(knot + 1e-7)).abs() < 1e-4,
+                        "{functions:?} {gradients:?} {knot}"
+                    );
+                    assert!(
+                        (of(knot) - of(knot - 1e-7)).abs() < 1e-4,
+                        "{functions:?} {gradients:?} {knot}"
+                    );
+                }
+            }
+        }
+        // (x - 1/2)^2 / N = 2 from both ends, 4 (1/4 + x^2)... at the middle between nodes: 2 + 2 and 2 of the one that ends.
+        let profile = GridFunctions::QuadraticSpline.profile(0.25, GridGradients::Functions);
+        assert!((profile.squared_gradients(0.5) - 6.0).abs() < 1e-14);
     }
 
     #[test]

@@ -328,20 +328,11 @@ impl<const D: usize> MaterialPoints<D> {
 
     /// The diagonal of `2 G - D^-1`, without affine fields that of `2 G`; off it there is nothing, as functions are products. 1/length^2.
     fn stretch_of_a_point_alone(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
-        let at: [f64; D] = (*place).into();
-        let nodes = self.profile.nodes(&at);
-        let shapes = nodes.iter().map(|node| self.profile.shape(&at, node));
-        let mut sums = [0.0; D];
-        for shape in shapes.filter(|shape| shape.value > FACE) {
-            for (sum, slope) in sums.iter_mut().zip(shape.slope) {
-                *sum += slope * slope / shape.value;
-            }
-        }
         let squared = self.choices.spacing.powi(2);
         std::array::from_fn(|i| {
             let moment = self.profile.second_moment(place[i]);
             let kept = if is_affine { 1.0 / moment } else { 0.0 };
-            (2.0 * sums[i] - kept) / squared
+            (2.0 * self.profile.squared_gradients(place[i]) - kept) / squared
         })
     }
 
