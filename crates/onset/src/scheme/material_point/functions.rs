@@ -309,7 +309,8 @@ mod tests {
                     let of = |x: f64| profile.squared_gradients(x);
                     let mean = 0.5 * (of(knot + 1e-4) + of(knot - 1e-4));
                     let difference = (of(knot) - mean).abs();
-                    assert!(difference < 1e-3, "{functions:?} {gradients:?} {knot}");
+                    // Slopes of others have kinks there.
+                    assert!(difference < 5e-3, "{functions:?} {gradients:?} {knot}");
                 }
             }
         }
