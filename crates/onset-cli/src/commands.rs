@@ -32,7 +32,7 @@ use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
 use onset_study::criteria::Lateral;
-use onset_study::output::{Output, OutputError, text};
+use onset_study::output::{Files, Output, OutputError, text};
 use onset_study::reproduce;
 use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust, did_you_mean};
 use std::fmt::Display;
@@ -451,6 +451,20 @@ fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
         [] => told.trim_end().to_owned(),
         files => format!("{}\n\n{}", told.trim_end(), wrote(files)),
     }
+}
+
+/// Prints an answer that has files, and a table where it has one, after its files are written where that was asked for.
+fn print_with_files<E: Display>(
+    answer: &(impl Display + serde::Serialize),
+    output: Option<Output>,
+    files: impl FnOnce() -> Result<Files, E>,
+    csv: Option<String>,
+) -> Result<ExitCode, Failure> {
+    let written = match output {
+        Some(output) => output.write(&files().map_err(Failure::machine)?)?,
+        None => Vec::new(),
+    };
+    printing::print(answer, &with_files(answer, &written), csv)
 }
 
 /// The path that is asked for.

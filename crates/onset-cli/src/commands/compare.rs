@@ -1,6 +1,6 @@
 //! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
 
-use super::{Failure, progress, source, with_energy, with_files};
+use super::{Failure, print_with_files, progress, source, with_energy, with_files};
 use crate::arguments::{CompareArguments, RecommendArguments};
 use crate::printing::print;
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
@@ -19,11 +19,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison)?;
-    let files = match output {
-        Some(output) => output.write(&table.files().map_err(Failure::machine)?)?,
-        None => Vec::new(),
-    };
-    print(&table, &with_files(&table, &files), Some(table.csv()))
+    print_with_files(&table, output, || table.files(), Some(table.csv()))
 }
 
 /// The methods of a file, or those that the program knows, ranked.

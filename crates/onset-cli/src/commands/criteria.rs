@@ -1,8 +1,7 @@
 //! `onset criteria` and `onset card`: where a law is stable, and in which sense.
 
-use super::{Failure, law, source, with_energy, with_files};
+use super::{Failure, law, print_with_files, source, with_energy};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
-use crate::printing::print;
 use onset_study::criteria::Question;
 use onset_study::output::Output;
 use onset_study::settings::{MaterialSettings, Program, law_from};
@@ -16,17 +15,7 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let names = ["criteria.svg", "criteria.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = question.answer().map_err(Failure::input)?;
-    let written = match output {
-        Some(output) => {
-            let files = answer
-                .figure()
-                .files("criteria")
-                .map_err(Failure::machine)?;
-            output.write(&files)?
-        }
-        None => Vec::new(),
-    };
-    print(&answer, &with_files(&answer, &written), None)
+    print_with_files(&answer, output, || answer.figure().files("criteria"), None)
 }
 
 /// The safe range card.
@@ -36,11 +25,7 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let card = question.card().map_err(Failure::input)?;
-    let files = match output {
-        Some(output) => output.write(&card.files().map_err(Failure::machine)?)?,
-        None => Vec::new(),
-    };
-    print(&card, &with_files(&card, &files), None)
+    print_with_files(&card, output, || card.files(), None)
 }
 
 fn question(arguments: &LawArguments) -> Result<Question, Failure> {

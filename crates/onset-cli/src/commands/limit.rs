@@ -1,8 +1,7 @@
 //! `onset limit`: which values of a setting admit a time step.
 
-use super::{Failure, progress, with_files};
+use super::{Failure, print_with_files, progress};
 use crate::arguments::LimitArguments;
-use crate::printing::print;
 use onset_study::answers::{Problem, Strain};
 use onset_study::limit::{LimitAnswer, LimitQuestion};
 use onset_study::output::Output;
@@ -29,9 +28,5 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let written = match output {
-        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
-        None => Vec::new(),
-    };
-    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
+    print_with_files(&answer, output, || answer.files(), Some(answer.csv()))
 }

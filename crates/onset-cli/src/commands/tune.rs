@@ -1,8 +1,7 @@
 //! `onset tune`: the smallest coefficient that is sufficient and masks nothing.
 
-use super::{Failure, progress, with_files};
+use super::{Failure, print_with_files, progress};
 use crate::arguments::TuneArguments;
-use crate::printing::print;
 use onset_study::compare::Thresholds;
 use onset_study::output::Output;
 use onset_study::tune::{TuneAnswer, TuneQuestion};
@@ -26,9 +25,5 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let written = match output {
-        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
-        None => Vec::new(),
-    };
-    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
+    print_with_files(&answer, output, || answer.files(), Some(answer.csv()))
 }

@@ -121,6 +121,11 @@ pub struct LimitAnswer {
     pub settings: Effective,
 }
 
+/// What the critical step must be at least, of which a step is at most a share.
+fn needed(time_step: f64, safety: f64) -> f64 {
+    time_step / safety
+}
+
 /// The question at one state.
 struct Search<'a> {
     question: &'a LimitQuestion,
@@ -137,11 +142,14 @@ impl Search<'_> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
-        let step = match analysis.is_damped() || analysis.is_transferred() {
-            true => analysis.critical_time_step(f, self.question.integrator)?,
-            false => assessment.spectrum.critical_time_step(),
-        };
         let transferred = analysis.transferred(f)?;
+        let step = match &transferred {
+            Some(waves) => waves.critical_time_step(&|| false),
+            None if analysis.is_damped() => {
+                analysis.critical_time_step(f, self.question.integrator)?
+            }
+            None => assessment.spectrum.critical_time_step(),
+        };
         let alone = transferred.and_then(|waves| waves.point_alone());
         Ok((step, alone, assessment.verdict))
     }
@@ -238,7 +246,7 @@ impl LimitAnswer {
             question,
             settings,
             strain,
-            needed: time_step / question.safety,
+            needed: needed(time_step, question.safety),
             is_told,
         };
         let values = spread([low, high], VALUES);
@@ -299,16 +307,21 @@ impl LimitAnswer {
         Ok(answer)
     }
 
+    /// What the critical step must be at least.
+    fn needed(&self) -> f64 {
+        needed(self.time_step, self.safety)
+    }
+
     /// What values admit the step.
     fn admitting(&self) -> impl Iterator<Item = &Tried> {
-        let needed = self.time_step / self.safety;
+        let needed = self.needed();
         let tried = self.tried.iter();
         tried.filter(move |one| one.margin(needed) >= 0.0)
     }
 
     /// Where the waves of a filled body admit the step, and a point alone does not.
     fn point_alone(&self) -> Option<String> {
-        let needed = self.time_step / self.safety;
+        let needed = self.needed();
         let (value, step) = self.admitting().find_map(|one| {
             let alone = one.point_alone_time_step.filter(|step| *step < needed)?;
             Some((one.value, alone))
@@ -375,7 +388,7 @@ impl LimitAnswer {
         let mut panel = Panel::new("", x, y)
             .with(Line::new(points.clone()).color(palette::BLUE))
             .with(
-                Rule::horizontal(self.time_step / self.safety)
+                Rule::horizontal(self.needed())
                     .dashed()
                     .named("required critical step"),
             );
@@ -557,7 +570,7 @@ impl fmt::Display for LimitAnswer {
                     told(one.value),
                     self.step(one.critical_time_step),
                     verdict.name(),
-                    match one.critical_time_step * self.safety >= self.time_step {
+                    match one.margin(self.needed()) >= 0.0 {
                         true => "",
                         false => ", step too large",
                     }
