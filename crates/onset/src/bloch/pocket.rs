@@ -1,11 +1,12 @@
 //! Pockets of complex `omega^2` between the points at which spectra are known.
 
-use super::growth_rate;
 use super::system::MatrixExpansion;
-use crate::algebra::{Complex, Decomposition, sort_by_value};
+use super::{Expansion, growth_rate};
+use crate::algebra::{Complex, Decomposition, eigenvalues, sort_by_value};
 use crate::lattice::grid_coordinates;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
+use std::ops::Index;
 
 /// How far from its point a model is used, in steps: a little beyond the middle between two points.
 const REACH: f64 = 0.6;
@@ -26,6 +27,21 @@ const SAME: f64 = 1e-9;
 const APART: f64 = 0.25;
 /// Eigenvectors on both sides whose sizes have such a product are nearly dependent, and tell nothing of the neighborhood.
 const DEPENDENT: f64 = 1e6;
+/// Real eigenvalues that differ by less than this part of the largest entry have eigenvectors that adjugates do not tell well.
+const CLOSE: f64 = 1e-5;
+
+/// The scalars of a matrix: real or complex ones.
+trait Scalar: ComplexField<RealField = f64> + Copy {}
+
+impl Scalar for f64 {}
+
+impl Scalar for Complex {}
+
+/// `D(k)` with its derivatives; in real numbers where it is real.
+pub(super) enum Around<const D: usize> {
+    Real(Expansion<f64, D>),
+    Complex(MatrixExpansion<D>),
+}
 
 /// A wave vector in a pocket that is foreseen.
 #[derive(Clone, Copy)]
@@ -45,47 +61,55 @@ struct Outlook<const D: usize> {
 
 /// Two branches near a point, to first order in the eigenvectors there: the matrix `((l + a.u, b.u), (c.u, m + e.u))`, whose
 /// eigenvalues are complex in a pocket around where the branches would cross.
-struct Pair<const D: usize> {
-    values: [Complex; 2],
-    slopes: [[Complex; D]; 2],
+struct Pair<S, const D: usize> {
+    values: [S; 2],
+    slopes: [[S; D]; 2],
     /// `b` and `c`.
-    couplings: [[Complex; D]; 2],
+    couplings: [[S; D]; 2],
 }
 
-impl<const D: usize> Pair<D> {
-    /// The eigenvalues at `u`.
-    fn at(&self, u: &[f64; D]) -> [Complex; 2] {
-        let along = |slope: &[Complex; D]| -> Complex {
-            slope.iter().zip(u).map(|(slope, u)| slope * u).sum()
-        };
-        let [first, second] = [0, 1].map(|n| self.values[n] + along(&self.slopes[n]));
-        let [there, back] = [0, 1].map(|n| along(&self.couplings[n]));
-        let (mean, half) = ((first + second) * 0.5, (first - second) * 0.5);
-        let root = (half * half + there * back).sqrt();
-        [mean + root, mean - root]
+/// A linear function of a place.
+fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
+    let mut sum = S::zero();
+    for a in 0..D {
+        sum += slope[a].scale(u[a]);
+    }
+    sum
+}
+
+impl<S: Scalar, const D: usize> Pair<S, D> {
+    /// How fast the faster of the two grows at `u`; zero where both are real.
+    fn growth(&self, u: &[f64; D]) -> f64 {
+        let [first, second] = [0, 1].map(|n| self.values[n] + along(&self.slopes[n], u));
+        let (mean, half) = ((first + second).scale(0.5), (first - second).scale(0.5));
+        let square = half * half + self.product(u);
+        let is_real = mean.imaginary() == 0.0 && square.imaginary() == 0.0;
+        if is_real && square.real() >= 0.0 {
+            return 0.0;
+        }
+        let complex = |value: S| Complex::new(value.real(), value.imaginary());
+        let (mean, root) = (complex(mean), complex(square).sqrt());
+        growth_rate(mean + root).max(growth_rate(mean - root))
     }
 
-    /// The real part of the product of the couplings at `u`: where branches cross, `omega^2` is complex if it is negative.
-    fn product(&self, u: &[f64; D]) -> f64 {
-        let [there, back] = [0, 1].map(|n| -> Complex {
-            let coupling = self.couplings[n].iter();
-            coupling.zip(u).map(|(slope, u)| slope * u).sum()
-        });
-        (there * back).re
+    /// The product of the couplings at `u`: where branches cross, `omega^2` is complex if its real part is negative.
+    fn product(&self, u: &[f64; D]) -> S {
+        along(&self.couplings[0], u) * along(&self.couplings[1], u)
     }
 
     /// The fastest growth within reach, and where: looked for along the line or surface on which the branches would cross.
     fn fastest(&self) -> (f64, [f64; D]) {
         let mut fastest = (0.0, [0.0; D]);
         let mut look = |u: [f64; D]| {
-            let growth = self.at(&u).map(growth_rate).into_iter().fold(0.0, f64::max);
+            let growth = self.growth(&u);
             if growth > fastest.0 {
                 fastest = (growth, u);
             }
         };
         look([0.0; D]);
-        let distance = (self.values[0] - self.values[1]).re;
-        let closing: [f64; D] = std::array::from_fn(|a| (self.slopes[0][a] - self.slopes[1][a]).re);
+        let distance = (self.values[0] - self.values[1]).real();
+        let closing: [f64; D] =
+            std::array::from_fn(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
         let steepest = (0..D).fold(0, |most, a| {
             if closing[a].abs() > closing[most].abs() {
                 a
@@ -93,16 +117,15 @@ impl<const D: usize> Pair<D> {
                 most
             }
         });
+        let others = || (0..D).filter(move |a| *a != steepest);
+        let closed: f64 = others().map(|a| REACH * closing[a].abs()).sum();
+        if distance.abs() > closed + 2.0 * REACH * closing[steepest].abs() {
+            return fastest;
+        }
         // The place with given coordinates along the other axes at which the branches would cross.
         let crossing = |mut u: [f64; D]| {
             u[steepest] = 0.0;
-            let gap = distance
-                + closing
-                    .iter()
-                    .zip(&u)
-                    .map(|(slope, u)| slope * u)
-                    .sum::<f64>();
-            u[steepest] = -gap / closing[steepest];
+            u[steepest] = -(distance + along(&closing, &u)) / closing[steepest];
             u
         };
         let mut look_at = |u: [f64; D]| {
@@ -113,17 +136,17 @@ impl<const D: usize> Pair<D> {
         };
         for place in 0..PLACES.pow(D as u32 - 1) {
             let (mut u, mut rest) = ([0.0; D], place);
-            for a in (0..D).filter(|a| *a != steepest) {
+            for a in others() {
                 u[a] = REACH * (2.0 * (rest % PLACES) as f64 / (PLACES - 1) as f64 - 1.0);
                 rest /= PLACES;
             }
             look_at(u);
             // Along each axis the product of the couplings is quadratic, and can be negative between two places only.
-            for a in (0..D).filter(|a| *a != steepest) {
+            for a in others() {
                 let at = |x: f64| {
                     let mut u = u;
                     u[a] = x;
-                    self.product(&crossing(u))
+                    self.product(&crossing(u)).real()
                 };
                 let [behind, middle, ahead] = [-REACH, 0.0, REACH].map(at);
                 let (slope, curvature) = (0.5 * (ahead - behind), ahead - 2.0 * middle + behind);
@@ -140,7 +163,7 @@ impl<const D: usize> Pair<D> {
 /// What is looked for, where.
 pub(super) struct Pockets<'a, const D: usize> {
     /// `D(k)` with its derivatives; `None` where a wave vector is not looked at.
-    pub(super) expansion: &'a dyn Fn(&SVector<f64, D>) -> Option<MatrixExpansion<D>>,
+    pub(super) around: &'a dyn Fn(&SVector<f64, D>) -> Option<Around<D>>,
     /// Steps between the points of the grid, as columns.
     pub(super) steps: SMatrix<f64, D, D>,
     /// Growth rates below are not flutter.
@@ -210,39 +233,21 @@ impl<const D: usize> Pockets<'_, D> {
     /// What the spectrum at a wave vector with its derivatives tells of its neighborhood. `None` where it is not looked at, or its
     /// eigenvectors are nearly dependent.
     fn outlook(&self, k: &SVector<f64, D>, share: f64) -> Option<Outlook<D>> {
-        let expansion = (self.expansion)(k)?;
         let steps = self.steps * share;
-        let all = Decomposition::new(expansion.value.clone())?;
-        if all.left.norm() * all.right.norm() > DEPENDENT {
-            return None;
-        }
-        let turned = |matrix: DMatrix<Complex>| &all.left * matrix * &all.right;
-        let along = |a: usize| steps.column(a).into_owned();
-        let near = Neighborhood {
-            values: &all.values,
-            first: std::array::from_fn(|a| turned(expansion.slope(&along(a)))),
-            second: std::array::from_fn(|a| turned(expansion.curvature(&along(a)))),
-        };
-        let (mut fastest, mut unresolved) = ((0.0, [0.0; D]), 0.0_f64);
-        for j in 1..all.values.len() {
-            for i in 0..j {
-                let own = near.pair(i, j).fastest();
-                if own.0 > fastest.0 {
-                    fastest = own;
-                }
-                unresolved = unresolved.max(near.unresolved(i, j));
+        let mut outlook = match (self.around)(k)? {
+            Around::Real(expansion) => match Neighborhood::of_real(&expansion, &steps) {
+                Some(near) => near.outlook(self.threshold),
+                None => Neighborhood::of_any(&expansion.into(), &steps)?.outlook(self.threshold),
+            },
+            Around::Complex(expansion) => {
+                Neighborhood::of_any(&expansion, &steps)?.outlook(self.threshold)
             }
+        };
+        if let Some(foreseen) = &mut outlook.foreseen {
+            foreseen.wave_vector = k + steps * foreseen.wave_vector;
+            foreseen.share = share;
         }
-        let (growth, place) = fastest;
-        let foreseen = (growth > self.threshold).then(|| Candidate {
-            growth,
-            wave_vector: k + steps * SVector::from(place),
-            share,
-        });
-        Some(Outlook {
-            foreseen,
-            unresolved,
-        })
+        Some(outlook)
     }
 
     /// Leaves the fastest growing pockets: one of those that are images of each other, and of those that are foreseen from several
@@ -263,19 +268,118 @@ impl<const D: usize> Pockets<'_, D> {
 }
 
 /// The matrix around a wave vector, of whose eigenvectors it is diagonal there.
-struct Neighborhood<'a, const D: usize> {
-    values: &'a [Complex],
+struct Neighborhood<V, M, const D: usize> {
+    values: V,
     /// How it changes with a step along each axis, to first order.
-    first: [DMatrix<Complex>; D],
+    first: [M; D],
     /// Its second derivatives by steps.
-    second: [DMatrix<Complex>; D],
+    second: [M; D],
 }
 
-impl<const D: usize> Neighborhood<'_, D> {
-    fn pair(&self, i: usize, j: usize) -> Pair<D> {
+impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
+    /// Of any matrix. `None` where its eigenvectors are nearly dependent.
+    fn of_any(expansion: &MatrixExpansion<D>, steps: &SMatrix<f64, D, D>) -> Option<Self> {
+        let all = Decomposition::new(expansion.value.clone())?;
+        if all.left.norm() * all.right.norm() > DEPENDENT {
+            return None;
+        }
+        let turned = |matrix: DMatrix<Complex>| &all.left * matrix * &all.right;
+        let along = |a: usize| steps.column(a).into_owned();
+        Some(Self {
+            first: std::array::from_fn(|a| turned(expansion.slope(&along(a)))),
+            second: std::array::from_fn(|a| turned(expansion.curvature(&along(a)))),
+            values: all.values,
+        })
+    }
+}
+
+impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
+    /// Of a real matrix of three rows whose eigenvalues are real and well apart, each with the row and the column of the adjugate of `D - omega^2`
+    /// that are largest as its eigenvectors.
+    fn of_real(expansion: &Expansion<f64, D>, steps: &SMatrix<f64, D, D>) -> Option<Self> {
+        let matrix = &expansion.value;
+        let all = eigenvalues(&matrix.map(Complex::from), 0.0);
+        let apart = CLOSE * matrix.amax();
+        let is_apart = |pair: &[Complex]| pair[1].re - pair[0].re > apart;
+        if D != 3 || all.iter().any(|value| value.im != 0.0) || !all.windows(2).all(is_apart) {
+            return None;
+        }
+        let values = all.map(|value| value.re);
+        let mut left = SMatrix::<f64, D, D>::zeros();
+        let mut right = left;
+        for (n, value) in values.iter().enumerate() {
+            let shifted = matrix - SMatrix::<f64, D, D>::identity() * *value;
+            let minor = |i: usize, j: usize| {
+                let [p, q, r, s] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
+                shifted[(p, r)] * shifted[(q, s)] - shifted[(p, s)] * shifted[(q, r)]
+            };
+            // The transpose of the cofactors is the adjugate, a multiple of `v w`.
+            let adjugate = SMatrix::<f64, D, D>::from_fn(|i, j| minor(j, i));
+            let (i, j) = adjugate.iamax_full();
+            let scale = adjugate.column(j).norm();
+            right.set_column(n, &(adjugate.column(j) / scale));
+            let own = adjugate.row(i);
+            left.set_row(n, &(own / (own * right.column(n))[(0, 0)]));
+        }
+        // Also where one is not finite.
+        if !(left.norm() * right.norm() <= DEPENDENT) {
+            return None;
+        }
+        let first = |a: usize| {
+            let sum = (0..D).map(|b| expansion.gradient[b] * steps[(b, a)]).sum::<SMatrix<f64, D, D>>();
+            left * sum * right
+        };
+        let second = |a: usize| {
+            let mut sum = SMatrix::<f64, D, D>::zeros();
+            for b in 0..D {
+                for c in 0..D {
+                    sum += expansion.hessian[b][c] * (steps[(b, a)] * steps[(c, a)]);
+                }
+            }
+            left * sum * right
+        };
+        Some(Self {
+            values,
+            first: std::array::from_fn(first),
+            second: std::array::from_fn(second),
+        })
+    }
+}
+
+impl<S, V, M, const D: usize> Neighborhood<V, M, D>
+where
+    S: Scalar,
+    V: AsRef<[S]>,
+    M: Index<(usize, usize), Output = S>,
+{
+    /// The fastest pocket that is foreseen, in steps from here, and whether branches that may meet are seen well.
+    fn outlook(&self, threshold: f64) -> Outlook<D> {
+        let (mut fastest, mut unresolved) = ((0.0, [0.0; D]), 0.0_f64);
+        for j in 1..self.values.as_ref().len() {
+            for i in 0..j {
+                let own = self.pair(i, j).fastest();
+                if own.0 > fastest.0 {
+                    fastest = own;
+                }
+                unresolved = unresolved.max(self.unresolved(i, j));
+            }
+        }
+        let (growth, place) = fastest;
+        Outlook {
+            foreseen: (growth > threshold).then(|| Candidate {
+                growth,
+                wave_vector: SVector::from(place),
+                share: 1.0,
+            }),
+            unresolved,
+        }
+    }
+
+    fn pair(&self, i: usize, j: usize) -> Pair<S, D> {
         let entry = |i: usize, j: usize| std::array::from_fn(|a| self.first[a][(i, j)]);
+        let values = self.values.as_ref();
         Pair {
-            values: [self.values[i], self.values[j]],
+            values: [values[i], values[j]],
             slopes: [entry(i, i), entry(j, j)],
             couplings: [entry(i, j), entry(j, i)],
         }
@@ -284,9 +388,9 @@ impl<const D: usize> Neighborhood<'_, D> {
     /// What second order changes of the difference of two branches within reach, over what first order does; zero where they cannot
     /// meet or second order is small.
     fn unresolved(&self, i: usize, j: usize) -> f64 {
-        let change = |matrix: &DMatrix<Complex>| {
-            let coupling = (matrix[(i, j)] * matrix[(j, i)]).norm().sqrt();
-            (matrix[(i, i)] - matrix[(j, j)]).norm() + 2.0 * coupling
+        let change = |matrix: &M| {
+            let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
+            (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
         };
         let first: f64 = self.first.iter().map(|m| REACH * change(m)).sum();
         let bent: f64 = self
@@ -295,7 +399,8 @@ impl<const D: usize> Neighborhood<'_, D> {
             .map(|m| 0.5 * REACH * REACH * change(m))
             .sum();
         let second = bent + self.repulsion(i, j) + self.repulsion(j, i);
-        let may_meet = (self.values[i] - self.values[j]).norm() <= first + second;
+        let values = self.values.as_ref();
+        let may_meet = (values[i] - values[j]).modulus() <= first + second;
         match may_meet && second > RESOLVED * first {
             true => second / first,
             false => 0.0,
@@ -304,11 +409,12 @@ impl<const D: usize> Neighborhood<'_, D> {
 
     /// How far the other branches push one of a pair within reach, to second order; no farther than they are coupled.
     fn repulsion(&self, own: usize, partner: usize) -> f64 {
-        let others = (0..self.values.len()).filter(|m| *m != own && *m != partner);
+        let values = self.values.as_ref();
+        let others = (0..values.len()).filter(|m| *m != own && *m != partner);
         let push = |m: usize| {
-            let apart = (self.values[own] - self.values[m]).norm();
-            let coupling = |matrix: &DMatrix<Complex>| {
-                let coupling = REACH * (matrix[(own, m)] * matrix[(m, own)]).norm().sqrt();
+            let apart = (values[own] - values[m]).modulus();
+            let coupling = |matrix: &M| {
+                let coupling = REACH * (matrix[(own, m)] * matrix[(m, own)]).modulus().sqrt();
                 coupling * (coupling / apart).min(1.0)
             };
             self.first.iter().map(coupling).sum::<f64>()

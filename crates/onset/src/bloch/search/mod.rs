@@ -8,7 +8,7 @@ mod grid;
 mod mirrored;
 
 use super::bound::{self, Measure, Question};
-use super::pocket::Pockets;
+use super::pocket::{Around, Pockets};
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
@@ -641,9 +641,12 @@ impl<const D: usize> ZoneSearch<D> {
     fn pockets_between(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
         let pockets = Pockets {
-            expansion: &|k| {
+            around: &|k| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
-                is_sought.then(|| matrix.expansion_at(k).into())
+                is_sought.then(|| match matrix.real_expansion_at(k) {
+                    Some(expansion) => Around::Real(expansion),
+                    None => Around::Complex(matrix.expansion_at(k).into()),
+                })
             },
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
             threshold: self.flutter_threshold(1),

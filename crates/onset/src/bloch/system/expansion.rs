@@ -14,15 +14,15 @@ pub(in crate::bloch) struct MatrixExpansion<const D: usize> {
     pub(super) hessian: [[DMatrix<Complex>; D]; D],
 }
 
-impl<const D: usize> From<Expansion<Complex, D>> for MatrixExpansion<D> {
-    fn from(of: Expansion<Complex, D>) -> Self {
+impl<T: Copy + Into<Complex>, const D: usize> From<Expansion<T, D>> for MatrixExpansion<D> {
+    fn from(of: Expansion<T, D>) -> Self {
         Self::from_parts(|indices| {
             let part = match *indices {
                 [] => &of.value,
                 [a] => &of.gradient[a],
                 [a, b, ..] => &of.hessian[a][b],
             };
-            DMatrix::from_fn(D, D, |i, j| part[(i, j)])
+            DMatrix::from_fn(D, D, |i, j| part[(i, j)].into())
         })
     }
 }

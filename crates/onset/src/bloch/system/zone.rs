@@ -11,7 +11,7 @@ use crate::algebra::{
 };
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::Pockets;
+use crate::bloch::pocket::{Around, Pockets};
 use crate::bloch::search::RELAXED_RAY;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
@@ -520,9 +520,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2`.
     fn pockets(&self) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            expansion: &|k| {
+            around: &|k| {
                 let is_seen = !self.is_long(k) && !(self.is_ended)();
-                is_seen.then(|| self.system.expansion_at(k))
+                is_seen.then(|| Around::Complex(self.system.expansion_at(k)))
             },
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
