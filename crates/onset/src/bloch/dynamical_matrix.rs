@@ -6,7 +6,7 @@ use super::powers::Powers;
 use super::short_range::ShortRange;
 use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
-use crate::lattice::{BravaisLattice, Mirror, Reduced};
+use crate::lattice::{BravaisLattice, Mirror, Reduced, Symmetry};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -129,6 +129,8 @@ pub(super) struct ForceConstants<const D: usize> {
 
 /// Sums of force constants below this fraction of their absolute sum vanish but for rounding.
 const ZERO: f64 = 1e-10;
+/// Force constants that differ by this multiple of the rounding error of the matrix are images of each other under a symmetry.
+const EQUAL: f64 = 64.0;
 /// Resolution with which lattice coordinates of loose vectors are told apart.
 const LOOSE_RESOLUTION: f64 = 1e6;
 
@@ -526,6 +528,36 @@ impl<const D: usize> DynamicalMatrix<D> {
         (is_free && self.centrosymmetric)
             .then(|| MirrorSums::new(&self.terms, mirrors))
             .flatten()
+    }
+
+    /// Which of the symmetries of the lattice it has, as bits: with `Phi(Q R) = Q Phi(R) Q^T` the matrices at `k` and `Q k` have the same
+    /// eigenvalues. None where some vectors are none of the lattice.
+    pub(super) fn symmetries(&self, all: &[Symmetry<D>]) -> u64 {
+        if self.sites.len() > 1 {
+            return 0;
+        }
+        let signs = |term| [(term, 1), (term, -1)];
+        let mut known: Vec<([i32; D], &Term<D>, i32)> = (self.terms.iter().flat_map(signs))
+            .map(|(term, sign)| (term.cell.map(|n| sign * n), term, sign))
+            .collect();
+        known.sort_unstable_by_key(|(cell, ..)| *cell);
+        let equal = EQUAL * self.noise;
+        let has = |symmetry: &Symmetry<D>| {
+            let turned =
+                |block: &SMatrix<f64, D, D>| symmetry.map * block * symmetry.map.transpose();
+            self.terms.iter().all(|term| {
+                let cell = symmetry.of_cell(&term.cell);
+                let Ok(place) = known.binary_search_by_key(&cell, |(cell, ..)| *cell) else {
+                    return term.even.amax() + term.odd.amax() <= equal;
+                };
+                let (_, image, sign) = known[place];
+                let odd = image.odd * f64::from(sign);
+                (image.even - turned(&term.even)).amax() <= equal
+                    && (odd - turned(&term.odd)).amax() <= equal
+            })
+        };
+        let bit = |(n, symmetry)| u64::from(has(symmetry)) << n;
+        all.iter().enumerate().map(bit).sum()
     }
 
     /// The force constants `Phi(R)` of all lattice vectors that have some, zero included; `None` where some belong to vectors

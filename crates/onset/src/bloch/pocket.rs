@@ -326,7 +326,9 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
             return None;
         }
         let first = |a: usize| {
-            let sum = (0..D).map(|b| expansion.gradient[b] * steps[(b, a)]).sum::<SMatrix<f64, D, D>>();
+            let sum = (0..D)
+                .map(|b| expansion.gradient[b] * steps[(b, a)])
+                .sum::<SMatrix<f64, D, D>>();
             left * sum * right
         };
         let second = |a: usize| {

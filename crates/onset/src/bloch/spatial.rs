@@ -6,7 +6,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
-use crate::lattice::WaveGrid;
+use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::TAU;
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 pub(super) type Entries = [f64; 9];
 
 /// The eigenvalues of a real matrix of three rows, as far as their search needs them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SpatialSpectrum {
     /// The smallest and the largest real part.
     pub(super) lowest: f64,
@@ -149,43 +149,52 @@ impl Rows {
         planes
     }
 
+    /// One spectrum for all points that symmetries map to each other.
     #[inline(always)]
-    fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<SpatialSpectrum> {
+    fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>, wedge: &Wedge) -> Vec<SpatialSpectrum> {
         let n = grid.resolution();
         let planes = self.planes(grid);
-        let mut spectra = Vec::with_capacity((n / 2 + 1) * n * n);
+        let mut spectra = vec![SpatialSpectrum::default(); wedge.first.len()];
         let mut entries = vec![0.0; 9 * n];
-        for first in 0..=n / 2 {
-            for second in 0..n {
-                for (e, entry) in entries.chunks_exact_mut(n).enumerate() {
-                    entry.fill(self.constant[e]);
-                    for (l, plane) in &planes {
-                        let (cosine, sine) = grid.on_circle(i64::from(*l) * first as i64);
-                        let line = &plane[(18 * second + 2 * e) * n..][..2 * n];
-                        let (real, imaginary) = line.split_at(n);
-                        for j in 0..n {
-                            entry[j] += real[j] * cosine - imaginary[j] * sine;
-                        }
+        for (number, own) in wedge.lines.iter().enumerate() {
+            let (first, second) = (number / n, number % n);
+            let count = own.len();
+            for (e, entry) in entries.chunks_exact_mut(n).enumerate() {
+                let entry = &mut entry[..count];
+                entry.fill(self.constant[e]);
+                for (l, plane) in &planes {
+                    let (cosine, sine) = grid.on_circle(i64::from(*l) * first as i64);
+                    let line = &plane[(18 * second + 2 * e) * n..][..2 * n];
+                    let (real, imaginary) = line.split_at(n);
+                    let (real, imaginary) = (&real[own.clone()], &imaginary[own.clone()]);
+                    for j in 0..count {
+                        entry[j] += real[j] * cosine - imaginary[j] * sine;
                     }
                 }
-                let of = |j: usize| -> Entries { std::array::from_fn(|e| entries[e * n + j]) };
-                spectra.extend((0..n).map(|j| SpatialSpectrum::of(&of(j))));
             }
+            let of = |j: usize| -> Entries { std::array::from_fn(|e| entries[e * n + j]) };
+            let there = &mut spectra[number * n..][own.clone()];
+            for (j, spectrum) in there.iter_mut().enumerate() {
+                *spectrum = SpatialSpectrum::of(&of(j));
+            }
+        }
+        for (index, first) in wedge.first.iter().enumerate() {
+            spectra[index] = spectra[*first as usize];
         }
         spectra
     }
 }
 
 impl<const D: usize> DynamicalMatrix<D> {
-    /// The spectra at the points of a grid with a first index up to `n / 2`; the others follow from `D(-k) = D(k)`. `None`
-    /// unless three-dimensional, real and periodic.
-    pub(super) fn spatial_spectra(&self, grid: &WaveGrid<D>) -> Option<Vec<SpatialSpectrum>> {
-        let is_periodic = self.sites().len() == 1;
-        if D != 3 || !self.is_centrosymmetric() || !is_periodic {
-            return None;
-        }
-        let rows = Rows::new(self.terms(), self.rigid_translation());
-        Some(Arch::new().dispatch(OnGrid { rows: &rows, grid }))
+    /// The spectra of a real and periodic matrix in space at the points of a grid with a first index up to `n / 2`; the others follow from
+    /// `D(-k) = D(k)`.
+    pub(super) fn spatial_spectra(
+        &self,
+        grid: &WaveGrid<D>,
+        wedge: &Wedge,
+    ) -> Vec<SpatialSpectrum> {
+        let rows = &Rows::new(self.terms(), self.rigid_translation());
+        Arch::new().dispatch(OnGrid { rows, grid, wedge })
     }
 }
 
@@ -193,6 +202,7 @@ impl<const D: usize> DynamicalMatrix<D> {
 struct OnGrid<'a, const D: usize> {
     rows: &'a Rows,
     grid: &'a WaveGrid<D>,
+    wedge: &'a Wedge,
 }
 
 impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
@@ -200,7 +210,7 @@ impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
 
     #[inline(always)]
     fn call(self) -> Vec<SpatialSpectrum> {
-        self.rows.on_grid(self.grid)
+        self.rows.on_grid(self.grid, self.wedge)
     }
 }
 

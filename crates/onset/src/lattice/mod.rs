@@ -19,6 +19,7 @@ pub use delaunay::delaunay_centers;
 pub use kind::LatticeKind;
 pub(crate) use mirror::{FILL, Group, HARMONICS, Mirror, MirrorWaves};
 pub(crate) use reduction::{Ball, Reduced, inverse_of};
+pub(crate) use symmetry::{Symmetry, Wedge};
 pub use voronoi::voronoi_volumes;
 pub(crate) use wave_vectors::coordinates as grid_coordinates;
 pub(crate) use wave_vectors::opposite;

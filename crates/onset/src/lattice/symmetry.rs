@@ -1,12 +1,100 @@
 //! The rotations and reflections that map a lattice onto itself.
 
 use super::reduction::combinations;
+use super::wave_vectors::coordinates;
 use super::{BravaisLattice, Reduced, inverse_of};
 use crate::algebra::sort_by_value;
 use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
 
 /// Lengths and angles that differ by less, relative to the longest vector squared, are equal but for rounding.
 const EQUAL: f64 = 1e-9;
+
+/// An orthogonal map of a lattice onto itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Symmetry<const D: usize> {
+    pub(crate) map: SMatrix<f64, D, D>,
+    /// What it makes of lattice coordinates: the integers `A^-1 R A`, by rows.
+    of_cells: [[i32; D]; D],
+}
+
+impl<const D: usize> Symmetry<D> {
+    /// All of a lattice.
+    pub(crate) fn all(lattice: &BravaisLattice<D>) -> Vec<Self> {
+        let Some(inverse) = inverse_of(lattice.vectors()) else {
+            return Vec::new();
+        };
+        let of_map = |map: SMatrix<f64, D, D>| {
+            let cells = inverse * map * lattice.vectors();
+            let row = |i: usize| std::array::from_fn(|j| cells[(i, j)].round() as i32);
+            Self {
+                map,
+                of_cells: std::array::from_fn(row),
+            }
+        };
+        lattice.holohedry().into_iter().map(of_map).collect()
+    }
+
+    /// Where a lattice vector goes.
+    pub(crate) fn of_cell(&self, cell: &[i32; D]) -> [i32; D] {
+        self.of_cells
+            .map(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
+    }
+
+    /// Where the inverse takes a wave vector with given coordinates: `k.(R a) = (R^-1 k).a`.
+    fn of_wave(&self, coordinates: &[usize; D], resolution: usize) -> [usize; D] {
+        std::array::from_fn(|j| {
+            let sum: i64 = (0..D)
+                .map(|i| i64::from(self.of_cells[i][j]) * coordinates[i] as i64)
+                .sum();
+            sum.rem_euclid(resolution as i64) as usize
+        })
+    }
+}
+
+/// Which points of a grid of wave vectors symmetries map to each other, of those with a first index up to half of the resolution.
+#[derive(Debug)]
+pub(crate) struct Wedge {
+    /// The first of those that are mapped to a point.
+    pub(crate) first: Vec<u32>,
+    /// From where to where along each line (all indices but the last) some are mapped to none before them.
+    pub(crate) lines: Vec<Range<usize>>,
+}
+
+impl Wedge {
+    /// Of a group, of which inversion is one.
+    pub(crate) fn new<const D: usize>(group: &[Symmetry<D>], resolution: usize) -> Self {
+        let half = (resolution / 2 + 1) * resolution.pow(D as u32 - 1);
+        let first = |index: usize| {
+            let own = coordinates::<D>(index, resolution);
+            let image = |symmetry: &Symmetry<D>| {
+                let there = symmetry.of_wave(&own, resolution);
+                there.into_iter().fold(0, |sum, j| sum * resolution + j)
+            };
+            group.iter().map(image).fold(index, usize::min) as u32
+        };
+        let first: Vec<u32> = (0..half).map(first).collect();
+        let line = |(number, line): (usize, &[u32])| {
+            let is_first = |j: &usize| line[*j] as usize == number * resolution + j;
+            let begin = (0..resolution).find(is_first).unwrap_or(0);
+            let end = (begin..resolution).rfind(is_first).map_or(begin, |j| j + 1);
+            begin..end
+        };
+        Self {
+            lines: first
+                .chunks_exact(resolution)
+                .enumerate()
+                .map(line)
+                .collect(),
+            first,
+        }
+    }
+
+    /// Whether a point is the first of its images.
+    pub(crate) fn is_first(&self, index: usize) -> bool {
+        self.first[index] as usize == index
+    }
+}
 
 impl<const D: usize> BravaisLattice<D> {
     /// Halves of the reciprocal vectors, each once: the waves in which neighbors move oppositely, which what is symmetric about its points
@@ -75,7 +163,7 @@ impl<const D: usize> BravaisLattice<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::LatticeKind;
+    use crate::lattice::{BrillouinZone, LatticeKind, WaveGrids};
 
     fn is_group<const D: usize>(lattice: &BravaisLattice<D>, order: usize) {
         let maps = lattice.holohedry();
@@ -117,6 +205,51 @@ mod tests {
         let skewed = [1.0, 0.0, 0.0, 0.2, 1.1, 0.0, 0.3, 0.4, 0.9];
         let triclinic = LatticeKind::Triclinic.lattice_with::<3>(1.0, 1.0, &skewed);
         is_group(&triclinic.unwrap(), 2);
+    }
+
+    /// Points that are mapped to each other are as many steps along the same reciprocal vectors, of whose images under the group there are
+    /// no others.
+    #[test]
+    fn a_wedge_has_one_point_of_each_orbit() {
+        let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0).unwrap();
+        let grid = WaveGrids::new(lattice).grid(12);
+        let all = Symmetry::all(&lattice);
+        let zone = BrillouinZone::new(lattice);
+        // Of the cube, and of a cube that is stretched along its edges.
+        let of_bricks = |symmetry: &Symmetry<3>| {
+            symmetry.map.iter().all(|x| (x * x - x.abs()).abs() < 1e-9) && {
+                let d = symmetry.map.diagonal();
+                d.iter().all(|x| x.abs() > 0.5)
+            }
+        };
+        let bricks: Vec<_> = all.iter().copied().filter(of_bricks).collect();
+        assert_eq!([all.len(), bricks.len()], [48, 8]);
+        for group in [all, bricks] {
+            let wedge = Wedge::new(&group, 12);
+            let mut of_orbits = std::collections::BTreeMap::new();
+            for (index, first) in wedge.first.iter().enumerate() {
+                let [own, other] = [index, *first as usize].map(|i| grid.wave_vectors()[i]);
+                let is_image = |symmetry: &Symmetry<3>| {
+                    let apart = lattice.vectors().transpose() * (symmetry.map * own - other)
+                        / std::f64::consts::TAU;
+                    (apart - apart.map(f64::round)).amax() < 1e-9
+                };
+                assert!(group.iter().any(is_image), "{index} {first}");
+                *of_orbits.entry(*first).or_insert(0) += 1;
+                let (line, place) = (index / 12, index % 12);
+                assert!(!wedge.is_first(index) || wedge.lines[line].contains(&place));
+                // Images are as far from zero.
+                let [own, other] = [own, other].map(|k| zone.folded(&k).norm());
+                assert!((own - other).abs() < 1e-9);
+            }
+            assert!(
+                of_orbits
+                    .keys()
+                    .all(|first| wedge.is_first(*first as usize))
+            );
+            let most = of_orbits.values().max().unwrap();
+            assert!(of_orbits.len() * group.len() >= wedge.first.len() && *most <= group.len());
+        }
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use super::BravaisLattice;
 use super::mirror::{Mirror, MirrorWaves};
+use super::symmetry::{Symmetry, Wedge};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The wave vectors `k = sum_i (j_i / n) b_i`, `j_i = 0 .. n`, first index slowest, with the phases of the lattice
 /// vectors and the lattice Laplacian.
@@ -134,6 +135,9 @@ pub struct WaveGrids<const D: usize> {
     made: Mutex<BTreeMap<(usize, bool), Arc<WaveGrid<D>>>>,
     mirrors: Vec<Mirror>,
     mirrored: Mutex<MirroredGrids>,
+    symmetries: OnceLock<Vec<Symmetry<D>>>,
+    /// By resolution, and the numbers of the symmetries as bits.
+    wedges: Mutex<BTreeMap<(usize, u64), Arc<Wedge>>>,
 }
 
 /// The part of grids that a mirror leaves, by the mirror's number and the steps along its lines.
@@ -157,7 +161,28 @@ impl<const D: usize> WaveGrids<D> {
             made: Mutex::new(BTreeMap::new()),
             mirrors,
             mirrored: Mutex::new(BTreeMap::new()),
+            symmetries: OnceLock::new(),
+            wedges: Mutex::new(BTreeMap::new()),
         }
+    }
+
+    /// The symmetries of the lattice.
+    pub(crate) fn symmetries(&self) -> &[Symmetry<D>] {
+        self.symmetries.get_or_init(|| Symmetry::all(&self.lattice))
+    }
+
+    /// Which points of a grid are mapped to each other by those symmetries whose bits are set.
+    pub(crate) fn wedge(&self, resolution: usize, symmetries: u64) -> Arc<Wedge> {
+        let mut made = self.wedges.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || {
+            let all = self.symmetries().iter().enumerate();
+            let group: Vec<Symmetry<D>> = all
+                .filter(|(n, _)| symmetries >> n & 1 == 1)
+                .map(|(_, symmetry)| *symmetry)
+                .collect();
+            Arc::new(Wedge::new(&group, resolution))
+        };
+        Arc::clone(made.entry((resolution, symmetries)).or_insert_with(make))
     }
 
     /// The mirrors of the lattice.

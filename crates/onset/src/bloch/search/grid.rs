@@ -6,7 +6,7 @@ use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
 use crate::bloch::spatial::SpatialSpectrum;
-use crate::lattice::{WaveGrid, grid_coordinates, opposite};
+use crate::lattice::{WaveGrid, Wedge, grid_coordinates, opposite};
 use nalgebra::SVector;
 use pulp::{Arch, NullaryFnOnce};
 use std::borrow::Cow;
@@ -21,6 +21,8 @@ const SPARSE: usize = 24;
 /// The objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
     pub(super) waves: Arc<WaveGrid<D>>,
+    /// Points of the same spectrum, where they are known.
+    wedge: Option<Arc<Wedge>>,
     spectrum: GridSpectrum,
     /// The direction of the softest long waves.
     pub(super) soft_direction: SVector<f64, D>,
@@ -199,10 +201,15 @@ impl<const D: usize> ZoneSearch<D> {
             (false, true) => self.grids.folded_grid(resolution),
             (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
         };
-        let in_3d = || matrix.spatial_spectra(&waves);
+        let is_spatial = D == 3 && matrix.is_centrosymmetric() && matrix.sites().len() == 1;
+        let wedge = is_spatial.then(|| {
+            let symmetries = matrix.symmetries(self.grids.symmetries());
+            self.grids.wedge(resolution, symmetries)
+        });
         let mut spectrum = match matrix.planar_entries(&waves) {
-            None => match in_3d() {
-                Some(spectra) => {
+            None => match &wedge {
+                Some(wedge) => {
+                    let spectra = matrix.spatial_spectra(&waves, wedge);
                     GridSpectrum::of_spatial(&spectra, waves.laplacian(), self.speed_squared)
                 }
                 None => self.pointwise(matrix, &waves),
@@ -218,6 +225,7 @@ impl<const D: usize> ZoneSearch<D> {
         spectrum.scaled[0] = f64::INFINITY;
         Grid {
             waves,
+            wedge,
             spectrum,
             soft_direction,
             pockets: OnceLock::new(),
@@ -332,7 +340,8 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Points near which two branches may cross, and how many steps of the grid there are between them. Where a discriminant is
-    /// known, those at which it is small beside its neighbors; otherwise all of a grid that is not too fine.
+    /// known, those at which it is small beside its neighbors, one of those that symmetries map to each other; otherwise all of a grid that is
+    /// not too fine.
     pub(super) fn near_crossings(&self, has_discriminant: bool) -> (Vec<SVector<f64, D>>, usize) {
         let n = self.waves.resolution();
         let known = self.spectrum.relative_discriminants::<D>();
@@ -340,7 +349,14 @@ impl<const D: usize> Grid<D> {
             true => 1,
             false => n.div_ceil(SPARSE),
         };
+        let is_image = |index: usize| match &self.wedge {
+            Some(wedge) => !wedge.is_first(index),
+            None => false,
+        };
         let is_near = |index: &usize| {
+            if is_image(*index) {
+                return false;
+            }
             if !has_discriminant {
                 return grid_coordinates::<D>(*index, n)
                     .iter()
