@@ -8,6 +8,7 @@ use crate::algebra::{Complex, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced, Symmetry};
 use nalgebra::{SMatrix, SVector};
+use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -446,13 +447,15 @@ impl<const D: usize> DynamicalMatrix<D> {
         [real, imaginary]
     }
 
-    /// The same in real numbers, where `D(k)` is real.
-    pub(super) fn real_expansion_at(&self, k: &SVector<f64, D>) -> Option<Expansion<f64, D>> {
+    /// The same in real numbers, where `D(k)` is real, with derivatives up to an order; others are zero.
+    pub(super) fn real_expansion_at<const ORDER: usize>(
+        &self,
+        k: &SVector<f64, D>,
+    ) -> Option<Expansion<f64, D>> {
         if !self.centrosymmetric {
             return None;
         }
-        let [real, _] = self.sums::<2>(k);
-        Some(real.finished())
+        Some(Arch::new().dispatch(RealSums::<ORDER, D>(self, k)))
     }
 
     /// The eigenvalues `omega^2` at a reference wave vector, by increasing real part.
@@ -674,6 +677,22 @@ impl<const D: usize> DynamicalMatrix<D> {
             }
         }
         by_reach.len().max(1)
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct RealSums<'a, const ORDER: usize, const D: usize>(
+    &'a DynamicalMatrix<D>,
+    &'a SVector<f64, D>,
+);
+
+impl<const ORDER: usize, const D: usize> NullaryFnOnce for RealSums<'_, ORDER, D> {
+    type Output = Expansion<f64, D>;
+
+    #[inline(always)]
+    fn call(self) -> Expansion<f64, D> {
+        let [real, _] = self.0.sums::<ORDER>(self.1);
+        real.finished()
     }
 }
 

@@ -37,6 +37,14 @@ impl Scalar for f64 {}
 
 impl Scalar for Complex {}
 
+/// Up to which order in the distance a neighborhood is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    First,
+    /// To see where first order does not tell.
+    Second,
+}
+
 /// `D(k)` with its derivatives; in real numbers where it is real.
 pub(super) enum Around<const D: usize> {
     Real(Expansion<f64, D>),
@@ -162,8 +170,8 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
 
 /// What is looked for, where.
 pub(super) struct Pockets<'a, const D: usize> {
-    /// `D(k)` with its derivatives; `None` where a wave vector is not looked at.
-    pub(super) around: &'a dyn Fn(&SVector<f64, D>) -> Option<Around<D>>,
+    /// `D(k)` with its derivatives up to an order; `None` where a wave vector is not looked at.
+    pub(super) around: &'a dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>>,
     /// Steps between the points of the grid, as columns.
     pub(super) steps: SMatrix<f64, D, D>,
     /// Growth rates below are not flutter.
@@ -184,8 +192,10 @@ impl<const D: usize> Pockets<'_, D> {
         for _ in 0..CLOSER {
             self.leave_fastest(&mut all, most);
             most /= 2;
-            let again =
-                |own: &Candidate<D>| self.outlook(&own.wave_vector, NEARER * own.share)?.foreseen;
+            let again = |own: &Candidate<D>| {
+                self.outlook(&own.wave_vector, NEARER * own.share, Order::First)?
+                    .foreseen
+            };
             all = all.iter().filter_map(again).collect();
         }
         self.leave_fastest(&mut all, most / 2);
@@ -203,7 +213,7 @@ impl<const D: usize> Pockets<'_, D> {
         for _ in 0..=HALVINGS {
             let mut unresolved = Vec::new();
             for k in &points {
-                if let Some(outlook) = self.outlook(k, share) {
+                if let Some(outlook) = self.outlook(k, share, Order::Second) {
                     all.extend(outlook.foreseen);
                     if outlook.unresolved > 0.0 {
                         unresolved.push((outlook.unresolved, *k));
@@ -232,16 +242,17 @@ impl<const D: usize> Pockets<'_, D> {
 
     /// What the spectrum at a wave vector with its derivatives tells of its neighborhood. `None` where it is not looked at, or its
     /// eigenvectors are nearly dependent.
-    fn outlook(&self, k: &SVector<f64, D>, share: f64) -> Option<Outlook<D>> {
+    fn outlook(&self, k: &SVector<f64, D>, share: f64, order: Order) -> Option<Outlook<D>> {
         let steps = self.steps * share;
-        let mut outlook = match (self.around)(k)? {
-            Around::Real(expansion) => match Neighborhood::of_real(&expansion, &steps) {
+        let any = |expansion: &MatrixExpansion<D>| {
+            Some(Neighborhood::of_any(expansion, &steps, order)?.outlook(self.threshold))
+        };
+        let mut outlook = match (self.around)(k, order)? {
+            Around::Complex(expansion) => any(&expansion)?,
+            Around::Real(expansion) => match Neighborhood::of_real(&expansion, &steps, order) {
                 Some(near) => near.outlook(self.threshold),
-                None => Neighborhood::of_any(&expansion.into(), &steps)?.outlook(self.threshold),
+                None => any(&expansion.into())?,
             },
-            Around::Complex(expansion) => {
-                Neighborhood::of_any(&expansion, &steps)?.outlook(self.threshold)
-            }
         };
         if let Some(foreseen) = &mut outlook.foreseen {
             foreseen.wave_vector = k + steps * foreseen.wave_vector;
@@ -272,13 +283,17 @@ struct Neighborhood<V, M, const D: usize> {
     values: V,
     /// How it changes with a step along each axis, to first order.
     first: [M; D],
-    /// Its second derivatives by steps.
-    second: [M; D],
+    /// Its second derivatives by steps, where these are looked at.
+    second: Option<[M; D]>,
 }
 
 impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
     /// Of any matrix. `None` where its eigenvectors are nearly dependent.
-    fn of_any(expansion: &MatrixExpansion<D>, steps: &SMatrix<f64, D, D>) -> Option<Self> {
+    fn of_any(
+        expansion: &MatrixExpansion<D>,
+        steps: &SMatrix<f64, D, D>,
+        order: Order,
+    ) -> Option<Self> {
         let all = Decomposition::new(expansion.value.clone())?;
         if all.left.norm() * all.right.norm() > DEPENDENT {
             return None;
@@ -287,7 +302,8 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
         let along = |a: usize| steps.column(a).into_owned();
         Some(Self {
             first: std::array::from_fn(|a| turned(expansion.slope(&along(a)))),
-            second: std::array::from_fn(|a| turned(expansion.curvature(&along(a)))),
+            second: (order == Order::Second)
+                .then(|| std::array::from_fn(|a| turned(expansion.curvature(&along(a))))),
             values: all.values,
         })
     }
@@ -296,7 +312,11 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
 impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
     /// Of a real matrix of three rows whose eigenvalues are real and well apart, each with the row and the column of the adjugate of `D - omega^2`
     /// that are largest as its eigenvectors.
-    fn of_real(expansion: &Expansion<f64, D>, steps: &SMatrix<f64, D, D>) -> Option<Self> {
+    fn of_real(
+        expansion: &Expansion<f64, D>,
+        steps: &SMatrix<f64, D, D>,
+        order: Order,
+    ) -> Option<Self> {
         let matrix = &expansion.value;
         let all = eigenvalues(&matrix.map(Complex::from), 0.0);
         let apart = CLOSE * matrix.amax();
@@ -343,7 +363,7 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
         Some(Self {
             values,
             first: std::array::from_fn(first),
-            second: std::array::from_fn(second),
+            second: (order == Order::Second).then(|| std::array::from_fn(second)),
         })
     }
 }
@@ -363,7 +383,9 @@ where
                 if own.0 > fastest.0 {
                     fastest = own;
                 }
-                unresolved = unresolved.max(self.unresolved(i, j));
+                if let Some(second) = &self.second {
+                    unresolved = unresolved.max(self.unresolved(second, i, j));
+                }
             }
         }
         let (growth, place) = fastest;
@@ -389,17 +411,13 @@ where
 
     /// What second order changes of the difference of two branches within reach, over what first order does; zero where they cannot
     /// meet or second order is small.
-    fn unresolved(&self, i: usize, j: usize) -> f64 {
+    fn unresolved(&self, second: &[M; D], i: usize, j: usize) -> f64 {
         let change = |matrix: &M| {
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
             (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
         };
         let first: f64 = self.first.iter().map(|m| REACH * change(m)).sum();
-        let bent: f64 = self
-            .second
-            .iter()
-            .map(|m| 0.5 * REACH * REACH * change(m))
-            .sum();
+        let bent: f64 = second.iter().map(|m| 0.5 * REACH * REACH * change(m)).sum();
         let second = bent + self.repulsion(i, j) + self.repulsion(j, i);
         let values = self.values.as_ref();
         let may_meet = (values[i] - values[j]).modulus() <= first + second;

@@ -346,7 +346,7 @@ impl<const D: usize> ZoneSearch<D> {
         objective: Objective,
         k: &SVector<f64, D>,
     ) -> Taylor<f64, D> {
-        let real = matrix.real_expansion_at(k);
+        let real = matrix.real_expansion_at::<2>(k);
         let is_discriminant = objective == Objective::Discriminant;
         if let Some(real) = real.filter(|_| is_discriminant) {
             return real.spatial_discriminant();

@@ -8,7 +8,7 @@ mod grid;
 mod mirrored;
 
 use super::bound::{self, Measure, Question};
-use super::pocket::{Around, Pockets};
+use super::pocket::{Around, Order, Pockets};
 use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
@@ -641,9 +641,13 @@ impl<const D: usize> ZoneSearch<D> {
     fn pockets_between(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
         let pockets = Pockets {
-            around: &|k| {
+            around: &|k, order| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
-                is_sought.then(|| match matrix.real_expansion_at(k) {
+                let real = || match order {
+                    Order::First => matrix.real_expansion_at::<1>(k),
+                    Order::Second => matrix.real_expansion_at::<2>(k),
+                };
+                is_sought.then(|| match real() {
                     Some(expansion) => Around::Real(expansion),
                     None => Around::Complex(matrix.expansion_at(k).into()),
                 })

@@ -520,7 +520,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2`.
     fn pockets(&self) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            around: &|k| {
+            around: &|k, _| {
                 let is_seen = !self.is_long(k) && !(self.is_ended)();
                 is_seen.then(|| Around::Complex(self.system.expansion_at(k)))
             },
