@@ -71,7 +71,7 @@ pub(crate) fn jet_of_invariants<R: Real>(
 ) -> Jet<4, R> {
     let across = [f[0][2], f[1][2], f[2][0], f[2][1]];
     if across.iter().any(|own| own.value() != 0.0) {
-        return super::plane_jet(law, f);
+        return law.energy(&super::plane_jets(f));
     }
     let [f11, f12, f21, f22] = [f[0][0], f[0][1], f[1][0], f[1][1]];
     let [square, volume] = Jet::<2, R>::variables([
@@ -209,15 +209,18 @@ impl LaneStress {
             energy: energy.value,
             first_piola,
         };
-        all.keep(|lane| {
+        for lane in 0..LANES {
             let state = Invariants {
                 first: own.first.0[lane],
                 second: own.second.0[lane],
                 third: own.third.0[lane],
                 jacobian: own.jacobian.0[lane],
             };
-            state.jacobian > 0.0 && law.admits_invariants(&state).is_ok()
-        });
+            // States that have no energy.
+            if !(state.jacobian > 0.0) || law.admits_invariants(&state).is_err() {
+                all.energy.0[lane] = f64::NAN;
+            }
+        }
         all
     }
 }

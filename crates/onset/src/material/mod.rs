@@ -180,7 +180,7 @@ pub trait StrainEnergy {
     where
         Self: Sized,
     {
-        plane_jet(self, f)
+        self.energy(&plane_jets(f))
     }
 
     /// The second derivatives of [`StrainEnergy::plane_jet`] alone, at diagonal states by the mirror symmetry that most laws have there.
@@ -188,7 +188,10 @@ pub trait StrainEnergy {
     where
         Self: Sized,
     {
-        let mirrored = || mirrored_tangent(self, [f[0][0], f[1][1], f[2][2]]);
+        let mirrored = || {
+            self.energy(&mirrored([f[0][0], f[1][1], f[2][2]]))
+                .hessian()
+        };
         let mirrored = is_diagonal.then(mirrored).flatten();
         mirrored.unwrap_or_else(|| self.plane_jet(f).hessian)
     }
@@ -329,10 +332,7 @@ impl LaneStress {
             first_piola: [[Lanes([0.0; LANES]); 3]; 3],
         };
         for lane in 0..LANES {
-            let state = states
-                .components()
-                .map(|row| row.map(|entry| entry.0[lane]));
-            let own = DeformationGradient::new(state)
+            let own = DeformationGradient::new(components_of(states, lane))
                 .ok()
                 .and_then(|f| stress(&f));
             let Some((energy, first_piola)) = own else {
@@ -365,14 +365,20 @@ impl LaneStress {
         law: &impl StrainEnergy,
         states: &DeformationGradient<Lanes>,
     ) -> Self {
-        let f = states.components();
-        let duals = std::array::from_fn(|i| {
-            std::array::from_fn(|j| match i < D && j < D {
-                true => Dual::<N, Lanes>::variable(f[i][j], D * i + j),
-                false => Dual::fixed(f[i][j]),
-            })
-        });
-        let energy = law.energy(&DeformationGradient::from_components(duals));
+        let mut all = Self::of_energy::<D, N>(&law.energy(&plane_duals::<D, N>(states)));
+        let volumes = states.determinant();
+        for lane in 0..LANES {
+            let state = DeformationGradient::from_components(components_of(states, lane));
+            // States that have no energy.
+            if !(volumes.0[lane] > 0.0) || law.admits(&state).is_err() {
+                all.energy.0[lane] = f64::NAN;
+            }
+        }
+        all
+    }
+
+    /// From the energy with its derivatives by the first `D` rows and columns of `F`.
+    fn of_energy<const D: usize, const N: usize>(energy: &Dual<N, Lanes>) -> Self {
         let mut all = Self {
             energy: energy.value,
             first_piola: [[Lanes([0.0; LANES]); 3]; 3],
@@ -382,22 +388,7 @@ impl LaneStress {
                 all.first_piola[i][j] = energy.gradient[D * i + j];
             }
         }
-        let volumes = states.determinant();
-        all.keep(|lane| {
-            let state = f.map(|row| row.map(|entry| entry.0[lane]));
-            let is_admitted = || law.admits(&DeformationGradient::from_components(state));
-            volumes.0[lane] > 0.0 && is_admitted().is_ok()
-        });
         all
-    }
-
-    /// Takes the energy of those states away that have none.
-    fn keep(&mut self, is_defined: impl Fn(usize) -> bool) {
-        for (lane, energy) in self.energy.0.iter_mut().enumerate() {
-            if !is_defined(lane) {
-                *energy = f64::NAN;
-            }
-        }
     }
 
     /// That of a law whose stress is found for one state at a time.
@@ -445,6 +436,22 @@ impl ResponseEnclosure {
         first_piola: [[Interval::ENTIRE; 3]; 3],
         tangent: [[[[Interval::ENTIRE; 3]; 3]; 3]; 3],
     };
+
+    /// From the energy with its derivatives.
+    fn of_energy(energy: &Jet<9, Interval>) -> Self {
+        let mut all = Self {
+            energy: energy.value,
+            ..Self::ENTIRE
+        };
+        for p in 0..9 {
+            let (i, j) = (p / 3, p % 3);
+            all.first_piola[i][j] = energy.gradient[p];
+            for q in 0..9 {
+                all.tangent[i][j][q / 3][q % 3] = energy.hessian[p][q];
+            }
+        }
+        all
+    }
 }
 
 /// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
@@ -473,16 +480,60 @@ pub struct Response {
     pub tangent: FourthOrder,
 }
 
-/// The energy with its derivatives by the nine components of `F`.
-fn energy_jet<R: Real>(law: &impl StrainEnergy, f: &DeformationGradient<R>) -> Jet<9, R> {
+// What follows for all laws does not depend on the type of the law, and is compiled once.
+
+/// The components of one state of several.
+fn components_of(states: &DeformationGradient<Lanes>, lane: usize) -> [[f64; 3]; 3] {
+    states.components().map(|row| row.map(|own| own.0[lane]))
+}
+
+/// One state of several in all lanes.
+fn alone(states: &DeformationGradient<Lanes>, lane: usize) -> DeformationGradient<Lanes> {
+    let state = components_of(states, lane);
+    DeformationGradient::from_components(state.map(|row| row.map(|own| Lanes([own; LANES]))))
+}
+
+/// The first `D` rows and columns of `F` as variables, of several states.
+fn plane_duals<const D: usize, const N: usize>(
+    states: &DeformationGradient<Lanes>,
+) -> DeformationGradient<Dual<N, Lanes>> {
+    let mut duals = states.components().map(|row| row.map(Dual::fixed));
+    for (i, row) in duals.iter_mut().enumerate().take(D) {
+        for (j, own) in row.iter_mut().enumerate().take(D) {
+            *own = Dual::variable(own.value, D * i + j);
+        }
+    }
+    DeformationGradient::from_components(duals)
+}
+
+/// All components of `F` as variables, with first derivatives.
+fn duals(f: &DeformationGradient) -> DeformationGradient<Dual<9>> {
+    let components = f.components();
+    let variables = Dual::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
+    let duals = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+    DeformationGradient::from_components(duals)
+}
+
+/// All components of `F` as variables, up to second derivatives.
+fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     let components = f.components();
     let variables = Jet::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
     let jets = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
-    law.energy(&DeformationGradient::from_components(jets))
+    DeformationGradient::from_components(jets)
 }
 
-/// The tangent within the plane at diagonal states, if the law has its mirror symmetry there.
-fn mirrored_tangent<R: Real>(law: &impl StrainEnergy, diagonal: [R; 3]) -> Option<[[R; 4]; 4]> {
+/// The components of `F` within the plane as variables, four instead of nine; the others are constants.
+fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R>> {
+    let variables = Jet::<4, R>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
+    let mut jets = components.map(|row| row.map(Jet::fixed));
+    for (n, variable) in variables.into_iter().enumerate() {
+        jets[n / 2][n % 2] = variable;
+    }
+    DeformationGradient::from_components(jets)
+}
+
+/// The components of a diagonal state within the plane as variables, of functions with its mirror symmetry.
+fn mirrored<R: Real>(diagonal: [R; 3]) -> DeformationGradient<Mirrored<R>> {
     let [f11, f12, f21, f22] = Mirrored::variables(diagonal[0], diagonal[1]);
     let [_, _, _, f33] = Mirrored::variables(diagonal[0], diagonal[2]);
     // Waves in the plane do not change it.
@@ -494,25 +545,51 @@ fn mirrored_tangent<R: Real>(law: &impl StrainEnergy, diagonal: [R; 3]) -> Optio
         other => other,
     };
     let zero = Mirrored::Zero;
-    let energy = law.energy(&DeformationGradient::from_components([
-        [f11, f12, zero],
-        [f21, f22, zero],
-        [zero, zero, f33],
-    ]));
-    energy.hessian()
+    DeformationGradient::from_components([[f11, f12, zero], [f21, f22, zero], [zero, zero, f33]])
 }
 
-/// The energy with its derivatives by the components of `F` within the plane. The others are constants: four variables
-/// instead of nine.
-fn plane_jet<R: Real>(law: &impl StrainEnergy, components: &[[R; 3]; 3]) -> Jet<4, R> {
-    let variables = Jet::<4, R>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
-    let jets = std::array::from_fn(|i| {
-        std::array::from_fn(|j| match (i, j) {
-            (0 | 1, 0 | 1) => variables[2 * i + j],
-            _ => Jet::fixed(components[i][j]),
+/// Energy and stress, unless one over- or underflows.
+fn finite_stress(
+    energy: &Dual<9>,
+    f: &DeformationGradient,
+) -> Result<(f64, Matrix3<f64>), MaterialError> {
+    if energy.value.is_finite() && energy.gradient.iter().all(|slope| slope.is_finite()) {
+        let stress = Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]);
+        Ok((energy.value, stress))
+    } else {
+        Err(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
         })
-    });
-    law.energy(&DeformationGradient::from_components(jets))
+    }
+}
+
+/// Stress and tangent within the plane, unless one over- or underflows.
+fn finite_plane_response(
+    energy: &Jet<4>,
+    f: &DeformationGradient,
+) -> Result<PlaneResponse, MaterialError> {
+    let mut values = energy.gradient.iter().chain(energy.hessian.as_flattened());
+    if values.all(|value| value.is_finite()) {
+        Ok(PlaneResponse {
+            first_piola: energy.gradient,
+            tangent: energy.hessian,
+        })
+    } else {
+        Err(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })
+    }
+}
+
+/// Energy, stress and tangent, unless one of them over- or underflows.
+fn finite_response(energy: &Jet<9>, f: &DeformationGradient) -> Result<Response, MaterialError> {
+    Response {
+        deformation: *f,
+        energy: energy.value,
+        first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
+        tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
+    }
+    .finite()
 }
 
 /// A tangent, unless it over- or underflows.
@@ -526,15 +603,34 @@ fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent
     }
 }
 
-/// The tangents within the plane of up to [`LANES`] states.
-fn lane_tangents(law: &impl StrainEnergy, states: &[DeformationGradient]) -> [[Lanes; 4]; 4] {
-    // What fills up is one of them.
-    let state = |n: usize| states.get(n).unwrap_or(&states[0]).components();
-    let components: [[Lanes; 3]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| Lanes(std::array::from_fn(|n| state(n)[i][j])))
-    });
-    let is_diagonal = states.iter().all(DeformationGradient::is_diagonal);
-    law.plane_hessian(&components, is_diagonal)
+/// Up to [`LANES`] states side by side; what fills up is one of them.
+fn side_by_side(states: &[DeformationGradient]) -> [[Lanes; 3]; 3] {
+    let mut components = [[Lanes([0.0; LANES]); 3]; 3];
+    for n in 0..LANES {
+        let state = states.get(n).unwrap_or(&states[0]).components();
+        for (own, entry) in components
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(state.as_flattened())
+        {
+            own.0[n] = *entry;
+        }
+    }
+    components
+}
+
+/// The tangent of one state of several.
+fn tangent_of(lanes: &[[Lanes; 4]; 4], lane: usize) -> PlaneTangent {
+    // By reference: a tangent of all lanes is a kilobyte.
+    let mut tangent = PlaneTangent::default();
+    for (own, entry) in tangent
+        .as_flattened_mut()
+        .iter_mut()
+        .zip(lanes.as_flattened())
+    {
+        *own = entry.0[lane];
+    }
+    tangent
 }
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
@@ -542,19 +638,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         if !self.is_smooth(f) {
             return ResponseEnclosure::ENTIRE;
         }
-        let energy = energy_jet(self, f);
-        let hessian = |i: usize, j: usize, k: usize, l: usize| energy.hessian[3 * i + j][3 * k + l];
-        ResponseEnclosure {
-            energy: energy.value,
-            first_piola: std::array::from_fn(|i| {
-                std::array::from_fn(|j| energy.gradient[3 * i + j])
-            }),
-            tangent: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    std::array::from_fn(|k| std::array::from_fn(|l| hessian(i, j, k, l)))
-                })
-            }),
-        }
+        ResponseEnclosure::of_energy(&self.energy(&jets(f)))
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
@@ -564,18 +648,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
 
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         self.admits(f)?;
-        let energy = StrainEnergy::plane_jet(self, f.components());
-        let mut values = energy.gradient.iter().chain(energy.hessian.as_flattened());
-        if values.all(|value| value.is_finite()) {
-            Ok(PlaneResponse {
-                first_piola: energy.gradient,
-                tangent: energy.hessian,
-            })
-        } else {
-            Err(MaterialError::NotFinite {
-                jacobian: f.jacobian(),
-            })
-        }
+        finite_plane_response(&StrainEnergy::plane_jet(self, f.components()), f)
     }
 
     fn plane_tangents(
@@ -585,22 +658,21 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         let mut tangents = Vec::with_capacity(states.len());
         let runs = states.chunk_by(|a, b| a.is_diagonal() == b.is_diagonal());
         for chunk in runs.flat_map(|run| run.chunks(LANES)) {
-            let lanes = lane_tangents(self, chunk);
-            tangents.extend(chunk.iter().enumerate().map(|(n, f)| {
-                // By reference: a tangent of all lanes is a kilobyte.
-                let of_row = |p: usize| std::array::from_fn(|q| lanes[p][q].0[n]);
-                let tangent = std::array::from_fn(of_row);
-                self.admits(f)?;
+            let is_diagonal = chunk[0].is_diagonal();
+            let lanes = self.plane_hessian(&side_by_side(chunk), is_diagonal);
+            for (n, f) in chunk.iter().enumerate() {
+                let admitted = self.admits(f);
                 // A law may ask for the one number that lanes do not have in common.
-                finite(tangent, f).or_else(|_| self.plane_tangent(f))
-            }));
+                let known = || finite(tangent_of(&lanes, n), f).or_else(|_| self.plane_tangent(f));
+                tangents.push(admitted.and_then(|()| known()));
+            }
         }
         tangents
     }
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.admits(f)?;
-        finite_response(self, f)
+        finite_response(&self.energy(&jets(f)), f)
     }
 
     fn energy_and_stress(
@@ -608,32 +680,17 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         f: &DeformationGradient,
     ) -> Result<(f64, Matrix3<f64>), MaterialError> {
         self.admits(f)?;
-        let components = f.components();
-        let variables = Dual::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
-        let duals = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
-        let energy = self.energy(&DeformationGradient::from_components(duals));
-        if energy.value.is_finite() && energy.gradient.iter().all(|slope| slope.is_finite()) {
-            let stress = Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]);
-            Ok((energy.value, stress))
-        } else {
-            Err(MaterialError::NotFinite {
-                jacobian: f.jacobian(),
-            })
-        }
+        finite_stress(&self.energy(&duals(f)), f)
     }
 
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
         let mut all = StrainEnergy::lane_stress(self, states, dimension);
-        for lane in (0..LANES)
-            .filter(|lane| !all.is_known(*lane))
-            .collect::<Vec<_>>()
-        {
+        for lane in 0..LANES {
             // A law may ask for the one number that lanes do not have in common.
-            let state = states
-                .components()
-                .map(|row| row.map(|own| Lanes([own.0[lane]; LANES])));
-            let alone = DeformationGradient::from_components(state);
-            all.take(lane, &StrainEnergy::lane_stress(self, &alone, dimension));
+            if !all.is_known(lane) {
+                let alone = alone(states, lane);
+                all.take(lane, &StrainEnergy::lane_stress(self, &alone, dimension));
+            }
         }
         all
     }
@@ -644,21 +701,6 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             Err(MaterialError::Formula(error)) if error.trouble != Trouble::Undefined => {}
             other => other?,
         }
-        finite_response(self, &f)
+        finite_response(&self.energy(&jets(&f)), &f)
     }
-}
-
-/// Energy, stress and tangent, unless one of them over- or underflows.
-fn finite_response(
-    law: &impl StrainEnergy,
-    f: &DeformationGradient,
-) -> Result<Response, MaterialError> {
-    let energy = energy_jet(law, f);
-    Response {
-        deformation: *f,
-        energy: energy.value,
-        first_piola: Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]),
-        tangent: FourthOrder::from_fn(|i, j, k, l| energy.hessian[3 * i + j][3 * k + l]),
-    }
-    .finite()
 }
