@@ -1,6 +1,7 @@
 //! Eigenvalues and eigenvectors of complex matrices of one to three rows.
 
 use super::{Complex, symmetric_eigen};
+use crate::algebra::array_of;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
@@ -116,7 +117,7 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
     if (matrix - matrix.transpose()).amax() <= noise {
         let mean = |i: usize, j: usize| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
-        let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| mean(i, j)));
+        let rows: [[f64; 3]; 3] = array_of(|i| array_of(|j| mean(i, j)));
         return Some(
             symmetric_eigen(&rows)
                 .0

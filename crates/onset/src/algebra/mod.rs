@@ -1,5 +1,6 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
+mod array;
 mod decomposition;
 mod directions;
 mod eigen;
@@ -14,6 +15,7 @@ mod turn;
 mod unit;
 mod well;
 
+pub(crate) use array::array_of;
 pub(crate) use decomposition::Decomposition;
 pub(crate) use directions::directions;
 pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};

@@ -1,5 +1,6 @@
 //! Real symmetric matrices of a few rows: eigenvalues by Jacobi's rotations, definiteness by elimination.
 
+use crate::algebra::array_of;
 use crate::real::{Real, Side};
 
 /// Sweeps of rotations after which no more are made; six are enough for rounding.
@@ -11,8 +12,7 @@ const SWEEPS: usize = 12;
 /// vectors are orthogonal to rounding.
 pub(crate) fn symmetric_eigen<const N: usize>(matrix: &[[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut a = *matrix;
-    let mut vectors: [[f64; N]; N] =
-        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut vectors: [[f64; N]; N] = array_of(|i| array_of(|j| f64::from(u8::from(i == j))));
     let largest = matrix
         .as_flattened()
         .iter()
@@ -34,7 +34,7 @@ pub(crate) fn symmetric_eigen<const N: usize>(matrix: &[[f64; N]; N]) -> ([f64; 
             break;
         }
     }
-    let mut order: [usize; N] = std::array::from_fn(|n| n);
+    let mut order: [usize; N] = array_of(|n| n);
     order.sort_by(|&m, &n| a[m][m].total_cmp(&a[n][n]));
     (order.map(|n| a[n][n]), order.map(|n| vectors[n]))
 }

@@ -1,5 +1,6 @@
 //! Wells of a function on a periodic grid, and their bottoms.
 
+use crate::algebra::array_of;
 use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -33,8 +34,7 @@ pub(crate) fn neighbors<const D: usize>(
     others
         .map(move |neighbor| {
             let steps = grid_coordinates::<D>(neighbor, 3);
-            let beside: [usize; D] =
-                std::array::from_fn(|i| (coordinates[i] + n + steps[i] - 1) % n);
+            let beside: [usize; D] = array_of(|i| (coordinates[i] + n + steps[i] - 1) % n);
             match flat(&beside) {
                 place if place < known => place,
                 _ => flat(&beside.map(|c| (n - c) % n)),
@@ -53,7 +53,7 @@ pub(crate) fn settled<const D: usize>(
     start: (f64, SVector<f64, D>),
     steps: &SMatrix<f64, D, D>,
 ) -> (f64, SVector<f64, D>) {
-    let columns: [SVector<f64, D>; D] = std::array::from_fn(|i| steps.column(i).into());
+    let columns: [SVector<f64, D>; D] = array_of(|i| steps.column(i).into());
     settled_along(at, start, &columns)
 }
 

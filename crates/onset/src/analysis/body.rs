@@ -2,7 +2,7 @@
 
 use super::in_space::InSpace;
 use super::{Analysis, PatchParticle, PlaneWaves, SteppedWaves};
-use crate::algebra::{Complex, eigenvalues};
+use crate::algebra::{Complex, array_of, eigenvalues};
 use crate::bloch::{IsEnded, SpectrumSummary, Stability, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
@@ -336,7 +336,7 @@ impl<const D: usize> Analysis for Body<D> {
         cells: &[usize],
         work: &mut dyn FnMut(&mut dyn PatchMotion),
     ) -> Result<(), MethodError> {
-        let cells = std::array::from_fn(|i| cells.get(i).copied().unwrap_or(1));
+        let cells = array_of(|i| cells.get(i).copied().unwrap_or(1));
         with_motion::<D>(&*self.discretization, &*self.material, f, cells, work)
     }
 

@@ -1,5 +1,6 @@
 //! Bases of monomials, and what a neighbor contributes to moments.
 
+use crate::algebra::array_of;
 use crate::kernel::Weight;
 use nalgebra::SVector;
 
@@ -45,7 +46,7 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
     pub(super) fn new() -> Self {
         let mut all = (0..).flat_map(of_degree::<D>);
         Self {
-            exponents: std::array::from_fn(|_| all.next().unwrap_or([0; D])),
+            exponents: array_of(|_| all.next().unwrap_or([0; D])),
         }
     }
 
@@ -55,15 +56,12 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
         let derived = |by: [u8; D], scale: f64| {
             SVector::from_fn(|b, _| scale * derivative(&self.exponents[b], &by, &unit))
         };
-        let axis = |j: usize| std::array::from_fn(|i| u8::from(i == j));
-        let both =
-            |j: usize, t: usize| std::array::from_fn(|i| u8::from(i == j) + u8::from(i == t));
+        let axis = |j: usize| array_of(|i| u8::from(i == j));
+        let both = |j: usize, t: usize| array_of(|i| u8::from(i == j) + u8::from(i == t));
         BasisValue {
             value: derived([0; D], 1.0),
-            gradient: std::array::from_fn(|j| derived(axis(j), 1.0 / length)),
-            hessian: std::array::from_fn(|j| {
-                std::array::from_fn(|t| derived(both(j, t), 1.0 / (length * length)))
-            }),
+            gradient: array_of(|j| derived(axis(j), 1.0 / length)),
+            hessian: array_of(|j| array_of(|t| derived(both(j, t), 1.0 / (length * length)))),
         }
     }
 }
@@ -120,9 +118,9 @@ impl<const D: usize, const B: usize> Term<D, B> {
         } = basis;
         Self {
             a: p * w.value,
-            a1: std::array::from_fn(|j| p1[j] * w.value + p * w.gradient[j]),
-            a2: std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
+            a1: array_of(|j| p1[j] * w.value + p * w.gradient[j]),
+            a2: array_of(|j| {
+                array_of(|t| {
                     p2[j][t] * w.value
                         + p1[j] * w.gradient[t]
                         + p1[t] * w.gradient[j]

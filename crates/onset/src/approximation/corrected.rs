@@ -14,6 +14,7 @@
 
 use super::least_squares::inverted;
 use super::{Motion, Order, ShapeFunctions, SingularMoment};
+use crate::algebra::array_of;
 use crate::kernel::Weight;
 use nalgebra::{SMatrix, SVector};
 
@@ -125,7 +126,7 @@ impl<const D: usize> Correction<'_, D> {
         };
         let slopes: Vec<SMatrix<f64, D, D>> = (0..self.weights.len()).map(slope).collect();
         // C dN C for each t.
-        let turned: [SMatrix<f64, D, D>; D] = std::array::from_fn(|t| {
+        let turned: [SMatrix<f64, D, D>; D] = array_of(|t| {
             let moment1: SMatrix<f64, D, D> = self
                 .positions
                 .iter()
@@ -160,7 +161,7 @@ impl<const D: usize> Correction<'_, D> {
             };
             // d N_im / d x_K,t = delta_it h_K,m + (sum_L n_L x_L - x_K)_i own_mt.
             let lever = mean - self.positions[k];
-            let turned: [SMatrix<f64, D, D>; D] = std::array::from_fn(|t| {
+            let turned: [SMatrix<f64, D, D>; D] = array_of(|t| {
                 let mut moment1 = lever * own.column(t).transpose();
                 for m in 0..D {
                     moment1[(t, m)] += self.differences[k][m];

@@ -5,6 +5,7 @@
 
 use super::basis::Term;
 use super::{MAXIMUM_CONDITION, Motion, Order, ShapeFunctions, SingularMoment};
+use crate::algebra::array_of;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// The coefficients `alpha` and what their derivatives need.
@@ -48,12 +49,12 @@ pub(super) fn solved<const D: usize, const B: usize>(
     let alpha: SVector<f64, B> = inverse.column(0).into_owned();
     // M alpha = e0 differentiated: D_j M = -M_j (the point moves against the neighbors), so
     // D_j alpha = M^-1 M_j alpha and D_jt alpha = M^-1 (M_j D_t alpha + M_t D_j alpha - M_jt alpha).
-    let moment1: [SMatrix<f64, B, B>; D] = std::array::from_fn(|j| {
+    let moment1: [SMatrix<f64, B, B>; D] = array_of(|j| {
         let of_term =
             |term: &Term<D, B>| term.p1[j] * term.a.transpose() + term.p * term.a1[j].transpose();
         terms.iter().map(of_term).sum()
     });
-    let alpha1 = std::array::from_fn(|j| inverse * (moment1[j] * alpha));
+    let alpha1 = array_of(|j| inverse * (moment1[j] * alpha));
     let mut alpha2 = [[SVector::zeros(); D]; D];
     if order != Order::First {
         for j in 0..D {
@@ -128,9 +129,9 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
         for term in terms {
             // d alpha / d x_K,t = -M^-1 m_,t alpha, and its derivative along the evaluation point.
             let shift: [SVector<f64, B>; D] =
-                std::array::from_fn(|t| -(self.inverse * term.moment1_times(t, &self.alpha)));
-            let slope: [[SVector<f64, B>; D]; D] = std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
+                array_of(|t| -(self.inverse * term.moment1_times(t, &self.alpha)));
+            let slope: [[SVector<f64, B>; D]; D] = array_of(|j| {
+                array_of(|t| {
                     self.inverse
                         * (term.moment2_times(j, t, &self.alpha) + self.moment1[j] * shift[t]
                             - term.moment1_times(t, &self.alpha1[j]))

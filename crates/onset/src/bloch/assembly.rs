@@ -2,6 +2,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Block, ForceConstants, matrix_of};
+use crate::algebra::array_of;
 use crate::approximation::Order;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -178,11 +179,7 @@ fn tangent_from<const D: usize>(
     component: impl Fn(usize, usize, usize, usize) -> f64,
 ) -> Tangent<D> {
     let component = &component;
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            std::array::from_fn(|k| std::array::from_fn(|l| component(i, j, k, l)))
-        })
-    })
+    array_of(|i| array_of(|j| array_of(|k| array_of(|l| component(i, j, k, l)))))
 }
 
 /// Stress and tangent of a material at a state, within the dimensions of a lattice.
@@ -206,17 +203,13 @@ impl<const D: usize> Local<D> {
         if D == 2 {
             let response = material.plane_response(f)?;
             return Ok(Self {
-                first_piola: std::array::from_fn(|i| {
-                    std::array::from_fn(|j| response.first_piola[2 * i + j])
-                }),
+                first_piola: array_of(|i| array_of(|j| response.first_piola[2 * i + j])),
                 tangent: tangent_from(|i, j, k, l| response.tangent[2 * i + j][2 * k + l]),
             });
         }
         let response = material.response(f)?;
         Ok(Self {
-            first_piola: std::array::from_fn(|i| {
-                std::array::from_fn(|j| response.first_piola[(i, j)])
-            }),
+            first_piola: array_of(|i| array_of(|j| response.first_piola[(i, j)])),
             tangent: tangent_from(|i, j, k, l| response.tangent[(i, j, k, l)]),
         })
     }

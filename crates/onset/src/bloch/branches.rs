@@ -4,7 +4,7 @@
 //! as smooth as `D`; what is not smooth is the root alone.
 
 use super::dynamical_matrix::Expansion;
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use nalgebra::{SMatrix, SVector};
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -196,8 +196,8 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
     fn entry(&self, i: usize, j: usize) -> Taylor<T, D> {
         Taylor {
             value: self.value[(i, j)],
-            gradient: std::array::from_fn(|a| self.gradient[a][(i, j)]),
-            hessian: std::array::from_fn(|a| std::array::from_fn(|b| self.hessian[a][b][(i, j)])),
+            gradient: array_of(|a| self.gradient[a][(i, j)]),
+            hessian: array_of(|a| array_of(|b| self.hessian[a][b][(i, j)])),
         }
     }
 
@@ -211,8 +211,7 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
             }
             entry
         };
-        let m: [[Taylor<T, D>; 3]; 3] =
-            std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        let m: [[Taylor<T, D>; 3]; 3] = array_of(|i| array_of(|j| entry(i, j)));
         let sum = |x: &Taylor<T, D>, y: &Taylor<T, D>| x.zip(y, |x, y| x + y);
         let minor = |i: usize, j: usize, k: usize, l: usize| {
             m[i][k]
@@ -242,8 +241,8 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
         Taylor {
             value: eigenvalue,
             gradient: slope,
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
+            hessian: array_of(|a| {
+                array_of(|b| {
                     let turning = minors.gradient[a] * slope[b] + minors.gradient[b] * slope[a];
                     (determinant.hessian[a][b] - turning + trace * slope[a] * slope[b] * 2.0)
                         / product
@@ -309,8 +308,8 @@ impl<const D: usize> Expansion<f64, D> {
         let third = |x: f64, y: f64| x + y / 3.0;
         let zero = self.entry(0, 0).map(|_| 0.0);
         let mean = (0..3).fold(zero, |sum, i| sum.zip(&self.entry(i, i), third));
-        let k: [[Taylor<f64, D>; 3]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        let k: [[Taylor<f64, D>; 3]; 3] = array_of(|i| {
+            array_of(|j| {
                 let entry = self.entry(i, j);
                 if i == j {
                     entry.zip(&mean, |x, y| x - y)

@@ -4,7 +4,7 @@ use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
 use super::powers::Powers;
 use super::short_range::ShortRange;
-use crate::algebra::{Complex, eigenvalues, moderate_unit};
+use crate::algebra::{Complex, array_of, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced, Symmetry};
 use nalgebra::{SMatrix, SVector};
@@ -144,7 +144,7 @@ impl<const D: usize> ForceConstants<D> {
         Self {
             basis,
             reach,
-            steps: std::array::from_fn(|i| steps[i] as i64),
+            steps: array_of(|i| steps[i] as i64),
             blocks: vec![[[0.0; D]; D]; side.pow(D as u32)],
             loose: BTreeMap::new(),
         }
@@ -242,8 +242,7 @@ impl<const D: usize> ForceConstants<D> {
                 .loose
                 .remove(&rounded(&-fractional))
                 .map_or(SMatrix::zeros(), |b| b.1);
-            let cell =
-                std::array::from_fn(|i| (fractional[i] + 0.5 / LOOSE_RESOLUTION).floor() as i32);
+            let cell = array_of(|i| (fractional[i] + 0.5 / LOOSE_RESOLUTION).floor() as i32);
             let place = fractional - SVector::from(cell.map(f64::from));
             let known = sites
                 .iter()
@@ -275,7 +274,7 @@ impl<const D: usize> ForceConstants<D> {
             return *cell;
         }
         let given = self.basis.change * SVector::from(cell.map(f64::from));
-        std::array::from_fn(|i| given[i] as i32)
+        array_of(|i| given[i] as i32)
     }
 }
 
@@ -412,7 +411,7 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// The derivatives of `D(k)` with respect to the components of the wave vector.
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
         let [real, imaginary] = self.sums::<1>(k);
-        std::array::from_fn(|a| joined(&real.gradient[a], &imaginary.gradient[a]))
+        array_of(|a| joined(&real.gradient[a], &imaginary.gradient[a]))
     }
 
     /// `D(k)` with its first and second derivatives with respect to the wave vector.
@@ -420,9 +419,9 @@ impl<const D: usize> DynamicalMatrix<D> {
         let [real, imaginary] = self.sums::<2>(k).map(Expansion::finished);
         Expansion {
             value: joined(&real.value, &imaginary.value),
-            gradient: std::array::from_fn(|a| joined(&real.gradient[a], &imaginary.gradient[a])),
-            hessian: std::array::from_fn(|a| {
-                std::array::from_fn(|b| joined(&real.hessian[a][b], &imaginary.hessian[a][b]))
+            gradient: array_of(|a| joined(&real.gradient[a], &imaginary.gradient[a])),
+            hessian: array_of(|a| {
+                array_of(|b| joined(&real.hessian[a][b], &imaginary.hessian[a][b]))
             }),
         }
     }
@@ -605,7 +604,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         for term in &mut moved.terms {
             let own = (range.inverse * SVector::from(term.cell.map(f64::from))).map(f64::round);
             term.vector = moved.vectors * own;
-            term.cell = std::array::from_fn(|i| own[i] as i32);
+            term.cell = array_of(|i| own[i] as i32);
         }
         let coordinates = moved.terms.iter().flat_map(|term| term.cell);
         moved.reach = coordinates.map(i32::unsigned_abs).max().unwrap_or(0) as usize;
@@ -711,8 +710,7 @@ impl<const D: usize> HalfPhases<D> {
             let (sine, cosine) = (0.5 * k.dot(&vector)).sin_cos();
             Complex::new(cosine, sine)
         };
-        let steps: [Complex; D] =
-            std::array::from_fn(|d| half_phase(matrix.vectors.column(d).into_owned()));
+        let steps: [Complex; D] = array_of(|d| half_phase(matrix.vectors.column(d).into_owned()));
         let sites = matrix
             .sites
             .iter()

@@ -7,6 +7,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Expansion, Term};
+use crate::algebra::array_of;
 use crate::lattice::WaveGrid;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, NullaryFnOnce};
@@ -173,11 +174,9 @@ impl PlanarRows {
         let matrix = |entry: &dyn Fn(usize) -> f64| SMatrix::from_fn(|i, j| entry(2 * i + j));
         Expansion {
             value: matrix(&|e| value[e]),
-            gradient: std::array::from_fn(|p| {
-                matrix(&|e| a[p] * slopes[0][e] + b[p] * slopes[1][e])
-            }),
-            hessian: std::array::from_fn(|p| {
-                std::array::from_fn(|q| {
+            gradient: array_of(|p| matrix(&|e| a[p] * slopes[0][e] + b[p] * slopes[1][e])),
+            hessian: array_of(|p| {
+                array_of(|q| {
                     matrix(&|e| {
                         a[p] * a[q] * curvatures[0][e]
                             + (a[p] * b[q] + b[p] * a[q]) * curvatures[1][e]
@@ -278,5 +277,5 @@ fn turns(t: f64, reach: usize) -> [[f64; 2]; REACH] {
 
 /// The entries of a matrix of two rows.
 fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> [f64; 4] {
-    std::array::from_fn(|e| matrix[(e / 2, e % 2)])
+    array_of(|e| matrix[(e / 2, e % 2)])
 }

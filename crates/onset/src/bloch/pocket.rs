@@ -2,7 +2,7 @@
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
-use crate::algebra::{Complex, Decomposition, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Decomposition, array_of, eigenvalues, sort_by_value};
 use crate::lattice::grid_coordinates;
 use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -116,8 +116,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         };
         look([0.0; D]);
         let distance = (self.values[0] - self.values[1]).real();
-        let closing: [f64; D] =
-            std::array::from_fn(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
+        let closing: [f64; D] = array_of(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
         let steepest = (0..D).fold(0, |most, a| {
             if closing[a].abs() > closing[most].abs() {
                 a
@@ -341,8 +340,8 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
             let own = adjugate.row(i);
             left.set_row(n, &(own / (own * right.column(n))[(0, 0)]));
         }
-        // Also where one is not finite.
-        if !(left.norm() * right.norm() <= DEPENDENT) {
+        let dependent = left.norm() * right.norm();
+        if dependent.is_nan() || dependent > DEPENDENT {
             return None;
         }
         let first = |a: usize| {
@@ -362,8 +361,8 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
         };
         Some(Self {
             values,
-            first: std::array::from_fn(first),
-            second: (order == Order::Second).then(|| std::array::from_fn(second)),
+            first: array_of(first),
+            second: (order == Order::Second).then(|| array_of(second)),
         })
     }
 }
@@ -400,7 +399,7 @@ where
     }
 
     fn pair(&self, i: usize, j: usize) -> Pair<S, D> {
-        let entry = |i: usize, j: usize| std::array::from_fn(|a| self.first[a][(i, j)]);
+        let entry = |i: usize, j: usize| array_of(|a| self.first[a][(i, j)]);
         let values = self.values.as_ref();
         Pair {
             values: [values[i], values[j]],

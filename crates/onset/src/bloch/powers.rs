@@ -1,6 +1,6 @@
 //! Phases of lattice vectors from those of the primitive vectors.
 
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 
 /// Powers that fit on the stack.
 const NEAR: usize = 16;
@@ -16,8 +16,7 @@ impl<const D: usize> Powers<D> {
     /// Of the phase of each primitive vector, up to a power.
     pub(super) fn new(steps: [Complex; D], reach: usize) -> Self {
         let one = [Complex::new(1.0, 0.0); D];
-        let turned =
-            |power: &[Complex; D]| -> [Complex; D] { std::array::from_fn(|d| power[d] * steps[d]) };
+        let turned = |power: &[Complex; D]| -> [Complex; D] { array_of(|d| power[d] * steps[d]) };
         let mut near = [one; NEAR];
         for n in 1..NEAR.min(reach + 1) {
             near[n] = turned(&near[n - 1]);

@@ -6,6 +6,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
+use crate::algebra::array_of;
 use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
@@ -172,7 +173,7 @@ impl Rows {
                     }
                 }
             }
-            let of = |j: usize| -> Entries { std::array::from_fn(|e| entries[e * n + j]) };
+            let of = |j: usize| -> Entries { array_of(|e| entries[e * n + j]) };
             let there = &mut spectra[number * n..][own.clone()];
             for (j, spectrum) in there.iter_mut().enumerate() {
                 *spectrum = SpatialSpectrum::of(&of(j));
@@ -216,7 +217,7 @@ impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
 
 /// The entries of a matrix of three rows.
 fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
-    std::array::from_fn(|e| matrix[(e / 3, e % 3)])
+    array_of(|e| matrix[(e / 3, e % 3)])
 }
 
 #[cfg(test)]

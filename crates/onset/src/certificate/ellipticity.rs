@@ -1,6 +1,7 @@
 //! Strong ellipticity over all directions of a line or plane.
 
 use super::patch::{MatrixPatch, Patch, is_positive, smallest};
+use crate::algebra::array_of;
 use crate::real::{Interval, Real};
 
 /// The part `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` of `11, 12, 21, 22` and by
@@ -27,7 +28,7 @@ pub(super) enum Proved {
 impl Acoustic {
     pub(super) fn new<const D: usize>(tangent: &[[[[Interval; 3]; 3]; 3]; 3]) -> Self {
         let power = |m: usize| -> [Interval; 4] {
-            std::array::from_fn(|e| {
+            array_of(|e| {
                 let (i, k) = (e / 2, e % 2);
                 if D == 1 {
                     // The single entry stands on both places of the diagonal.
@@ -53,7 +54,7 @@ impl Acoustic {
 
     /// `Q - shift |N|^2` on `|s - center| <= half`.
     fn patch(&self, chart: usize, center: f64, half: f64, shift: f64) -> MatrixPatch {
-        std::array::from_fn(|e| {
+        array_of(|e| {
             let is_diagonal = e == 0 || e == 3;
             let (mut middle, mut radius) = ([0.0; 3], 0.0);
             for m in 0..3 {

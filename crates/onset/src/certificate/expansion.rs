@@ -2,6 +2,7 @@
 
 use super::patch::{MatrixPatch, Patch};
 use super::waves::{Entries, Waves};
+use crate::algebra::array_of;
 use crate::real::{Interval, Real};
 
 /// What the expansions of one sum share.
@@ -133,7 +134,7 @@ impl<'a> Expansion<'a> {
                 sums[3 + 2 * i][e] -= shift * cosine * half;
             }
         }
-        std::array::from_fn(|e| Patch {
+        array_of(|e| Patch {
             value: sums[0][e],
             slope: [sums[1][e], sums[2][e]],
             curvature: [sums[3][e], sums[4][e], sums[5][e]],
@@ -147,7 +148,7 @@ impl<'a> Expansion<'a> {
         let rest = far * far * (self.sixth() + 2.0 * shift / 720.0)
             + self.rounding * (self.sizes[2] + shift + far * (self.sizes[4] + shift))
             + self.waves.long_error;
-        std::array::from_fn(|e| {
+        array_of(|e| {
             let axes = |order: usize, factor: f64, b: usize| {
                 let is_axis = b == 0 || (b == order && self.waves.dimension == 2);
                 if is_axis && (e == 0 || e == 3) {
@@ -156,11 +157,11 @@ impl<'a> Expansion<'a> {
                     0.0
                 }
             };
-            let second: [f64; 3] = std::array::from_fn(|b| {
+            let second: [f64; 3] = array_of(|b| {
                 let b = if chart == 0 { b } else { 2 - b };
                 self.second[b][e] - axes(2, 0.5, b)
             });
-            let fourth: [f64; 5] = std::array::from_fn(|b| {
+            let fourth: [f64; 5] = array_of(|b| {
                 let b = if chart == 0 { b } else { 4 - b };
                 self.fourth[b][e] - axes(4, 1.0 / 24.0, b)
             });

@@ -4,6 +4,7 @@
 //! rest on the floating-point path.
 
 use super::Reason;
+use crate::algebra::array_of;
 use crate::approximation::Approximation;
 use crate::kinematics::DeformationGradient;
 use crate::method::{Background, CurrentLattice, Frame, MAXIMUM_NEIGHBORS, Method, SupportSize};
@@ -110,7 +111,7 @@ pub(super) fn points<const D: usize>(
         let share = volume / Interval::around(method.lattice().cell_volume(), VOLUME_ULPS);
         let multiplicity = if partner == index { 1.0 } else { 2.0 };
         let factor = share * multiplicity / method.choices().density;
-        let place = std::array::from_fn(|i| point.place[i]);
+        let place = array_of(|i| point.place[i]);
         let is_center = partner == index;
         let point = enclosed(method, f, &layout, place, point.is_node, is_center, factor);
         points.push(point.ok_or(Reason::NotFinite)?);
@@ -120,13 +121,12 @@ pub(super) fn points<const D: usize>(
 
 fn layout<const D: usize>(method: &Method<D>, f: &DeformationGradient) -> Layout<D> {
     let discretization = method.choices();
-    let leading: Square<D> =
-        std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(f.components()[i][j])));
+    let leading: Square<D> = array_of(|i| array_of(|j| Interval::point(f.components()[i][j])));
     let is_convected = discretization.frame == Frame::Eulerian
         && discretization.current_lattice == CurrentLattice::Convected;
     let home = if is_convected { leading } else { identity() };
-    let reference: Square<D> = std::array::from_fn(|i| {
-        std::array::from_fn(|j| Interval::around(method.lattice().vectors()[(i, j)], PLACE_ULPS))
+    let reference: Square<D> = array_of(|i| {
+        array_of(|j| Interval::around(method.lattice().vectors()[(i, j)], PLACE_ULPS))
     });
     let radius = Interval::point(method.support_radius());
     let support_size = if discretization.frame == Frame::Eulerian {
@@ -171,7 +171,7 @@ fn enclosed<const D: usize>(
     let reach = map.map(|row| (norm(&row) * layout.radius).high);
     let mut terms = Vec::new();
     for cell in cells(&fractional, &reach)? {
-        let offset: [Interval; D] = std::array::from_fn(|i| -fractional[i] + f64::from(cell[i]));
+        let offset: [Interval; D] = array_of(|i| -fractional[i] + f64::from(cell[i]));
         let position = image(&layout.vectors, &offset);
         terms.extend(term(method, layout, cell, position, basis));
     }
@@ -218,8 +218,8 @@ fn term<const D: usize>(
         profile.slope_over_q = profile.slope_over_q.hull(Interval::ZERO);
         profile.curvature_over_q = profile.curvature_over_q.hull(Interval::ZERO);
     }
-    let in_unit: Square<D> = std::array::from_fn(|j| {
-        std::array::from_fn(|t| {
+    let in_unit: Square<D> = array_of(|j| {
+        array_of(|t| {
             // |y_j y_t / q| <= q also at the center.
             let ratio = if q.low > 0.0 {
                 y[j] * y[t] / q
@@ -236,19 +236,18 @@ fn term<const D: usize>(
     });
     let map = layout.metric.map(|row| row.map(|x| x * inverse_radius));
     let gradient: [Interval; D] =
-        std::array::from_fn(|j| sum((0..D).map(|a| map[a][j] * y[a])) * profile.slope_over_q);
+        array_of(|j| sum((0..D).map(|a| map[a][j] * y[a])) * profile.slope_over_q);
     let half = product(&in_unit, &map);
-    let hessian: Square<D> = std::array::from_fn(|j| {
-        std::array::from_fn(|t| sum((0..D).map(|a| map[a][j] * half[a][t])))
-    });
+    let hessian: Square<D> =
+        array_of(|j| array_of(|t| sum((0..D).map(|a| map[a][j] * half[a][t]))));
 
-    let p: Basis = std::array::from_fn(|b| match b {
+    let p: Basis = array_of(|b| match b {
         0 => Interval::point(1.0),
         _ if b < basis => position[b - 1] * inverse_radius,
         _ => Interval::ZERO,
     });
-    let p1: [Basis; D] = std::array::from_fn(|j| {
-        std::array::from_fn(|b| {
+    let p1: [Basis; D] = array_of(|j| {
+        array_of(|b| {
             if b < basis && b == j + 1 {
                 inverse_radius
             } else {
@@ -257,15 +256,15 @@ fn term<const D: usize>(
         })
     });
     let entries = |entry: &dyn Fn(usize) -> Interval| -> Basis {
-        std::array::from_fn(|b| if b < basis { entry(b) } else { Interval::ZERO })
+        array_of(|b| if b < basis { entry(b) } else { Interval::ZERO })
     };
     Some(Term {
         cell,
         position,
         a: entries(&|b| p[b] * profile.value),
-        a1: std::array::from_fn(|j| entries(&|b| p1[j][b] * profile.value + p[b] * gradient[j])),
-        a2: std::array::from_fn(|j| {
-            std::array::from_fn(|t| {
+        a1: array_of(|j| entries(&|b| p1[j][b] * profile.value + p[b] * gradient[j])),
+        a2: array_of(|j| {
+            array_of(|t| {
                 entries(&|b| p1[j][b] * gradient[t] + p1[t][b] * gradient[j] + p[b] * hessian[j][t])
             })
         }),
@@ -305,8 +304,8 @@ fn shape_functions<const D: usize>(
             }
         }
         inverted = inverse_of_basis(&moment, basis);
-        alpha = std::array::from_fn(|b| inverted[b][0]);
-        alpha1 = std::array::from_fn(|j| apply(&inverted, &apply(&moment1[j], &alpha)));
+        alpha = array_of(|b| inverted[b][0]);
+        alpha1 = array_of(|j| apply(&inverted, &apply(&moment1[j], &alpha)));
         for j in 0..D {
             for t in 0..D {
                 let mut right = add(
@@ -321,16 +320,15 @@ fn shape_functions<const D: usize>(
         }
     }
     let neighbor = |term: &Term<D>| {
-        let frozen: Square<D> =
-            std::array::from_fn(|j| std::array::from_fn(|t| dot(&alpha, &term.a2[j][t])));
+        let frozen: Square<D> = array_of(|j| array_of(|t| dot(&alpha, &term.a2[j][t])));
         let shift: [Basis; D] =
-            std::array::from_fn(|t| negative(&apply(&inverted, &first_moment(term, t, &alpha))));
+            array_of(|t| negative(&apply(&inverted, &first_moment(term, t, &alpha))));
         Neighbor {
             cell: term.cell,
             value: dot(&alpha, &term.a),
-            gradient: std::array::from_fn(|j| dot(&alpha1[j], &term.a) - dot(&alpha, &term.a1[j])),
-            hessian: std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
+            gradient: array_of(|j| dot(&alpha1[j], &term.a) - dot(&alpha, &term.a1[j])),
+            hessian: array_of(|j| {
+                array_of(|t| {
                     dot(&alpha2[j][t], &term.a)
                         - dot(&alpha1[j], &term.a1[t])
                         - dot(&alpha1[t], &term.a1[j])
@@ -341,8 +339,8 @@ fn shape_functions<const D: usize>(
             a: term.a,
             a1: term.a1,
             shift,
-            shift1: std::array::from_fn(|j| {
-                std::array::from_fn(|t| {
+            shift1: array_of(|j| {
+                array_of(|t| {
                     let right = add(
                         &add(
                             &second_moment(term, j, t, &alpha),
@@ -361,16 +359,14 @@ fn shape_functions<const D: usize>(
 /// `(p_,j (x) a + p (x) a_,j) v`.
 fn first_moment<const D: usize>(term: &Term<D>, j: usize, v: &Basis) -> Basis {
     let (along, across) = (dot(&term.a, v), dot(&term.a1[j], v));
-    std::array::from_fn(|b| term.basis1[j][b] * along + term.basis[b] * across)
+    array_of(|b| term.basis1[j][b] * along + term.basis[b] * across)
 }
 
 /// `(p_,j (x) a_,t + p_,t (x) a_,j + p (x) a_,jt) v`.
 fn second_moment<const D: usize>(term: &Term<D>, j: usize, t: usize, v: &Basis) -> Basis {
     let (own, other) = (dot(&term.a1[j], v), dot(&term.a1[t], v));
     let both = dot(&term.a2[j][t], v);
-    std::array::from_fn(|b| {
-        term.basis1[j][b] * other + term.basis1[t][b] * own + term.basis[b] * both
-    })
+    array_of(|b| term.basis1[j][b] * other + term.basis1[t][b] * own + term.basis[b] * both)
 }
 
 /// The deformation gradient that a quadrature point carries.
@@ -383,15 +379,15 @@ fn carried<const D: usize>(
     let mut components = f.components().map(|row| row.map(Interval::point));
     let discretization = method.choices();
     if discretization.background == Background::Interpolated {
-        let moment: Square<D> = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        let moment: Square<D> = array_of(|i| {
+            array_of(|j| {
                 sum(terms
                     .iter()
                     .zip(neighbors)
                     .map(|(term, neighbor)| term.position[i] * neighbor.gradient[j]))
             })
         });
-        let leading: Square<D> = std::array::from_fn(|i| std::array::from_fn(|j| components[i][j]));
+        let leading: Square<D> = array_of(|i| array_of(|j| components[i][j]));
         let one = identity::<D>();
         let seen = match discretization.frame {
             Frame::Lagrangian => combined(
@@ -417,8 +413,8 @@ fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Option<Vec<
     if boxes.is_nan() || boxes > 1e4 * MAXIMUM_NEIGHBORS as f64 {
         return None;
     }
-    let low: [i32; D] = std::array::from_fn(|i| (place[i].low - reach[i]).floor() as i32);
-    let high: [i32; D] = std::array::from_fn(|i| (place[i].high + reach[i]).ceil() as i32);
+    let low: [i32; D] = array_of(|i| (place[i].low - reach[i]).floor() as i32);
+    let high: [i32; D] = array_of(|i| (place[i].high + reach[i]).ceil() as i32);
     let mut cells = Vec::new();
     let mut cell = low;
     loop {
@@ -440,19 +436,19 @@ fn norm<const D: usize>(v: &[Interval; D]) -> Interval {
 }
 
 fn identity<const D: usize>() -> Square<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(f64::from(u8::from(i == j)))))
+    array_of(|i| array_of(|j| Interval::point(f64::from(u8::from(i == j)))))
 }
 
 fn product<const D: usize>(a: &Square<D>, b: &Square<D>) -> Square<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| sum((0..D).map(|m| a[i][m] * b[m][j]))))
+    array_of(|i| array_of(|j| sum((0..D).map(|m| a[i][m] * b[m][j]))))
 }
 
 fn combined<const D: usize>(a: &Square<D>, b: &Square<D>, factor: f64) -> Square<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j] * factor))
+    array_of(|i| array_of(|j| a[i][j] + b[i][j] * factor))
 }
 
 fn image<const D: usize>(m: &Square<D>, v: &[Interval; D]) -> [Interval; D] {
-    std::array::from_fn(|i| sum((0..D).map(|j| m[i][j] * v[j])))
+    array_of(|i| sum((0..D).map(|j| m[i][j] * v[j])))
 }
 
 /// The determinant in one and two dimensions; nothing is known of it in others.
@@ -467,8 +463,8 @@ fn determinant<const D: usize>(m: &Square<D>) -> Interval {
 /// The inverse in one and two dimensions; nothing is known of it in others.
 fn inverse<const D: usize>(m: &Square<D>) -> Square<D> {
     let determinant = determinant(m);
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| match D {
+    array_of(|i| {
+        array_of(|j| match D {
             1 => determinant.recip(),
             2 if i == j => m[1 - i][1 - j] / determinant,
             2 => -m[i][j] / determinant,
@@ -482,7 +478,7 @@ fn dot(a: &Basis, b: &Basis) -> Interval {
 }
 
 fn add(a: &Basis, b: &Basis) -> Basis {
-    std::array::from_fn(|i| a[i] + b[i])
+    array_of(|i| a[i] + b[i])
 }
 
 fn negative(a: &Basis) -> Basis {
@@ -490,7 +486,7 @@ fn negative(a: &Basis) -> Basis {
 }
 
 fn apply(m: &BasisMatrix, v: &Basis) -> Basis {
-    std::array::from_fn(|i| dot(&m[i], v))
+    array_of(|i| dot(&m[i], v))
 }
 
 fn add_outer(m: &mut BasisMatrix, a: &Basis, b: &Basis, basis: usize) {

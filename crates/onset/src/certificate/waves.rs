@@ -1,6 +1,7 @@
 //! The dynamical matrix as a sum of cosines whose distance from the exact one is bounded.
 
 use super::points::{Neighbor, Point};
+use crate::algebra::array_of;
 use crate::material::{Hyperelastic, ResponseEnclosure};
 use crate::method::{Frame, Linearization, Method};
 use crate::real::Interval;
@@ -388,7 +389,7 @@ fn assembled<const D: usize>(
         }
         if let Some(own) = rigid_part(method, point, stiffness, frame) {
             let sum = rigid.unwrap_or([Interval::ZERO; 4]);
-            rigid = Some(std::array::from_fn(|e| sum[e] + own[e]));
+            rigid = Some(array_of(|e| sum[e] + own[e]));
         }
     }
     finished(assembly, rigid, frame)
@@ -417,7 +418,7 @@ fn rigid_part<const D: usize>(
             .iter()
             .fold(Interval::ZERO, |sum, n| sum + of(n))
     };
-    let gradient: [Interval; D] = std::array::from_fn(|j| {
+    let gradient: [Interval; D] = array_of(|j| {
         if point.has_balanced_gradients {
             Interval::ZERO
         } else {
@@ -457,7 +458,7 @@ fn finished(assembly: Assembly, rigid: Option<[Interval; 4]>, frame: Frame) -> W
     for index in middle + 1..assembly.blocks.len() {
         let opposite = assembly.blocks.len() - 1 - index;
         let (forward, backward) = (assembly.blocks[index], assembly.blocks[opposite]);
-        let coefficient: Entries = std::array::from_fn(|e| -(forward[e] + backward[e]));
+        let coefficient: Entries = array_of(|e| -(forward[e] + backward[e]));
         if coefficient.iter().all(|x| *x == 0.0) {
             continue;
         }

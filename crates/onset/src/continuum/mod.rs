@@ -10,7 +10,7 @@ pub(crate) mod spherical;
 
 pub(crate) use planar::direction;
 
-use crate::algebra::{Complex, eigenvalues, eigenvector, moderate_unit};
+use crate::algebra::{Complex, array_of, eigenvalues, eigenvector, moderate_unit};
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
 use nalgebra::{SMatrix, SVector};
@@ -145,8 +145,8 @@ impl<const D: usize> Stiffness<D> {
     /// leaves every acoustic tensor as it is.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
         let mut largest = 0.0_f64;
-        let blocks = std::array::from_fn(|j| {
-            std::array::from_fn(|l| {
+        let blocks = array_of(|j| {
+            array_of(|l| {
                 SMatrix::from_fn(|i, k| {
                     let [own, other] = [component(i, j, k, l), component(i, l, k, j)];
                     largest = largest.max(own.abs()).max(other.abs());
@@ -206,7 +206,7 @@ impl<const D: usize> Stiffness<D> {
             }
             sum
         };
-        let blocks = std::array::from_fn(|a| std::array::from_fn(|b| block(a, b)));
+        let blocks = array_of(|a| array_of(|b| block(a, b)));
         Self(blocks, self.1 * m.norm_squared())
     }
 

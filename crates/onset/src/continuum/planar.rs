@@ -7,7 +7,7 @@
 //! `d < 0` (possible without major symmetry) the real part is `h`, stationary where `h' = 0`.
 
 use super::{AcousticMinimum, ROUNDING, Stiffness};
-use crate::algebra::{Complex, TrigonometricPolynomial};
+use crate::algebra::{Complex, TrigonometricPolynomial, array_of};
 use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
 
@@ -225,10 +225,9 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
         [0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)]
     };
     let entries = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
-    let rays = RAY_TABLE.get_or_init(|| {
-        std::array::from_fn(|n| (n as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos())
-    });
-    let sampled: [f64; RAYS] = std::array::from_fn(|n| {
+    let rays = RAY_TABLE
+        .get_or_init(|| array_of(|n| (n as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos()));
+    let sampled: [f64; RAYS] = array_of(|n| {
         let (sine, cosine) = rays[n];
         let [a, b, c, d] = entries.map(|e| e[0] + e[1] * cosine + e[2] * sine);
         let half = 0.5 * (a - d);

@@ -2,7 +2,7 @@
 
 use super::root::bracket_zero;
 use super::{Measure, Range, State, Witness, is_isotropic};
-use crate::algebra::{GoldenSection, sort_by_value};
+use crate::algebra::{GoldenSection, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
@@ -456,7 +456,7 @@ impl<const N: usize> Walk<N> {
         lower: impl Fn(&[f64; N], f64) -> Option<f64>,
     ) {
         (self.value, self.place) = (value, place);
-        let mut along: [f64; N] = std::array::from_fn(|i| place[i] - self.before[0][i]);
+        let mut along: [f64; N] = array_of(|i| place[i] - self.before[0][i]);
         self.before = [self.before[1], place];
         loop {
             let trial = moved(&self.place, along);
@@ -474,7 +474,7 @@ impl<const N: usize> Walk<N> {
 
 /// A place of the unit cube after a step, which ends at the faces.
 fn moved<const N: usize>(place: &[f64; N], step: [f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| (place[i] + step[i]).clamp(0.0, 1.0))
+    array_of(|i| (place[i] + step[i]).clamp(0.0, 1.0))
 }
 
 /// A point on the surface of a box: one stretch is at an end, the two others are within.

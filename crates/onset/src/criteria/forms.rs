@@ -1,5 +1,6 @@
 //! The tangent as a quadratic form of rates of the deformation gradient.
 
+use crate::algebra::array_of;
 use crate::material::FourthOrder;
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, SymmetricEigen};
 
@@ -60,7 +61,7 @@ fn vector(rate: &Matrix3<f64>) -> SVector<f64, 9> {
 
 /// All rates, orthonormal.
 pub(super) fn all_rates() -> [Matrix3<f64>; 9] {
-    std::array::from_fn(|n| unit(n / 3, n % 3))
+    array_of(|n| unit(n / 3, n % 3))
 }
 
 /// Symmetric rates, orthonormal.

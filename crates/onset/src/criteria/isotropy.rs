@@ -1,6 +1,7 @@
 //! Isotropic laws: whether a law is one, and what its tangent is in principal axes.
 
 use super::{Witness, oriented, wave};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -69,7 +70,7 @@ pub fn has_energy(material: &dyn Hyperelastic) -> bool {
 }
 
 fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Option<Response> {
-    let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+    let components = array_of(|i| array_of(|j| f[(i, j)]));
     let f = DeformationGradient::new(components).ok()?;
     material.response(&f).ok()
 }

@@ -2,7 +2,7 @@
 
 use super::incompressible::cofactor;
 use super::{Witness, principal_axes};
-use crate::algebra::sort_by_value;
+use crate::algebra::{array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
 use crate::real::Interval;
@@ -189,10 +189,9 @@ impl<'a> JumpSearch<'a> {
         }
         let point = |components: &[[f64; 3]; 3]| components.map(|row| row.map(Interval::point));
         let here = point(state.deformation.components());
-        let leap: [[Interval; 3]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| Interval::point(jump.amplitude[i]) * jump.direction[j])
-        });
-        let there = std::array::from_fn(|i| std::array::from_fn(|j| here[i][j] + leap[i][j]));
+        let leap: [[Interval; 3]; 3] =
+            array_of(|i| array_of(|j| Interval::point(jump.amplitude[i]) * jump.direction[j]));
+        let there = array_of(|i| array_of(|j| here[i][j] + leap[i][j]));
         let there = DeformationGradient::from_components(there);
         if there.determinant().low <= 0.0 {
             return false;
@@ -219,7 +218,7 @@ impl<'a> JumpSearch<'a> {
         if !self.reaches(&f) {
             return None;
         }
-        let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+        let components = array_of(|i| array_of(|j| f[(i, j)]));
         let f = DeformationGradient::from_components(components);
         let (energy, stress) = self.material.energy_and_stress(&f).ok()?;
         let gain = energy - state.energy - a.dot(&(state.first_piola * n));

@@ -2,6 +2,7 @@
 
 use super::State;
 use super::incompressible::pressurized;
+use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
 use nalgebra::{Matrix3, Vector2};
@@ -765,7 +766,7 @@ fn isochoric(material: &dyn Hyperelastic, loading: Loading, s: f64) -> Result<Pa
 }
 
 fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Missing> {
-    let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+    let components = array_of(|i| array_of(|j| f[(i, j)]));
     let f = DeformationGradient::new(components).map_err(|error| {
         Missing::Law(MaterialError::NotFinite {
             jacobian: match error {

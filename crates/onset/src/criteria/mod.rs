@@ -55,6 +55,7 @@ pub use loading::{
 };
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
+use crate::algebra::array_of;
 use crate::continuum::{ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
@@ -659,5 +660,5 @@ fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     let row_by_row = matrix.transpose();
     let leading = row_by_row.iter().find(|x| x.abs() > 1e-9);
     let sign = leading.map_or(1.0, |x| x.signum());
-    std::array::from_fn(|i| std::array::from_fn(|j| sign * matrix[(i, j)] + 0.0))
+    array_of(|i| array_of(|j| sign * matrix[(i, j)] + 0.0))
 }

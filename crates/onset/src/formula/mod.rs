@@ -34,6 +34,7 @@ pub use error::{FormulaError, Place, Problem, StateError, Trouble};
 pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::{LaneStress, MaterialError, StrainEnergy, energy_of_stretches};
 use crate::real::{Interval, Jet, Lanes, Real};
@@ -282,9 +283,9 @@ impl StrainEnergy for FormulaLaw {
         };
         let of_rest = || {
             let exact = DeformationGradient::from_components(components);
-            let variables = Jet::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
-            let jets = DeformationGradient::from_components(std::array::from_fn(|i| {
-                std::array::from_fn(|j| variables[3 * i + j])
+            let variables = Jet::variables(array_of(|n| components[n / 3][n % 3]));
+            let jets = DeformationGradient::from_components(array_of(|i| {
+                array_of(|j| variables[3 * i + j])
             }));
             domain::trouble(
                 self.delicate()?,

@@ -2,6 +2,7 @@
 
 use super::Kernel;
 use super::exponential::{GAUSSIAN, LAGUERRE_GAUSS};
+use crate::algebra::array_of;
 use crate::real::Interval;
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
@@ -14,7 +15,7 @@ const RADIANS: f64 = 6.0;
 
 /// Places and weights of the Gauss-Legendre rule on `(0, 1)`.
 static RULE: LazyLock<[(f64, f64); POINTS]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
+    array_of(|i| {
         let n = POINTS as f64;
         let mut x = (PI * (i as f64 + 0.75) / (n + 0.5)).cos();
         let mut slope = 1.0;

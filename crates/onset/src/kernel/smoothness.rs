@@ -1,6 +1,7 @@
 //! How many derivatives of a kernel over space are continuous, and where they end.
 
 use super::Kernel;
+use crate::algebra::array_of;
 use crate::real::Jet;
 
 /// How many derivatives over space are continuous at the places where a radial profile can break; `None` for all of them, of a
@@ -84,7 +85,7 @@ pub(super) fn jumps(
             .iter()
             .fold(1.0, |size: f64, sample| size.max(sample[order].abs()))
     };
-    let sizes: [f64; 5] = std::array::from_fn(size);
+    let sizes: [f64; 5] = array_of(size);
     for cell in 0..CELLS {
         let [low, high] = [cell, cell + 1].map(|n| f64::from(n) / f64::from(CELLS));
         let order = (0..5)

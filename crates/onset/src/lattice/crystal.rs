@@ -3,7 +3,7 @@
 use super::{
     Ball, BravaisLattice, Fractional, LatticeError, LatticeKind, Reduced, voronoi_volumes,
 };
-use crate::algebra::uniform;
+use crate::algebra::{array_of, uniform};
 use nalgebra::{SMatrix, SVector};
 
 /// A particle of a crystal: which of its cell, and which cell.
@@ -26,7 +26,7 @@ impl<const D: usize> Particle<D> {
     pub fn moved(&self, cells: &[i32; D]) -> Self {
         Self {
             site: self.site,
-            cell: std::array::from_fn(|i| self.cell[i] + cells[i]),
+            cell: array_of(|i| self.cell[i] + cells[i]),
         }
     }
 }

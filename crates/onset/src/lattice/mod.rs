@@ -26,6 +26,7 @@ pub(crate) use wave_vectors::opposite;
 pub use wave_vectors::{WaveGrid, WaveGrids};
 pub use zone::BrillouinZone;
 
+use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
@@ -149,7 +150,7 @@ impl<const D: usize> Measure<D> {
         let short = Reduced::canonical(vectors).map_or(*vectors, |reduced| reduced.vectors);
         Self {
             vectors: short,
-            weights: std::array::from_fn(|i| short.column(i).norm_squared().recip()),
+            weights: array_of(|i| short.column(i).norm_squared().recip()),
         }
     }
 }
@@ -242,7 +243,7 @@ impl<const D: usize> BravaisLattice<D> {
     /// sum_i 4 w_i sin^2(k.a_i / 2)`.
     pub(crate) fn measured_along(&self, waves: &SMatrix<f64, D, D>) -> Vec<([f64; D], f64)> {
         let Measure { vectors, weights } = &self.measure;
-        let along = |i: usize| std::array::from_fn(|n| waves.column(n).dot(&vectors.column(i)));
+        let along = |i: usize| array_of(|n| waves.column(n).dot(&vectors.column(i)));
         (0..D).map(|i| (along(i), weights[i])).collect()
     }
 

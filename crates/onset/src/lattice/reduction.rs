@@ -4,6 +4,7 @@
 //! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
 
 use super::{BravaisLattice, Fractional, LatticeError, cells_between};
+use crate::algebra::array_of;
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
 /// Steps after which a basis counts as short enough; each shortens a vector, and few are needed.
@@ -243,7 +244,7 @@ impl<const D: usize> Ball<D> {
         let unit = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
         Ok(Self {
             basis,
-            reach: std::array::from_fn(|i| radius * inverse.row(i).norm()),
+            reach: array_of(|i| radius * inverse.row(i).norm()),
             volume: unit * radius.powi(D as i32) / super::determinant(vectors).abs(),
         })
     }
@@ -267,13 +268,13 @@ impl<const D: usize> Ball<D> {
     /// The cells whose lattice points can lie within the radius of a place, the last coordinate slowest.
     pub(crate) fn cells(&self, place: &Fractional<D>) -> Vec<[i32; D]> {
         let own = self.basis.inverse * place;
-        let low = std::array::from_fn(|i| (own[i] - self.reach[i]).floor() as i32);
-        let high = std::array::from_fn(|i| (own[i] + self.reach[i]).ceil() as i32);
+        let low = array_of(|i| (own[i] - self.reach[i]).floor() as i32);
+        let high = array_of(|i| (own[i] + self.reach[i]).ceil() as i32);
         let mut cells = cells_between(&low, &high);
         if !self.basis.is_given() {
             for cell in &mut cells {
                 let given = self.basis.change * SVector::from(cell.map(f64::from));
-                *cell = std::array::from_fn(|i| given[i] as i32);
+                *cell = array_of(|i| given[i] as i32);
             }
             cells.sort_by(|a, b| a.iter().rev().cmp(b.iter().rev()));
         }

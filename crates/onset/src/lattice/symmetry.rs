@@ -3,7 +3,7 @@
 use super::reduction::combinations;
 use super::wave_vectors::coordinates;
 use super::{BravaisLattice, Reduced, inverse_of};
-use crate::algebra::sort_by_value;
+use crate::algebra::{array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
@@ -26,10 +26,10 @@ impl<const D: usize> Symmetry<D> {
         };
         let of_map = |map: SMatrix<f64, D, D>| {
             let cells = inverse * map * lattice.vectors();
-            let row = |i: usize| std::array::from_fn(|j| cells[(i, j)].round() as i32);
+            let row = |i: usize| array_of(|j| cells[(i, j)].round() as i32);
             Self {
                 map,
-                of_cells: std::array::from_fn(row),
+                of_cells: array_of(row),
             }
         };
         lattice.holohedry().into_iter().map(of_map).collect()
@@ -43,7 +43,7 @@ impl<const D: usize> Symmetry<D> {
 
     /// Where the inverse takes a wave vector with given coordinates: `k.(R a) = (R^-1 k).a`.
     fn of_wave(&self, coordinates: &[usize; D], resolution: usize) -> [usize; D] {
-        std::array::from_fn(|j| {
+        array_of(|j| {
             let sum: i64 = (0..D)
                 .map(|i| i64::from(self.of_cells[i][j]) * coordinates[i] as i64)
                 .sum();

@@ -216,8 +216,8 @@ impl LaneStress {
                 third: own.third.0[lane],
                 jacobian: own.jacobian.0[lane],
             };
-            // States that have no energy.
-            if !(state.jacobian > 0.0) || law.admits_invariants(&state).is_err() {
+            let is_defined = state.jacobian > 0.0 && law.admits_invariants(&state).is_ok();
+            if !is_defined {
                 all.energy.0[lane] = f64::NAN;
             }
         }

@@ -2,6 +2,7 @@
 
 use super::laws::LIBRARY;
 use super::{Hyperelastic, MaterialError, StrainEnergy};
+use crate::algebra::array_of;
 
 /// What values a parameter admits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,8 +110,8 @@ pub type SmallStrainStiffness = [[f64; 6]; 6];
 /// Hooke's stiffness `C_IJKL = (K - 2/3 mu) d_IJ d_KL + mu (d_IK d_JL + d_IL d_JK)`.
 pub(crate) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffness {
     let lambda = bulk_modulus - shear_modulus / 1.5;
-    std::array::from_fn(|a| {
-        std::array::from_fn(|b| match (a, b) {
+    array_of(|a| {
+        array_of(|b| match (a, b) {
             _ if a != b => f64::from(u8::from(a < 3 && b < 3)) * lambda,
             (0..3, _) => lambda + 2.0 * shear_modulus,
             _ => shear_modulus,

@@ -20,6 +20,7 @@ pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
+use crate::algebra::array_of;
 use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
@@ -269,8 +270,8 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] when it over- or underflows.
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
         let tangent = self.response(f)?.tangent;
-        Ok(std::array::from_fn(|a| {
-            std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
+        Ok(array_of(|a| {
+            array_of(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
         }))
     }
 
@@ -290,10 +291,8 @@ pub trait Hyperelastic: Send + Sync {
         let response = self.response(f)?;
         let tangent = &response.tangent;
         Ok(PlaneResponse {
-            first_piola: std::array::from_fn(|a| response.first_piola[(a / 2, a % 2)]),
-            tangent: std::array::from_fn(|a| {
-                std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
-            }),
+            first_piola: array_of(|a| response.first_piola[(a / 2, a % 2)]),
+            tangent: array_of(|a| array_of(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])),
         })
     }
 
@@ -369,8 +368,8 @@ impl LaneStress {
         let volumes = states.determinant();
         for lane in 0..LANES {
             let state = DeformationGradient::from_components(components_of(states, lane));
-            // States that have no energy.
-            if !(volumes.0[lane] > 0.0) || law.admits(&state).is_err() {
+            let is_defined = volumes.0[lane] > 0.0 && law.admits(&state).is_ok();
+            if !is_defined {
                 all.energy.0[lane] = f64::NAN;
             }
         }
@@ -509,22 +508,22 @@ fn plane_duals<const D: usize, const N: usize>(
 /// All components of `F` as variables, with first derivatives.
 fn duals(f: &DeformationGradient) -> DeformationGradient<Dual<9>> {
     let components = f.components();
-    let variables = Dual::<9>::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
-    let duals = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+    let variables = Dual::<9>::variables(array_of(|n| components[n / 3][n % 3]));
+    let duals = array_of(|i| array_of(|j| variables[3 * i + j]));
     DeformationGradient::from_components(duals)
 }
 
 /// All components of `F` as variables, up to second derivatives.
 fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     let components = f.components();
-    let variables = Jet::variables(std::array::from_fn(|n| components[n / 3][n % 3]));
-    let jets = std::array::from_fn(|i| std::array::from_fn(|j| variables[3 * i + j]));
+    let variables = Jet::variables(array_of(|n| components[n / 3][n % 3]));
+    let jets = array_of(|i| array_of(|j| variables[3 * i + j]));
     DeformationGradient::from_components(jets)
 }
 
 /// The components of `F` within the plane as variables, four instead of nine; the others are constants.
 fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R>> {
-    let variables = Jet::<4, R>::variables(std::array::from_fn(|n| components[n / 2][n % 2]));
+    let variables = Jet::<4, R>::variables(array_of(|n| components[n / 2][n % 2]));
     let mut jets = components.map(|row| row.map(Jet::fixed));
     for (n, variable) in variables.into_iter().enumerate() {
         jets[n / 2][n % 2] = variable;

@@ -1,6 +1,7 @@
 //! Plane stress: what a law of space is for a thin sheet, or a thin bar, the faces of which carry no traction.
 
 use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Real};
 use nalgebra::{DMatrix, Matrix3};
@@ -294,16 +295,10 @@ impl PlaneStress {
         Some(ResponseEnclosure {
             energy,
             // Those of the root are no larger than all of the interval, without the tractions that it has elsewhere.
-            first_piola: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    within(self.is_within(i) && self.is_within(j), first_piola[i][j])
-                })
+            first_piola: array_of(|i| {
+                array_of(|j| within(self.is_within(i) && self.is_within(j), first_piola[i][j]))
             }),
-            tangent: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    std::array::from_fn(|k| std::array::from_fn(|l| component(i, j, k, l)))
-                })
-            }),
+            tangent: array_of(|i| array_of(|j| array_of(|k| array_of(|l| component(i, j, k, l))))),
         })
     }
 }
@@ -376,9 +371,9 @@ impl<R: Real> Condensed<R> {
         stiffness: impl Fn(usize, usize, usize, usize) -> R,
         is_positive: impl Fn(R) -> bool,
     ) -> Option<Self> {
-        let mut slope: [R; 9] = std::array::from_fn(|n| slope(n / 3, n % 3));
+        let mut slope: [R; 9] = array_of(|n| slope(n / 3, n % 3));
         let mut stiffness: [[R; 9]; 9] =
-            std::array::from_fn(|n| std::array::from_fn(|m| stiffness(n / 3, n % 3, m / 3, m % 3)));
+            array_of(|n| array_of(|m| stiffness(n / 3, n % 3, m / 3, m % 3)));
         for &p in across {
             let (row, own) = (stiffness[p], slope[p]);
             let pivot = row[p];

@@ -12,6 +12,7 @@
 //!
 //! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
 
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Jet, Real};
 
@@ -128,11 +129,11 @@ impl Expansion {
         // C n_j, then n_i . C n_j.
         let product =
             |i: usize, j: usize| c[i][0] * n[0][j] + c[i][1] * n[1][j] + c[i][2] * n[2][j];
-        let pushed: [[R; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
+        let pushed: [[R; 3]; 3] = array_of(|i| array_of(|j| product(i, j)));
         let component = |i: usize, j: usize| {
             pushed[0][j] * n[0][i] + pushed[1][j] * n[1][i] + pushed[2][j] * n[2][i]
         };
-        let d: [R; 3] = std::array::from_fn(|i| component(i, i) - self.eigenvalues[i]);
+        let d: [R; 3] = array_of(|i| component(i, i) - self.eigenvalues[i]);
         let along = |i: usize| {
             let h = &self.second[i];
             d[i] * ((d[0] * h[0] + d[1] * h[1] + d[2] * h[2]) * 0.5 + self.first[i])
@@ -256,10 +257,10 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
     };
     let triple = |m: &[[R; 3]; 3], a: &dyn Fn(R, usize, usize) -> R| -> [[R; 3]; 3] {
         let row = |i: usize, j: usize| a(m[i][0], 0, j) + a(m[i][1], 1, j) + a(m[i][2], 2, j);
-        let right: [[R; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| row(i, j)));
+        let right: [[R; 3]; 3] = array_of(|i| array_of(|j| row(i, j)));
         let column =
             |i: usize, j: usize| a(right[0][j], 0, i) + a(right[1][j], 1, i) + a(right[2][j], 2, i);
-        std::array::from_fn(|i| std::array::from_fn(|j| column(i, j)))
+        array_of(|i| array_of(|j| column(i, j)))
     };
     let turned = triple(c, &|x, i, j| x * v[i][j]);
     Some(triple(&turned, &|x, i, j| x * t(i, j)))

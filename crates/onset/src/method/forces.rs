@@ -2,6 +2,7 @@
 
 use super::configuration::support;
 use super::{ConfiguredPoint, Frame, Linearization, Method, MethodError};
+use crate::algebra::array_of;
 use crate::approximation::Order;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Particle, determinant};
@@ -111,7 +112,7 @@ impl<const D: usize> Method<D> {
             })?;
         let rate = gradient(point, moved) + SMatrix::identity();
         let own = rate * point.deformation.leading::<D>();
-        let deformed: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)]));
+        let deformed: [[f64; D]; D] = array_of(|i| array_of(|j| own[(i, j)]));
         let stress = matrix(&response.cauchy(&deformed));
         let volume = point.volume * determinant(&own) * response.transverse();
         let shares = cells.into_iter().zip(&shape.gradients);
@@ -168,7 +169,7 @@ fn lagrangian_share<const D: usize>(
     moved: &impl Fn(&[i32; D]) -> SVector<f64, D>,
 ) -> Share<D> {
     let own = gradient(point, moved) + point.deformation.leading::<D>();
-    let deformed = std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)]));
+    let deformed = array_of(|i| array_of(|j| own[(i, j)]));
     let stress = matrix(&response.first_piola(&deformed));
     let tangent = response.base_tangent();
     // sum_l M_jl A : F_,l for each direction j of the expansion.

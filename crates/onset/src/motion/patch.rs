@@ -3,7 +3,7 @@
 use super::equations::{Equations, Field};
 use super::waves::{critical_time_step, stepped, waves_of};
 use super::{Fault, Ground, PatchWave, SteppedWave, Stepper};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::bloch::WaveSystem;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::determinant;
@@ -265,8 +265,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
     }
 
     fn positions(&self) -> Vec<[f64; 3]> {
-        let in_space =
-            |x: &SVector<f64, D>| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0));
+        let in_space = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
         self.positions.iter().map(in_space).collect()
     }
 
@@ -322,7 +321,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
         Ok(Quantities {
             kinetic: self.equations.kinetic_energy(&velocities),
             potential: self.equations.work(&self.u).map_err(failed)?,
-            momentum: std::array::from_fn(|i| momentum.get(i).copied().unwrap_or(0.0)),
+            momentum: array_of(|i| momentum.get(i).copied().unwrap_or(0.0)),
             largest: self.u.iter().map(|u| u.norm()).fold(0.0, f64::max),
         })
     }

@@ -1,7 +1,7 @@
 //! The plane waves of a patch, in continuous and in discrete time.
 
 use super::Stepper;
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::bloch::WaveSystem;
 use crate::scheme::PeriodicPatch;
 use crate::time_step::{Amplification, critical_time_step_at};
@@ -69,12 +69,12 @@ pub(super) fn waves_of<const D: usize>(
     let mut waves = Vec::new();
     for index in 0..cells.iter().product() {
         let mut rest = index;
-        let turns: [usize; D] = std::array::from_fn(|i| {
+        let turns: [usize; D] = array_of(|i| {
             let own = rest % cells[i];
             rest /= cells[i];
             own
         });
-        let opposite: [usize; D] = std::array::from_fn(|i| (cells[i] - turns[i]) % cells[i]);
+        let opposite: [usize; D] = array_of(|i| (cells[i] - turns[i]) % cells[i]);
         if opposite < turns {
             continue;
         }

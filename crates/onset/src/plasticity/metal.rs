@@ -22,7 +22,7 @@
 //! everywhere, which growing waves on a growing load do.
 
 use super::integration::{Stop, integrate};
-use crate::algebra::symmetric_eigen;
+use crate::algebra::{array_of, symmetric_eigen};
 use crate::kinematics::DeformationGradient;
 use crate::material::{
     Admitted, FourthOrder, Hyperelastic, Law, Made, MaterialError, Parameter, Response, Symmetry,
@@ -487,7 +487,7 @@ impl Metal {
         let not_finite = || MaterialError::NotFinite {
             jacobian: f.jacobian(),
         };
-        let components = std::array::from_fn(|i| std::array::from_fn(|j| elastic[(i, j)]));
+        let components = array_of(|i| array_of(|j| elastic[(i, j)]));
         let state = DeformationGradient::new(components).map_err(|_| not_finite())?;
         let own = self.elastic.response(&state)?;
         let flow = self.flow(&elastic).ok_or_else(not_finite)?;
@@ -540,7 +540,7 @@ impl Hyperelastic for Metal {
             return self.along_axes(f);
         }
         let turned = f.matrix() * self.frame;
-        let components = std::array::from_fn(|i| std::array::from_fn(|j| turned[(i, j)]));
+        let components = array_of(|i| array_of(|j| turned[(i, j)]));
         let state = DeformationGradient::new(components).map_err(|_| MaterialError::NotFinite {
             jacobian: f.jacobian(),
         })?;

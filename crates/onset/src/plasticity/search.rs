@@ -6,6 +6,7 @@
 
 use super::cubic::Cubic;
 use super::{Criterion, PlasticityError, RateModuli};
+use crate::algebra::array_of;
 use crate::real::{Jet, Real};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -142,7 +143,7 @@ impl Quotients {
         let mut best = value(&w);
         for _ in 0..60 {
             let variables = Jet::<2>::variables(w);
-            let x = std::array::from_fn(|i| {
+            let x = array_of(|i| {
                 let mut sum = Jet::constant(corners[0][i]);
                 for d in 0..dimension {
                     sum = sum + variables[d] * (corners[d + 1][i] - corners[0][i]);

@@ -1,5 +1,6 @@
 //! Second moments of the Voronoi cell of a lattice point.
 
+use crate::algebra::array_of;
 use crate::lattice::{BravaisLattice, determinant};
 use nalgebra::{SMatrix, SVector};
 
@@ -38,7 +39,7 @@ pub fn second_moments<const D: usize>(lattice: &BravaisLattice<D>) -> SMatrix<f6
 fn neighbors<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, D>> {
     // The cell lies within half of the longest diagonal, and a bisector that cuts it belongs to a point within twice that.
     let diagonal: f64 = lattice.vectors().column_iter().map(|a| a.norm()).sum();
-    let reach: [i64; D] = std::array::from_fn(|i| {
+    let reach: [i64; D] = array_of(|i| {
         let distance_of_planes = std::f64::consts::TAU / lattice.reciprocal().column(i).norm();
         (diagonal / distance_of_planes).ceil() as i64
     });

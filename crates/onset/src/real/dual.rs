@@ -1,6 +1,7 @@
 //! First-order forward differentiation.
 
 use super::{Real, Side, Work};
+use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its first derivatives in `N` variables, over the numbers `R`: what a discrete force needs to become a stiffness, and an energy to
@@ -34,8 +35,8 @@ impl<const N: usize, R: Real> Work for Combined<'_, N, R> {
     #[inline(always)]
     fn done(self) -> [R; N] {
         match self {
-            Self::Scaled(x, factor) => std::array::from_fn(|i| x[i] * factor),
-            Self::Both(x, a, y, b) => std::array::from_fn(|i| x[i] * a + y[i] * b),
+            Self::Scaled(x, factor) => array_of(|i| x[i] * factor),
+            Self::Both(x, a, y, b) => array_of(|i| x[i] * a + y[i] * b),
         }
     }
 }
@@ -52,7 +53,7 @@ impl<const N: usize, R: Real> Dual<N, R> {
 
     /// The `N` independent variables at a point.
     pub fn variables(point: [R; N]) -> [Self; N] {
-        std::array::from_fn(|i| Self::variable(point[i], i))
+        array_of(|i| Self::variable(point[i], i))
     }
 
     /// One of the independent variables.
@@ -98,7 +99,7 @@ impl<const N: usize, R: Real> Real for Dual<N, R> {
         let blended = |x: R, y: R| self.value.blended(threshold, x, y);
         Self {
             value: blended(below.value, above.value),
-            gradient: std::array::from_fn(|i| blended(below.gradient[i], above.gradient[i])),
+            gradient: array_of(|i| blended(below.gradient[i], above.gradient[i])),
         }
     }
     fn recip(self) -> Self {

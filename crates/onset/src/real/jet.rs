@@ -1,6 +1,7 @@
 //! Second-order forward differentiation.
 
 use super::{Interval, Real, Side};
+use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its gradient and Hessian in `N` variables: the Taylor expansion to second order. Over the numbers `R`:
@@ -38,7 +39,7 @@ impl<const N: usize, R: Real> Jet<N, R> {
 
     /// The `N` independent variables at a point: unit gradients, zero Hessians.
     pub fn variables(point: [R; N]) -> [Self; N] {
-        std::array::from_fn(|i| {
+        array_of(|i| {
             let mut variable = Self::fixed(point[i]);
             variable.gradient[i] = R::constant(1.0);
             variable

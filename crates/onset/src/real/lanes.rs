@@ -1,6 +1,7 @@
 //! Several numbers at once.
 
 use super::{Real, Side, Work};
+use crate::algebra::array_of;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -76,7 +77,7 @@ impl Real for Lanes {
     }
 
     fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
-        Self(std::array::from_fn(|n| match self.0[n].side(threshold) {
+        Self(array_of(|n| match self.0[n].side(threshold) {
             Some(Side::Below) => below.0[n],
             Some(Side::Above) => above.0[n],
             None => f64::NAN,

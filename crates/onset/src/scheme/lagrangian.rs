@@ -1,6 +1,7 @@
 //! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
 
 use super::{Interaction, Motion, PointResponse, StrainOperator};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
@@ -71,7 +72,7 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
         }
         let stress = self.response.first_piola(&f);
         let force = |b: &SVector<f64, D>| {
-            std::array::from_fn(|i| {
+            array_of(|i| {
                 let mut sum = R::constant(0.0);
                 for j in 0..D {
                     sum = sum - stress[i][j] * (self.point.volume * b[j]);

@@ -1,5 +1,6 @@
 //! Weights of particles that move, and how they lie at a homogeneous state.
 
+use crate::algebra::array_of;
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Fractional, Particle, determinant};
@@ -73,9 +74,7 @@ impl<const D: usize> MovingWeight<D> {
         };
         Weighed {
             value: along(weight.value, &|j| weight.gradient[j]),
-            gradient: std::array::from_fn(|i| {
-                along(weight.gradient[i], &|j| weight.hessian[(i, j)])
-            }),
+            gradient: array_of(|i| along(weight.gradient[i], &|j| weight.hessian[(i, j)])),
         }
     }
 }

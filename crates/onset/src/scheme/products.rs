@@ -1,5 +1,6 @@
 //! Discrete displacement gradients, and small products of matrices in numbers of any kind.
 
+use crate::algebra::array_of;
 use crate::real::Real;
 
 /// `sum_K u_K (x) g_K`.
@@ -23,9 +24,7 @@ pub(super) fn transported<R: Real, const D: usize>(
     h: &[[R; D]; D],
     f: &[[R; D]; D],
 ) -> [[R; D]; D] {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..D).fold(f[i][j], |sum, m| sum + h[i][m] * f[m][j]))
-    })
+    array_of(|i| array_of(|j| (0..D).fold(f[i][j], |sum, m| sum + h[i][m] * f[m][j])))
 }
 
 /// `A B^T`.
@@ -33,12 +32,10 @@ pub(super) fn times_transpose<R: Real, const D: usize>(
     a: &[[R; D]; D],
     b: &[[R; D]; D],
 ) -> [[R; D]; D] {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..D).fold(R::constant(0.0), |sum, m| sum + a[i][m] * b[j][m]))
-    })
+    array_of(|i| array_of(|j| (0..D).fold(R::constant(0.0), |sum, m| sum + a[i][m] * b[j][m])))
 }
 
 /// `A v`.
 pub(super) fn times_vector<R: Real, const D: usize>(a: &[[R; D]; D], v: &[R; D]) -> [R; D] {
-    std::array::from_fn(|i| (0..D).fold(R::constant(0.0), |sum, j| sum + a[i][j] * v[j]))
+    array_of(|i| (0..D).fold(R::constant(0.0), |sum, j| sum + a[i][j] * v[j]))
 }

@@ -1,5 +1,6 @@
 //! Stress of a material near a homogeneous state, in numbers of any kind.
 
+use crate::algebra::array_of;
 use crate::bloch::Local;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
@@ -41,7 +42,7 @@ impl<'a, const D: usize> PointResponse<'a, D> {
     /// The leading block of the deformation gradient of the homogeneous state.
     pub fn leading<R: Real>(&self) -> [[R; D]; D] {
         let f = self.base.components();
-        std::array::from_fn(|i| std::array::from_fn(|j| R::constant(f[i][j])))
+        array_of(|i| array_of(|j| R::constant(f[i][j])))
     }
 
     /// The product of the stretches that the lattice does not see.
@@ -65,10 +66,9 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         };
         let (stress, tangent) = (local.first_piola(), local.tangent());
         // The change has the value zero, and derivatives.
-        let change: [[R; D]; D] =
-            std::array::from_fn(|k| std::array::from_fn(|l| f[k][l] - f[k][l].value()));
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        let change: [[R; D]; D] = array_of(|k| array_of(|l| f[k][l] - f[k][l].value()));
+        array_of(|i| {
+            array_of(|j| {
                 let mut sum = R::constant(stress[i][j]);
                 for k in 0..D {
                     for l in 0..D {
@@ -84,8 +84,8 @@ impl<'a, const D: usize> PointResponse<'a, D> {
     pub fn cauchy<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
         let stress = self.first_piola(f);
         let jacobian = determinant(f) * self.transverse();
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        array_of(|i| {
+            array_of(|j| {
                 let mut sum = R::constant(0.0);
                 for m in 0..D {
                     sum = sum + stress[i][m] * f[j][m];
@@ -134,5 +134,5 @@ pub(crate) fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
             m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1]
         }
     };
-    std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) * scale))
+    array_of(|i| array_of(|j| cofactor(j, i) * scale))
 }

@@ -1,7 +1,7 @@
 //! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
 
 use super::{SeenForm, StrainOperator};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SVector};
 
@@ -245,7 +245,7 @@ impl<const D: usize> StrainRows<D> {
         for point in &self.points {
             factors.clear();
             factors.extend(point.vectors.iter().map(|x| {
-                let along: [f64; D] = std::array::from_fn(|i| edges[i].dot(x));
+                let along: [f64; D] = array_of(|i| edges[i].dot(x));
                 let farthest: f64 = along.iter().map(|a| a.abs()).sum();
                 (phase(center.dot(x)), along, 0.5 * farthest * farthest)
             }));

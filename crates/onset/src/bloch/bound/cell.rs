@@ -2,7 +2,7 @@
 
 use super::jet::{bend, slope};
 use super::phase::{derivative_bounds, phases};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use nalgebra::{SMatrix, SVector};
 
 /// Components, over the reciprocal vectors, up to which waves are long: there the scaled measure is a quotient of small numbers. In
@@ -39,10 +39,10 @@ impl<const D: usize> Cell<D> {
         let is_affordable = 0.5 / LONG[0].powi(D as i32) < BEGINNING * most as f64;
         let long = LONG[usize::from(!(has_cones && is_affordable))];
         let side = |a: usize| if a == 0 { 0.5 } else { 1.0 } / long;
-        let counts: [usize; D] = std::array::from_fn(|a| side(a) as usize);
+        let counts: [usize; D] = array_of(|a| side(a) as usize);
         let boxes = (0..counts.iter().product()).map(|number: usize| {
             let mut rest = number;
-            let middle = std::array::from_fn(|a| {
+            let middle = array_of(|a| {
                 let place = rest % counts[a];
                 rest /= counts[a];
                 let start = if a == 0 { 0.0 } else { -0.5 };
@@ -57,8 +57,8 @@ impl<const D: usize> Cell<D> {
         let is_long = |cell: &Self| cell.middle.iter().all(|x| x.abs() < long);
         let cones = (0..D).map(|cone| Self {
             chart: Chart::Cone(cone),
-            middle: std::array::from_fn(|a| if a == 0 { 0.5 * long } else { 0.0 }),
-            half: std::array::from_fn(|a| if a == 0 { 0.5 * long } else { 1.0 }),
+            middle: array_of(|a| if a == 0 { 0.5 * long } else { 0.0 }),
+            half: array_of(|a| if a == 0 { 0.5 * long } else { 1.0 }),
         });
         let short = boxes.filter(|cell| !has_cones || !is_long(cell));
         short.chain(cones.filter(|_| has_cones)).collect()
@@ -114,7 +114,7 @@ impl<const D: usize> Cell<D> {
         }
         let functions = phases(t, p);
         let (most_t, most_p) = (t + self.half[0], p.abs() + spread);
-        std::array::from_fn(|m| {
+        array_of(|m| {
             let (mut jet, mut bends) = ([Complex::default(); 10], [0.0; D]);
             if !orders[m] {
                 return (jet, 0.0, bends);

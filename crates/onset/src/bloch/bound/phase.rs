@@ -1,6 +1,6 @@
 //! What is left of a plane wave once the terms that cancel in sums over a lattice are taken out.
 
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 
 /// `f_m(t, p) = p^m phi_m(t p)` with its derivatives, where `phi_0(x) = exp(i x)` and `phi_m(x)` is what remains of `exp(i x)` beyond
 /// its first `m` Taylor terms, divided by `x^m`: `f_m = (exp(i t p) - 1 - ... ) / t^m`, smooth at `t = 0`.
@@ -54,7 +54,7 @@ pub(super) fn phases(t: f64, p: f64) -> [Phase; 3] {
         [i * e[0], -e[1], -i * e[2]],
         [e[1] - e[0], i * (e[2] - e[1]), e[2] - e[3]],
     ];
-    std::array::from_fn(|m| {
+    array_of(|m| {
         let [value, first, second] = functions[m];
         let own = p.powi(m as i32);
         let order = m as f64;

@@ -1,6 +1,6 @@
 //! When a matrix polynomial of second order is positive definite on a box: a sum of squares.
 
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, array_of};
 use nalgebra::{DMatrix, DVector};
 
 /// Of a stiff vector so much of its value goes to its slopes, which are zero where nothing is coupled with them.
@@ -94,10 +94,7 @@ impl<const D: usize> Quadratic<D> {
             let linear: f64 = stiff.iter().map(|j| self.slopes[a][(i, *j)].norm()).sum();
             0.5 * linear + second + (values[i] * second).sqrt() + SLACK * values[i]
         };
-        let slacks: Vec<[f64; D]> = stiff
-            .iter()
-            .map(|i| std::array::from_fn(|a| slack(a, *i)))
-            .collect();
+        let slacks: Vec<[f64; D]> = stiff.iter().map(|i| array_of(|a| slack(a, *i))).collect();
         let size = values.len();
         let mut squares = DMatrix::zeros(size * (D + 1), size * (D + 1));
         let place = |block: usize, n: usize| match n.checked_sub(stiff.len()) {

@@ -2,7 +2,7 @@
 
 use super::cell::Cell;
 use super::jet::{Jet, MatrixJet, bend, parts, slope};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::bloch::{BlochSum, DynamicalMatrix};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix};
@@ -61,7 +61,7 @@ impl<const D: usize> PhaseSum<D> {
             Bond {
                 from,
                 to: to.site,
-                along: std::array::from_fn(|i| reciprocal.column(i).dot(&vector)),
+                along: array_of(|i| reciprocal.column(i).dot(&vector)),
                 norm: block.norm(),
                 block,
             }

@@ -1,7 +1,7 @@
 //! The limit of long waves: the smallest eigenvalue over all directions.
 
 use super::contraction::{Columns, Contraction};
-use crate::algebra::Pack;
+use crate::algebra::{Pack, array_of};
 use pulp::{Simd, WithSimd};
 
 /// Directions in which the minimum is first looked for.
@@ -103,7 +103,7 @@ impl WithSimd for LongWaves<'_> {
 
 /// Cosines and sines of the rays.
 fn circle() -> [[f64; 2]; RAYS] {
-    std::array::from_fn(|n| {
+    array_of(|n| {
         let (sine, cosine) = (std::f64::consts::TAU * n as f64 / RAYS as f64).sin_cos();
         [cosine, sine]
     })

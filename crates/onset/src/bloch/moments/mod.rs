@@ -18,7 +18,7 @@ use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
 use super::search::Objective;
 use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
-use crate::algebra::{Complex, moderate_unit};
+use crate::algebra::{Complex, array_of, moderate_unit};
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
 use crate::material::PlaneTangent;
@@ -360,7 +360,7 @@ impl<const D: usize> GradientMoments<D> {
             (0.5 * (x[0] + x[2]) - root, first, second)
         };
         let step = std::f64::consts::TAU / RAYS as f64;
-        let sampled: [f64; RAYS] = std::array::from_fn(|n| at(n as f64 * step).0);
+        let sampled: [f64; RAYS] = array_of(|n| at(n as f64 * step).0);
         let mut best = (0.0, f64::INFINITY);
         for n in 0..RAYS {
             let (left, right) = (sampled[(n + RAYS - 1) % RAYS], sampled[(n + 1) % RAYS]);
@@ -508,8 +508,8 @@ fn contracted<const D: usize>(row: &Coefficients, h: &Expansion<f64, D>) -> Expa
     };
     Expansion {
         value: map(&h.value),
-        gradient: std::array::from_fn(|a| map(&h.gradient[a])),
-        hessian: std::array::from_fn(|a| std::array::from_fn(|b| map(&h.hessian[a][b]))),
+        gradient: array_of(|a| map(&h.gradient[a])),
+        hessian: array_of(|a| array_of(|b| map(&h.hessian[a][b]))),
     }
 }
 
@@ -523,7 +523,7 @@ fn long_moments<const D: usize>(method: &Method<D>, matrix: &DynamicalMatrix<D>)
         [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]]
     };
     let (east, north, west) = (along(0.0), along(0.25 * TAU), along(0.5 * TAU));
-    std::array::from_fn(|e| {
+    array_of(|e| {
         let mean = 0.5 * (east[e] + west[e]);
         [mean, 0.5 * (east[e] - west[e]), north[e] - mean]
     })

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::{Candidate, Objective, RAY, ZoneSearch};
-use crate::algebra::{Complex, GoldenSection, eigenvalues, symmetric_eigen};
+use crate::algebra::{Complex, GoldenSection, array_of, eigenvalues, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
 use crate::lattice::grid_coordinates;
@@ -334,8 +334,8 @@ impl<const D: usize> ZoneSearch<D> {
         let hessian = lattice.laplacian_hessian(k) * c2;
         branch.over(&Taylor {
             value: c2 * lattice.laplacian(k),
-            gradient: std::array::from_fn(|a| gradient[a]),
-            hessian: std::array::from_fn(|a| std::array::from_fn(|b| hessian[(a, b)])),
+            gradient: array_of(|a| gradient[a]),
+            hessian: array_of(|a| array_of(|b| hessian[(a, b)])),
         })
     }
 
@@ -468,14 +468,14 @@ fn planar_step<const D: usize>(
 pub(super) fn principal<const D: usize>(
     m: &SMatrix<f64, D, D>,
 ) -> ([f64; D], [SVector<f64, D>; D]) {
-    let mut values: [f64; D] = std::array::from_fn(|i| m[(i, i)]);
+    let mut values: [f64; D] = array_of(|i| m[(i, i)]);
     let mut axes: [SVector<f64, D>; D] =
-        std::array::from_fn(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));
+        array_of(|i| SVector::from_fn(|j, _| f64::from(u8::from(i == j))));
     if D == 3 && m.iter().all(|entry| entry.is_finite()) {
-        let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
+        let rows: [[f64; 3]; 3] = array_of(|i| array_of(|j| m[(i, j)]));
         let (known, vectors) = symmetric_eigen(&rows);
-        values = std::array::from_fn(|n| known[n]);
-        axes = std::array::from_fn(|n| SVector::from_fn(|i, _| vectors[n][i]));
+        values = array_of(|n| known[n]);
+        axes = array_of(|n| SVector::from_fn(|i, _| vectors[n][i]));
     }
     if D == 2 && m[(0, 1)] != 0.0 {
         let (mean, half) = (0.5 * (m[(0, 0)] + m[(1, 1)]), 0.5 * (m[(0, 0)] - m[(1, 1)]));
@@ -487,7 +487,7 @@ pub(super) fn principal<const D: usize>(
             (m[(0, 1)], radius - half)
         };
         let length = (x * x + y * y).sqrt();
-        values = std::array::from_fn(|i| if i == 0 { mean + radius } else { mean - radius });
+        values = array_of(|i| if i == 0 { mean + radius } else { mean - radius });
         axes[0] = SVector::from_fn(|i, _| [x, y][i] / length);
         axes[1] = SVector::from_fn(|i, _| [-y, x][i] / length);
     }

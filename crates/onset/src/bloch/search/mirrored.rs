@@ -6,7 +6,7 @@
 
 use super::descent::{newton_step, principal};
 use super::{Objective, RAY};
-use crate::algebra::{Pack, WIDEST, sines_and_cosines, sort_by_value};
+use crate::algebra::{Pack, WIDEST, array_of, sines_and_cosines, sort_by_value};
 use crate::bloch::branches::{Branches, Taylor};
 use crate::bloch::mirror::{LANES, MirrorSums};
 use crate::lattice::{BravaisLattice, FILL, Group, Mirror, MirrorWaves};
@@ -304,7 +304,7 @@ impl<'a> Mirrored<'a> {
             [u[lane], v[lane]] = *place;
         }
         let branches = self.sums.branches(places.len(), &u, &v);
-        let ray: [f64; RAY.len()] = std::array::from_fn(|lane| {
+        let ray: [f64; RAY.len()] = array_of(|lane| {
             self.objective(request.objective, &branches.of(lane), places[lane])
                 .value
         });

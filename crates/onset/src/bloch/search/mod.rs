@@ -13,7 +13,7 @@ use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
-use crate::algebra::{Complex, directions, eigenvalues, eigenvector};
+use crate::algebra::{Complex, array_of, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
@@ -572,7 +572,7 @@ impl<const D: usize> ZoneSearch<D> {
                     (half * half + d[(0, 1)] * d[(1, 0)]).re
                 }
                 3 if matrix.is_centrosymmetric() => {
-                    let entries = std::array::from_fn(|e| d[(e / 3, e % 3)].re);
+                    let entries = array_of(|e| d[(e / 3, e % 3)].re);
                     SpatialSpectrum::of(&entries).discriminant
                 }
                 _ => -complex_growth(omega_squared),

@@ -1,7 +1,7 @@
 //! The dynamical matrix of several particles with its derivatives by the wave vector, and branches with theirs.
 
 use super::{Mass, WaveSystem};
-use crate::algebra::{Complex, Decomposition};
+use crate::algebra::{Complex, Decomposition, array_of};
 use crate::bloch::Expansion;
 use crate::bloch::branches::Taylor;
 use nalgebra::{DMatrix, SVector};
@@ -154,8 +154,8 @@ impl<const D: usize> MatrixExpansion<D> {
         };
         Taylor {
             value,
-            gradient: std::array::from_fn(|a| to[a][number]),
-            hessian: std::array::from_fn(|a| std::array::from_fn(|b| curvature(a, b))),
+            gradient: array_of(|a| to[a][number]),
+            hessian: array_of(|a| array_of(|b| curvature(a, b))),
         }
     }
 }

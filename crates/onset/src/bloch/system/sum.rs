@@ -1,7 +1,7 @@
 //! Sums over the lattice with plane-wave phases, for several particles in a cell.
 
 use super::expansion::MatrixExpansion;
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::bloch::powers::Powers;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -119,8 +119,8 @@ impl<const D: usize> BlochSum<D> {
         });
         let terms = terms.collect();
         let home = |site: usize| position(&Particle::home(site));
-        let primitive = std::array::from_fn(|axis| {
-            let step = std::array::from_fn(|i| i32::from(i == axis));
+        let primitive = array_of(|axis| {
+            let step = array_of(|i| i32::from(i == axis));
             position(&Particle::home(0).moved(&step)) - home(0)
         });
         let coordinates = cells.iter().flat_map(|(cell, _)| cell);
@@ -184,7 +184,7 @@ impl<const D: usize> BlochSum<D> {
             let cell = inverse * SVector::from(term.to.cell.map(f64::from));
             let to = Particle {
                 site: term.to.site,
-                cell: std::array::from_fn(|i| cell[i].round() as i32),
+                cell: array_of(|i| cell[i].round() as i32),
             };
             (term.from, to, term.block)
         });

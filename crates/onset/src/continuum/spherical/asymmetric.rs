@@ -9,7 +9,7 @@
 use super::cover::{Cover, Triangle, cover, octants};
 use super::form::Form;
 use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
-use crate::algebra::{Complex, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
@@ -94,7 +94,7 @@ fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
 }
 
 fn in_three_dimensions<const D: usize>(blocks: &Blocks<D>) -> Blocks3 {
-    std::array::from_fn(|j| std::array::from_fn(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)])))
+    array_of(|j| array_of(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)])))
 }
 
 /// `T_iJkL a_J b_L`, symmetric in `a` and `b` as the stiffness is in `J` and `L`.
@@ -161,7 +161,7 @@ fn exceeds(blocks: &Blocks3, level: f64, triangle: &Triangle) -> Cover {
         }
         entry
     };
-    let m: [[Ternary; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|k| m(i, k)));
+    let m: [[Ternary; 3]; 3] = array_of(|i| array_of(|k| m(i, k)));
     let minor = |i: usize, k: usize, j: usize, l: usize| {
         m[i][j].times(&m[k][l]).minus(&m[i][l].times(&m[k][j]))
     };

@@ -7,7 +7,7 @@
 
 use super::form::Form;
 use super::{Axes, dot};
-use crate::algebra::{is_positive_definite, symmetric_eigen};
+use crate::algebra::{array_of, is_positive_definite, symmetric_eigen};
 use crate::real::Real;
 
 /// Divisions of an octant after which the directions are no longer exact in floating point.
@@ -40,7 +40,7 @@ pub(crate) fn octants(is_orthotropic: bool) -> Vec<Triangle> {
 
 /// The four triangles between the corners and the middles of the edges.
 pub(crate) fn divided([a, b, c]: &Triangle) -> [Triangle; 4] {
-    let middle = |p: &Axes<f64>, q: &Axes<f64>| std::array::from_fn(|i| 0.5 * (p[i] + q[i]));
+    let middle = |p: &Axes<f64>, q: &Axes<f64>| array_of(|i| 0.5 * (p[i] + q[i]));
     let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
     [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
 }

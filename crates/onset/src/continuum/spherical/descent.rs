@@ -6,7 +6,7 @@
 
 use super::form::Form;
 use super::{Axes, dot};
-use crate::algebra::symmetric_eigen;
+use crate::algebra::{array_of, symmetric_eigen};
 
 /// Steps at most. A few are enough unless the minimum is flat, towards which steps shrink no faster than by a third each.
 const STEPS: usize = 200;
@@ -81,17 +81,15 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     let (n, g) = (&wave.direction, &wave.polarization);
     let (n_across, g_across) = (across(n), across(g));
     // H = g (x) N and the four tangents of the manifold.
-    let dyad =
-        |g: &Axes<f64>, n: &Axes<f64>| -> [f64; 9] { std::array::from_fn(|p| g[p / 3] * n[p % 3]) };
+    let dyad = |g: &Axes<f64>, n: &Axes<f64>| -> [f64; 9] { array_of(|p| g[p / 3] * n[p % 3]) };
     let tangents = [
         dyad(&g_across[0], n),
         dyad(&g_across[1], n),
         dyad(g, &n_across[0]),
         dyad(g, &n_across[1]),
     ];
-    let image = |h: &[f64; 9]| -> [f64; 9] {
-        std::array::from_fn(|p| (0..9).map(|q| form.at(p, q) * h[q]).sum())
-    };
+    let image =
+        |h: &[f64; 9]| -> [f64; 9] { array_of(|p| (0..9).map(|q| form.at(p, q) * h[q]).sum()) };
     let product = |a: &[f64; 9], b: &[f64; 9]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
     let of_wave = image(&dyad(g, n));
     let slope = tangents.map(|tangent| product(&tangent, &of_wave));
@@ -125,7 +123,7 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
         }
     }
     let [_, _, first, second] = moves;
-    Some(std::array::from_fn(|i| {
+    Some(array_of(|i| {
         n[i] + first * n_across[0][i] + second * n_across[1][i]
     }))
 }

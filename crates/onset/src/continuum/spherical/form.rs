@@ -1,6 +1,7 @@
 //! A stiffness with major symmetry as a quadratic form in displacement gradients.
 
 use super::Axes;
+use crate::algebra::array_of;
 use crate::real::Real;
 
 /// The pairs `i < k` of rows or `J < L` of columns of a minor.
@@ -23,8 +24,8 @@ pub(crate) struct Form<R>([[R; 9]; 9]);
 impl<R: Real> Form<R> {
     /// The form with the components `component(i, J, k, L)`, of which those with `3 i + J <= 3 k + L` are asked for.
     pub(crate) fn from_fn(component: impl Fn(usize, usize, usize, usize) -> R) -> Self {
-        Self(std::array::from_fn(|p| {
-            std::array::from_fn(|q| {
+        Self(array_of(|p| {
+            array_of(|q| {
                 let (p, q) = (p.min(q), p.max(q));
                 component(p / 3, p % 3, q / 3, q % 3)
             })
@@ -48,8 +49,7 @@ impl<R: Real> Form<R> {
 
     /// `Q(a, b)_ik = T_iJkL (a_J b_L + b_J a_L) / 2`, of which `Q(N, N)` is the acoustic tensor.
     pub(crate) fn acoustic(&self, a: &Axes<R>, b: &Axes<R>) -> [[R; 3]; 3] {
-        let weight: Axes<Axes<R>> =
-            std::array::from_fn(|j| std::array::from_fn(|l| (a[j] * b[l] + b[j] * a[l]) * 0.5));
+        let weight: Axes<Axes<R>> = array_of(|j| array_of(|l| (a[j] * b[l] + b[j] * a[l]) * 0.5));
         let mut q = [[R::constant(0.0); 3]; 3];
         for i in 0..3 {
             for k in 0..=i {

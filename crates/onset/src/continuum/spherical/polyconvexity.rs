@@ -8,7 +8,7 @@
 
 use super::Axes;
 use super::form::{Form, MINORS, minor};
-use crate::algebra::{is_positive_definite, symmetric_eigen};
+use crate::algebra::{array_of, is_positive_definite, symmetric_eigen};
 
 /// Steps of Newton's method at most; some twenty are usual.
 const STEPS: usize = 100;
@@ -88,9 +88,8 @@ impl<'a> Path<'a> {
     fn advance(&mut self, target: f64) -> bool {
         let count = 1 + self.minors.len();
         let x = &self.inverse;
-        let square: [[f64; 9]; 9] = std::array::from_fn(|p| {
-            std::array::from_fn(|q| (0..9).map(|r| x[p][r] * x[r][q]).sum())
-        });
+        let square: [[f64; 9]; 9] =
+            array_of(|p| array_of(|q| (0..9).map(|r| x[p][r] * x[r][q]).sum()));
         // Of ln det S by level and multiples: the slope, and the negative of the curvature.
         let (mut slope, mut curvature) = ([0.0; UNKNOWNS], [[0.0; UNKNOWNS]; UNKNOWNS]);
         slope[0] = -trace(x);
@@ -114,8 +113,7 @@ impl<'a> Path<'a> {
         let mut unit = [0.0; UNKNOWNS];
         unit[0] = 1.0;
         let (by_weight, by_slope) = (factored.solved(unit), factored.solved(slope));
-        let centering: [f64; UNKNOWNS] =
-            std::array::from_fn(|a| self.weight * by_weight[a] + by_slope[a]);
+        let centering: [f64; UNKNOWNS] = array_of(|a| self.weight * by_weight[a] + by_slope[a]);
         let decrement = (self.weight * centering[0]
             + slope.iter().zip(centering).map(|(s, d)| s * d).sum::<f64>())
         .max(0.0)
@@ -135,8 +133,7 @@ impl<'a> Path<'a> {
             return false;
         }
         // The way is nearly straight in the reciprocal of the weight: along its tangent, towards the end.
-        let tangent: [f64; UNKNOWNS] =
-            std::array::from_fn(|a| self.weight * by_weight[a] + centering[a]);
+        let tangent: [f64; UNKNOWNS] = array_of(|a| self.weight * by_weight[a] + centering[a]);
         for short in [0.001, 0.01, 0.1, 0.25] {
             // A third of the remaining way is kept as distance from where S is singular.
             if self.is_inside(&tangent, 1.0 - short)
@@ -199,18 +196,17 @@ impl<'a> Path<'a> {
 /// minimum is unique and the bound attained.
 fn suggestion(inverse: &[[f64; 9]; 9]) -> Axes<f64> {
     // The largest eigenvector by powers: it need not be accurate.
-    let mut h: [f64; 9] = std::array::from_fn(|p| 1.0 + 0.1 * p as f64);
+    let mut h: [f64; 9] = array_of(|p| 1.0 + 0.1 * p as f64);
     for _ in 0..20 {
-        let next: [f64; 9] = std::array::from_fn(|p| (0..9).map(|q| inverse[p][q] * h[q]).sum());
+        let next: [f64; 9] = array_of(|p| (0..9).map(|q| inverse[p][q] * h[q]).sum());
         let largest = next.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         if !(largest > 0.0 && largest.is_finite()) {
             return [1.0, 0.0, 0.0];
         }
         h = next.map(|x| x / largest);
     }
-    let gram: [[f64; 3]; 3] = std::array::from_fn(|j| {
-        std::array::from_fn(|l| (0..3).map(|i| h[3 * i + j] * h[3 * i + l]).sum())
-    });
+    let gram: [[f64; 3]; 3] =
+        array_of(|j| array_of(|l| (0..3).map(|i| h[3 * i + j] * h[3 * i + l]).sum()));
     symmetric_eigen(&gram).1[2]
 }
 
@@ -268,7 +264,7 @@ struct Factored {
 impl Factored {
     /// From the entries on and below the diagonal.
     fn new(mut matrix: [[f64; UNKNOWNS]; UNKNOWNS], count: usize) -> Option<Self> {
-        let scale = std::array::from_fn(|i| {
+        let scale = array_of(|i| {
             if i < count {
                 matrix[i][i].sqrt().recip()
             } else {
@@ -306,7 +302,7 @@ impl Factored {
     }
 
     fn solved(&self, right: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
-        let mut x: [f64; UNKNOWNS] = std::array::from_fn(|i| right[i] * self.scale[i]);
+        let mut x: [f64; UNKNOWNS] = array_of(|i| right[i] * self.scale[i]);
         for i in 0..self.count {
             let sum: f64 = (0..i).map(|j| self.lower[i][j] * x[j]).sum();
             x[i] = (x[i] - sum) / self.lower[i][i];
@@ -315,7 +311,7 @@ impl Factored {
             let sum: f64 = (i + 1..self.count).map(|j| self.lower[j][i] * x[j]).sum();
             x[i] = (x[i] - sum) / self.lower[i][i];
         }
-        std::array::from_fn(|i| x[i] * self.scale[i])
+        array_of(|i| x[i] * self.scale[i])
     }
 }
 

@@ -9,6 +9,7 @@ use super::super::{
 };
 use super::quadratic::{QuadraticForm, is_positive, orthotropic, turned};
 use super::volumetric::{isochoric_first, polyconvex};
+use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, Invariants};
 use crate::real::Real;
 
@@ -94,8 +95,8 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
 /// The stiffness `scale` times the form.
 fn scaled(scale: f64, p: &[f64]) -> SmallStrainStiffness {
     let [normal, shear] = [&p[1..7], &p[7..10]];
-    let normal = std::array::from_fn(|n| scale * normal[n]);
-    orthotropic(&normal, &std::array::from_fn(|n| scale * shear[n]))
+    let normal = array_of(|n| scale * normal[n]);
+    orthotropic(&normal, &array_of(|n| scale * shear[n]))
 }
 
 struct Isotropic {

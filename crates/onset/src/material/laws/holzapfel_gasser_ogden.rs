@@ -7,6 +7,7 @@
 use super::super::StrainEnergy;
 use super::super::law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, boxed, hooke};
 use super::volumetric::{isochoric_first, polyconvex};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -120,7 +121,5 @@ fn stiffness(p: &[f64]) -> SmallStrainStiffness {
         [one, two, -third, 0.0, 0.0, sign * sine * cosine]
     };
     let (up, down) = (direction(1.0), direction(-1.0));
-    std::array::from_fn(|a| {
-        std::array::from_fn(|b| matrix[a][b] + 4.0 * p[1] * (up[a] * up[b] + down[a] * down[b]))
-    })
+    array_of(|a| array_of(|b| matrix[a][b] + 4.0 * p[1] * (up[a] * up[b] + down[a] * down[b])))
 }

@@ -1,6 +1,7 @@
 //! What laws in Green's strain `E = (C - 1)/2` share: a quadratic form along material axes that are turned about the third.
 
 use super::super::SmallStrainStiffness;
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -68,7 +69,7 @@ pub(super) fn turned(stiffness: &SmallStrainStiffness, degrees: f64) -> SmallStr
         let term = |m: usize, n: usize| bond[m][a] * stiffness[m][n] * bond[n][b];
         (0..36).map(|n| term(n / 6, n % 6)).sum()
     };
-    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
+    array_of(|a| array_of(|b| entry(a, b)))
 }
 
 /// A stiffness with three planes of symmetry from `[c11, c22, c33, c23, c13, c12]` and the shear moduli `[c44, c55, c66]`.

@@ -5,6 +5,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, boxed, hooke};
 use super::super::{MaterialError, StrainEnergy};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -91,7 +92,5 @@ fn stiffness(p: &[f64]) -> SmallStrainStiffness {
     let matrix = hooke(p[0], p[1] + p[0] / 1.5);
     let (sine, cosine) = p[3].to_radians().sin_cos();
     let fiber = [cosine * cosine, sine * sine, 0.0, 0.0, 0.0, sine * cosine];
-    std::array::from_fn(|a| {
-        std::array::from_fn(|b| matrix[a][b] + 4.0 * p[0] * p[2] * fiber[a] * fiber[b])
-    })
+    array_of(|a| array_of(|b| matrix[a][b] + 4.0 * p[0] * p[2] * fiber[a] * fiber[b]))
 }

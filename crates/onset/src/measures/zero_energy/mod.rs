@@ -8,7 +8,7 @@ mod places;
 mod root;
 
 use super::degenerate::Displacements;
-use crate::algebra::Complex;
+use crate::algebra::{Complex, array_of};
 use crate::lattice::Crystal;
 use crate::scheme::{StrainOperator, StrainRows};
 use nalgebra::{DMatrix, SVector};
@@ -282,7 +282,7 @@ impl<'a, const D: usize> Search<'a, D> {
 
     fn edges(&self, part: &Part<D>) -> [SVector<f64, D>; D] {
         let reciprocal = self.crystal.lattice().reciprocal();
-        std::array::from_fn(|i| reciprocal.column(i) * part.half[i])
+        array_of(|i| reciprocal.column(i) * part.half[i])
     }
 
     /// The two halves, cut across the longest edge.

@@ -1,5 +1,6 @@
 //! Wave vectors by where they lie in the zone, to find those near another one.
 
+use crate::algebra::array_of;
 use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 use std::collections::HashMap;
@@ -26,7 +27,7 @@ impl<const D: usize> Places<D> {
 
     pub(super) fn add(&mut self, k: &SVector<f64, D>) {
         for place in [self.place(k), self.place(&-k)] {
-            let cell = std::array::from_fn(|i| cell_of(place[i]));
+            let cell = array_of(|i| cell_of(place[i]));
             self.cells.entry(cell).or_default().push(place);
         }
         self.count += 1;
@@ -39,7 +40,7 @@ impl<const D: usize> Places<D> {
             let way = (other - place).map(|x| x - x.round());
             (self.lattice.reciprocal() * way).norm() <= radius
         };
-        let extents: [i32; D] = std::array::from_fn(|i| {
+        let extents: [i32; D] = array_of(|i| {
             let extent = radius * self.lattice.vectors().column(i).norm() / TAU;
             (extent * f64::from(CELLS)).ceil().min(f64::from(CELLS)) as i32
         });
@@ -47,10 +48,10 @@ impl<const D: usize> Places<D> {
         if around > self.cells.len() {
             return self.cells.values().flatten().any(is_near);
         }
-        let middle: [i32; D] = std::array::from_fn(|i| cell_of(place[i]));
+        let middle: [i32; D] = array_of(|i| cell_of(place[i]));
         (0..around).any(|number| {
             let mut rest = number;
-            let cell = std::array::from_fn(|i| {
+            let cell = array_of(|i| {
                 let width = (2 * extents[i] + 1) as usize;
                 let step = (rest % width) as i32 - extents[i];
                 rest /= width;

@@ -11,6 +11,7 @@ use super::error::Lost;
 use super::links::Links;
 use super::neighbors::{Neighbors, squared};
 use super::vectors::Field;
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
@@ -101,13 +102,13 @@ impl<const D: usize> Pieces<D> {
             touching,
         } = self;
         places.clear();
-        let moved = |(n, x): (usize, &[f64; D])| std::array::from_fn(|i| x[i] + u[i][n]);
+        let moved = |(n, x): (usize, &[f64; D])| array_of(|i| x[i] + u[i][n]);
         places.extend(positions.iter().enumerate().map(moved));
         touching.clear();
         let mut passing = None;
         for ends in neighbors.near_of(places, &|a, b| piece[a as usize] != piece[b as usize]) {
             let [a, b] = ends.map(|own| places[own as usize]);
-            let apart: [f64; D] = std::array::from_fn(|i| a[i] - b[i]);
+            let apart: [f64; D] = array_of(|i| a[i] - b[i]);
             let distance = squared(&a, &b).sqrt();
             if distance < 0.5 * *spacing {
                 passing = passing.or(Some(Lost::Passing(ends[0] as usize)));

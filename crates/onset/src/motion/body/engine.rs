@@ -7,6 +7,7 @@ use super::contact::Pieces;
 use super::error::Lost;
 use super::links::{Kind, Links, Pair, Stencil};
 use super::vectors::{Component, Field, MASKS, Tensors, load, part, store, zeros};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::{LANES, Lanes};
@@ -228,8 +229,8 @@ fn states<const D: usize>(
     place: usize,
 ) -> DeformationGradient<Lanes> {
     let fixed = transverse.components();
-    DeformationGradient::from_components(std::array::from_fn(|i| {
-        std::array::from_fn(|j| match i < D && j < D {
+    DeformationGradient::from_components(array_of(|i| {
+        array_of(|j| match i < D && j < D {
             true => Lanes::of(&f[i][j][place..]),
             false => Lanes([fixed[i][j]; LANES]),
         })

@@ -1,6 +1,7 @@
 //! Grips: particles that move as told.
 
 use super::BodyError;
+use crate::algebra::array_of;
 
 /// The particles in a box, which move with a velocity that rises smoothly from zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +50,7 @@ impl Grip {
     /// The velocity at a time.
     pub(super) fn velocity_at<const D: usize>(&self, time: f64) -> [f64; D] {
         let share = self.share(time);
-        std::array::from_fn(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
+        array_of(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
     }
 
     /// Whether it holds its particles at a time.

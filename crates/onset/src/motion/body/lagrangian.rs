@@ -11,7 +11,7 @@ use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};
 use super::vectors::{Field, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
-use crate::algebra::uniform;
+use crate::algebra::{array_of, uniform};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
@@ -87,7 +87,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
     }
 
     fn of(field: &Field<D>, particle: usize) -> [f64; D] {
-        std::array::from_fn(|i| field[i][particle])
+        array_of(|i| field[i][particle])
     }
 
     fn flat(&self, field: &Field<D>) -> Vec<f64> {
@@ -128,7 +128,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
             let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
             let before = Self::of(&self.v, particle);
-            let free = std::array::from_fn(|i| 2.0 * v[i][particle] - before[i]);
+            let free = array_of(|i| 2.0 * v[i][particle] - before[i]);
             work += 0.5 * work_of(self.mass(particle), &before, &free, &next);
             for i in 0..D {
                 v[i][particle] = 0.5 * (before[i] + next[i]);
@@ -300,7 +300,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             let f = DeformationGradient::from_components(self.deformation(particle));
             own.count(
                 self.mass(particle),
-                &std::array::from_fn(|i| self.positions[particle][i] + u[i]),
+                &array_of(|i| self.positions[particle][i] + u[i]),
                 &u,
                 [&Self::of(&v, particle); 2],
                 f.determinant(),

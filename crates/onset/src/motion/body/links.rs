@@ -2,6 +2,7 @@
 
 use super::BodyError;
 use super::shape::Placed;
+use crate::algebra::array_of;
 use crate::lattice::{Crystal, Particle};
 use crate::real::LANES;
 use crate::scheme::sph::correction;
@@ -154,7 +155,7 @@ impl<const D: usize> Links<D> {
             let mut pairs = Vec::new();
             for other in near.iter().copied() {
                 let there = placed.positions[other as usize];
-                let apart: [f64; D] = std::array::from_fn(|i| there[i] - x[i]);
+                let apart: [f64; D] = array_of(|i| there[i] - x[i]);
                 let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
                 if distance < SAME_PLACE * radius {
                     return Err(BodyError::Coincident {
@@ -281,7 +282,7 @@ impl<'a, const D: usize> Groups<'a, D> {
             }
             let correction = match self.is_corrected {
                 true => correction(&moment).map_err(|_| lonely())?,
-                false => std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j))),
+                false => array_of(|i| array_of(|j| f64::from(i == j))),
             };
             for i in 0..D {
                 for j in 0..D {
@@ -314,7 +315,7 @@ impl<const D: usize> Numbers<D> {
                 high[i] = high[i].max(place.cell[i]);
             }
         }
-        let sides: [usize; D] = std::array::from_fn(|i| (high[i] - low[i]) as usize + 1);
+        let sides: [usize; D] = array_of(|i| (high[i] - low[i]) as usize + 1);
         let mut all = Self {
             low,
             sides,

@@ -1,5 +1,6 @@
 //! Who is near whom among particles that move.
 
+use crate::algebra::array_of;
 use std::collections::HashMap;
 
 /// How much farther than needed pairs are looked for, as a share of the distance: particles may move by half of it before they are looked for again.
@@ -81,9 +82,8 @@ impl<const D: usize> Neighbors<D> {
             let first = self.pairs.len();
             let home = cell(x);
             for code in 0..3_usize.pow(D as u32) {
-                let beside: [i64; D] = std::array::from_fn(|i| {
-                    home[i] + (code / 3_usize.pow(i as u32) % 3) as i64 - 1
-                });
+                let beside: [i64; D] =
+                    array_of(|i| home[i] + (code / 3_usize.pow(i as u32) % 3) as i64 - 1);
                 let Some([begin, end]) = cells.get(&beside) else {
                     continue;
                 };

@@ -1,5 +1,7 @@
 //! Energies, momenta and extremes of a body.
 
+use crate::algebra::array_of;
+
 /// What a body has as a whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyQuantities {
@@ -21,11 +23,11 @@ pub struct BodyQuantities {
 
 /// A vector of the body in space.
 pub(super) fn in_space<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
+    array_of(|i| x.get(i).copied().unwrap_or(0.0))
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
+    array_of(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         a[j] * b[k] - a[k] * b[j]
     })

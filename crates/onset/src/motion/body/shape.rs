@@ -1,6 +1,7 @@
 //! The particles of a body: cut out of a lattice, or given.
 
 use super::BodyError;
+use crate::algebra::array_of;
 use crate::lattice::{Crystal, Particle, cells_between};
 use nalgebra::SVector;
 
@@ -152,7 +153,7 @@ impl Shape {
         let mut pieces = shape.pieces::<D>()?;
         let again: Vec<_> = pieces
             .iter()
-            .map(|(piece, at)| (*piece, std::array::from_fn(|i| at[i] + moved[i])))
+            .map(|(piece, at)| (*piece, array_of(|i| at[i] + moved[i])))
             .collect();
         pieces.extend(again);
         Ok(pieces)
@@ -248,7 +249,7 @@ fn given_ones<const D: usize>(given: &[PlacedParticle]) -> Result<Placed<D>, Bod
     let mut positions = Vec::with_capacity(given.len());
     for (number, particle) in given.iter().enumerate() {
         positive(&format!("the volume of particle {number}"), particle.volume)?;
-        let position: [f64; D] = std::array::from_fn(|i| particle.position[i]);
+        let position: [f64; D] = array_of(|i| particle.position[i]);
         if let Some(value) = position.iter().find(|x| !x.is_finite()) {
             return Err(BodyError::Number {
                 what: format!("a coordinate of particle {number}"),
@@ -288,7 +289,7 @@ fn cut_piece<const D: usize>(
         for site in 0..crystal.sites().len() {
             let particle = Particle { site, cell };
             let x: [f64; D] = crystal.position(&particle).add_scalar(half).into();
-            let own: [f64; D] = std::array::from_fn(|i| x[i] - at[i]);
+            let own: [f64; D] = array_of(|i| x[i] - at[i]);
             let is_in_box = (0..D).all(|i| (low[i] - rim..=high[i] + rim).contains(&own[i]));
             if is_in_box && piece.holds(&own, rim) {
                 found.push((particle, x));

@@ -22,7 +22,7 @@ use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};
 use super::{BodyError, BodyParticles, BodyQuantities};
-use crate::algebra::uniform;
+use crate::algebra::{array_of, uniform};
 use crate::approximation::SingularMoment;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
@@ -132,16 +132,16 @@ fn check_apart<const D: usize>(positions: &[[f64; D]], distance: f64) -> Result<
 }
 
 fn identity<const D: usize>() -> Tensor<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+    array_of(|i| array_of(|j| if i == j { 1.0 } else { 0.0 }))
 }
 
 fn leading<const D: usize>(f: &DeformationGradient) -> Tensor<D> {
     let f = f.components();
-    std::array::from_fn(|i| std::array::from_fn(|j| f[i][j]))
+    array_of(|i| array_of(|j| f[i][j]))
 }
 
 fn times<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..D).map(|k| a[i][k] * b[k][j]).sum()))
+    array_of(|i| array_of(|j| (0..D).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
 /// `1 + factor L`.
@@ -158,13 +158,13 @@ fn stepped<const D: usize>(l: &Tensor<D>, factor: f64) -> Tensor<D> {
 /// `a + factor b`, of all particles.
 fn moved<const D: usize>(a: &[[f64; D]], b: &[[f64; D]], factor: f64) -> Vectors<D> {
     let both = a.iter().zip(b);
-    both.map(|(a, b)| std::array::from_fn(|i| a[i] + factor * b[i]))
+    both.map(|(a, b)| array_of(|i| a[i] + factor * b[i]))
         .collect()
 }
 
 fn vectors<const D: usize>(flat: &[f64]) -> Vectors<D> {
     let own = flat.chunks_exact(D);
-    own.map(|own| std::array::from_fn(|i| own[i])).collect()
+    own.map(|own| array_of(|i| own[i])).collect()
 }
 
 fn is_finite(numbers: &[f64]) -> bool {
@@ -228,7 +228,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
             if squared >= radius * radius {
                 return None;
             }
-            let x = std::array::from_fn(|i| places[ends[1]][i] - places[ends[0]][i]);
+            let x = array_of(|i| places[ends[1]][i] - places[ends[0]][i]);
             Some(Pair {
                 ends,
                 x,
@@ -263,15 +263,13 @@ impl<const D: usize> UpdatedBody<'_, D> {
     /// Deformation gradients of several particles; what fills up is the reference state.
     fn states(&self, f: &[Tensor<D>]) -> DeformationGradient<Lanes> {
         let base = self.base.components();
-        DeformationGradient::from_components(std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        DeformationGradient::from_components(array_of(|i| {
+            array_of(|j| {
                 if i >= D || j >= D {
                     return Lanes([base[i][j]; LANES]);
                 }
                 let rest = if i == j { 1.0 } else { 0.0 };
-                Lanes(std::array::from_fn(|lane| {
-                    f.get(lane).map_or(rest, |f| f[i][j])
-                }))
+                Lanes(array_of(|lane| f.get(lane).map_or(rest, |f| f[i][j])))
             })
         }))
     }
@@ -290,9 +288,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
             let response = self.material.lane_stress(&self.states(some), D);
             for (lane, f) in some.iter().enumerate() {
                 let particle = moment.laden.len();
-                let p: Tensor<D> = std::array::from_fn(|i| {
-                    std::array::from_fn(|j| response.first_piola[i][j].0[lane])
-                });
+                let p: Tensor<D> = array_of(|i| array_of(|j| response.first_piola[i][j].0[lane]));
                 let (energy, volume) = (response.energy.0[lane], determinant(f));
                 let has_stress = energy.is_finite() && is_finite(p.as_flattened()) && volume > 0.0;
                 if !has_stress {
@@ -301,10 +297,8 @@ impl<const D: usize> UpdatedBody<'_, D> {
                         source: None,
                     });
                 }
-                let stress: Tensor<D> = std::array::from_fn(|i| {
-                    std::array::from_fn(|j| {
-                        (0..D).map(|k| p[i][k] * f[j][k]).sum::<f64>() * volume.recip()
-                    })
+                let stress: Tensor<D> = array_of(|i| {
+                    array_of(|j| (0..D).map(|k| p[i][k] * f[j][k]).sum::<f64>() * volume.recip())
                 });
                 moment.energies.push(energy);
                 moment.laden.push(Laden {
@@ -337,7 +331,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
                 forces[b][i] += other[i] - forth[i];
             }
             if law.is_viscous() {
-                let apart = std::array::from_fn(|i| v[b][i] - v[a][i]);
+                let apart = array_of(|i| v[b][i] - v[a][i]);
                 let masses = [first.mass, second.mass];
                 let densities = [first.density, second.density];
                 let viscous = law.viscous_force(&pair.x, &apart, masses, densities);
@@ -536,9 +530,9 @@ impl<const D: usize> UpdatedBody<'_, D> {
             }
             let next: [f64; D] = grip.velocity_at(time);
             let before = self.v[particle];
-            let free = std::array::from_fn(|i| before[i] + step * accelerations[particle][i]);
+            let free = array_of(|i| before[i] + step * accelerations[particle][i]);
             work += 0.5 * work_of(self.mass(particle), &before, &free, &next);
-            v[particle] = std::array::from_fn(|i| 0.5 * (before[i] + next[i]));
+            v[particle] = array_of(|i| 0.5 * (before[i] + next[i]));
         }
         (v, work)
     }
@@ -640,8 +634,8 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
         let mut random = start.seed;
         let mut noise = Vec::with_capacity(self.u.len());
         for (u, x) in self.u.iter_mut().zip(&self.positions) {
-            *u = std::array::from_fn(|i| (0..D).map(|j| f[i][j] * x[j]).sum::<f64>() - x[i]);
-            noise.push(std::array::from_fn(|_| {
+            *u = array_of(|i| (0..D).map(|j| f[i][j] * x[j]).sum::<f64>() - x[i]);
+            noise.push(array_of(|_| {
                 start.noise * (2.0 * uniform(&mut random) - 1.0)
             }));
         }
@@ -688,7 +682,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
         self.v = vectors(&state.velocities);
         let rows = vectors::<D>(&state.deformations);
         let own = rows.chunks_exact(D);
-        self.f = own.map(|own| std::array::from_fn(|i| own[i])).collect();
+        self.f = own.map(|own| array_of(|i| own[i])).collect();
         // A state without them is homogeneous.
         self.f.resize(self.positions.len(), leading(f));
         self.count = state.step;

@@ -1,5 +1,6 @@
 //! Numbers of particles that follow each other, as many as a vector of the machine holds.
 
+use crate::algebra::array_of;
 use crate::real::LANES;
 use pulp::Simd;
 
@@ -48,7 +49,7 @@ pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
 #[cold]
 fn beyond(from: &[f64], place: usize) -> [f64; LANES] {
     let one = |lane| from.get(place.wrapping_add(lane)).copied();
-    std::array::from_fn(|lane| one(lane).unwrap_or(0.0))
+    array_of(|lane| one(lane).unwrap_or(0.0))
 }
 
 /// Those of a group from one of its particles on.

@@ -2,6 +2,7 @@
 
 use super::super::flow::{Elasticity, Flow, FlowLaw};
 use super::super::{Hardening, PlasticityError};
+use crate::algebra::array_of;
 use nalgebra::Vector3;
 
 /// `f = sqrt((F (s2 - s3)^2 + G (s3 - s1)^2 + H (s1 - s2)^2) / 3) - k(gamma)`, `G + H = 1`, associated, with the axes of orthotropy along those of the
@@ -44,7 +45,7 @@ impl HillOrthotropic {
     /// `[F (s2 - s3), G (s3 - s1), H (s1 - s2)]` and the equivalent shear.
     fn differences(&self, s: &Vector3<f64>) -> ([f64; 3], f64) {
         let differences = [s[1] - s[2], s[2] - s[0], s[0] - s[1]];
-        let weighted: [f64; 3] = std::array::from_fn(|n| self.constants[n] * differences[n]);
+        let weighted: [f64; 3] = array_of(|n| self.constants[n] * differences[n]);
         let sum: f64 = weighted.iter().zip(&differences).map(|(a, b)| a * b).sum();
         (weighted, (sum / 3.0).sqrt())
     }

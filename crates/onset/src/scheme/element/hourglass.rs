@@ -3,6 +3,7 @@
 
 use super::HourglassScale;
 use super::shape::sign;
+use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::real::Real;
 use crate::scheme::{Interaction, Motion, SeenForm, StrainOperator};
@@ -98,7 +99,7 @@ impl<const D: usize> Interaction<D> for Resisted<'_, D> {
     /// `f_a = -gamma_a (k q + c dq/dt)`.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let gamma = &self.mode.gamma;
-        let resistance: [R; D] = std::array::from_fn(|i| {
+        let resistance: [R; D] = array_of(|i| {
             let mut sum = R::constant(0.0);
             for (a, weight) in gamma.iter().enumerate() {
                 let (u, v) = (motion.displacements[a][i], motion.velocities[a][i]);

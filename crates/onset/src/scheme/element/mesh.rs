@@ -1,6 +1,7 @@
 //! Elements between the particles of a crystal.
 
 use super::shape::{ElementShape, Sample};
+use crate::algebra::array_of;
 use crate::lattice::{BravaisLattice, Crystal, Particle};
 use crate::method::MethodError;
 use nalgebra::SVector;
@@ -93,7 +94,7 @@ impl<const D: usize> Mesh<D> {
     pub fn parallelepipeds(lattice: BravaisLattice<D>) -> Self {
         let node = |n: usize| Particle {
             site: 0,
-            cell: std::array::from_fn(|i| (n >> i & 1) as i32),
+            cell: array_of(|i| (n >> i & 1) as i32),
         };
         Self {
             crystal: Crystal::of_lattice(lattice),
@@ -134,7 +135,7 @@ impl<const D: usize> Mesh<D> {
             let cell = cell_of(place);
             Some(Particle {
                 site,
-                cell: std::array::from_fn(|i| cell[i] as i32),
+                cell: array_of(|i| cell[i] as i32),
             })
         };
         let nodes = |corners: &Vec<SVector<f64, D>>| corners.iter().filter_map(node).collect();
@@ -173,7 +174,7 @@ impl<const D: usize> Mesh<D> {
             });
             Particle {
                 site: small * sites + node.site,
-                cell: std::array::from_fn(|i| of(i).0.div_euclid(of(i).1)),
+                cell: array_of(|i| of(i).0.div_euclid(of(i).1)),
             }
         };
         let high = counts.map(|count| count as i32 - 1);

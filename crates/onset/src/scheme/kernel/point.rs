@@ -3,6 +3,7 @@
 use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
 use super::super::{Interaction, Motion, PointResponse};
 use super::shape::Shape;
+use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::real::Real;
 
@@ -37,7 +38,7 @@ impl<const D: usize> SpatialPoint<'_, D> {
         }
         let both = displacements.iter().zip(&self.values);
         both.fold([R::constant(0.0); D], |sum, (u, value)| {
-            std::array::from_fn(|i| sum[i] + u[i] * *value)
+            array_of(|i| sum[i] + u[i] * *value)
         })
     }
 }
@@ -51,7 +52,7 @@ impl<const D: usize> Interaction<D> for SpatialPoint<'_, D> {
         let shift = self.shift(motion.displacements);
         let both = self.positions.iter().zip(motion.displacements);
         let positions: Vec<[R; D]> = both
-            .map(|(x, u)| std::array::from_fn(|i| u[i] - shift[i] + x[i]))
+            .map(|(x, u)| array_of(|i| u[i] - shift[i] + x[i]))
             .collect();
         let Some(shape) = self.shape.at(&positions, &self.volumes, self.is_node) else {
             return vec![[R::constant(f64::NAN); D]; self.particles.len()];

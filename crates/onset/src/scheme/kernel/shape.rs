@@ -8,6 +8,7 @@
 //! at the particle that the point is; their values are Shepard's.
 
 use super::super::layout::{MovingWeight, Weighed};
+use crate::algebra::array_of;
 use crate::approximation::{Approximation, SingularMoment};
 use crate::real::Real;
 
@@ -111,8 +112,7 @@ impl<const D: usize> Shape<D> {
         let zero = R::constant(0.0);
         let weighed: Vec<_> = positions.iter().map(|x| self.weight.at(x)).collect();
         let sum = weighed.iter().fold(zero, |sum, w| sum + w.value);
-        let total: [R; D] =
-            std::array::from_fn(|j| weighed.iter().fold(zero, |sum, w| sum + w.gradient[j]));
+        let total: [R; D] = array_of(|j| weighed.iter().fold(zero, |sum, w| sum + w.gradient[j]));
         let values: Vec<R> = weighed.iter().map(|w| w.value / sum).collect();
         let share = |number: usize| match (to_particle, number) {
             (true, 0) => R::constant(1.0),
@@ -120,7 +120,7 @@ impl<const D: usize> Shape<D> {
             (false, _) => values[number],
         };
         let difference = |(number, w): (usize, &Weighed<R, D>)| -> [R; D] {
-            std::array::from_fn(|j| w.gradient[j] - share(number) * total[j])
+            array_of(|j| w.gradient[j] - share(number) * total[j])
         };
         Differences {
             positions: positions.to_vec(),
@@ -162,7 +162,7 @@ impl<const D: usize> Shape<D> {
         });
         let value = |term: &Term<R, D>| dot(&term.p, &alpha) * term.weight;
         let gradient = |term: &Term<R, D>| -> [R; D] {
-            std::array::from_fn(|j| {
+            array_of(|j| {
                 dot(&slopes[j], &term.p) * term.weight - dot(&alpha, &term.weighted_slopes[j])
             })
         };
@@ -232,9 +232,7 @@ impl<R: Real, const D: usize> Differences<R, D> {
     fn corrected(self) -> Option<ShapeValues<R, D>> {
         let inverse = inverse(&self.moment())?;
         let gradient = |h: &[R; D]| -> [R; D] {
-            std::array::from_fn(|i| {
-                (0..D).fold(R::constant(0.0), |sum, j| sum + inverse[j][i] * h[j])
-            })
+            array_of(|i| (0..D).fold(R::constant(0.0), |sum, j| sum + inverse[j][i] * h[j]))
         };
         Some(ShapeValues {
             gradients: self.differences.iter().map(gradient).collect(),

@@ -1,5 +1,6 @@
 //! Functions of the background grid: products of one-dimensional ones, which are pieces of polynomials.
 
+use crate::algebra::array_of;
 use crate::lattice::cells_between;
 use crate::real::{Dual, Real};
 
@@ -194,7 +195,7 @@ impl Profile {
         place: &[R; D],
         node: &[i32; D],
     ) -> Shape<R, D> {
-        let along: [(R, R); D] = std::array::from_fn(|i| self.along(place[i] - f64::from(node[i])));
+        let along: [(R, R); D] = array_of(|i| self.along(place[i] - f64::from(node[i])));
         let one = R::constant(1.0);
         let product = |derived: Option<usize>| {
             (0..D).fold(one, |product, i| {
@@ -204,7 +205,7 @@ impl Profile {
         };
         Shape {
             value: product(None),
-            slope: std::array::from_fn(|i| product(Some(i))),
+            slope: array_of(|i| product(Some(i))),
         }
     }
 }

@@ -13,6 +13,7 @@ pub use functions::{GridFunctions, GridGradients};
 pub use transfer::Transfer;
 
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
+use crate::algebra::array_of;
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
@@ -329,7 +330,7 @@ impl<const D: usize> MaterialPoints<D> {
     /// The diagonal of `2 G - D^-1`, without affine fields that of `2 G`; off it there is nothing, as functions are products. 1/length^2.
     fn stretch_of_a_point_alone(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
         let squared = self.choices.spacing.powi(2);
-        std::array::from_fn(|i| {
+        array_of(|i| {
             let moment = self.profile.second_moment(place[i]);
             let kept = if is_affine { 1.0 / moment } else { 0.0 };
             (2.0 * self.profile.squared_gradients(place[i]) - kept) / squared
@@ -376,7 +377,7 @@ impl<const D: usize> MaterialPoints<D> {
                 let share = self.choices.density * volume / self.nodal_mass();
                 for (seen, value) in self.transfer(place) {
                     // The copy of the point that sees this node where the one of the cell sees `seen`.
-                    let cell = std::array::from_fn(|i| node.cell[i] - seen.cell[i]);
+                    let cell = array_of(|i| node.cell[i] - seen.cell[i]);
                     let sum = sums.entry(Particle { site, cell });
                     *sum.or_insert_with(SVector::zeros) += vector * (share * value);
                 }
@@ -402,7 +403,7 @@ impl<const D: usize> MaterialPoints<D> {
         for (_, node, block) in nodal.blocks() {
             for (site, nodes) in shares.iter().enumerate() {
                 for (seen, share) in nodes {
-                    let cell = std::array::from_fn(|i| node.cell[i] - seen.cell[i]);
+                    let cell = array_of(|i| node.cell[i] - seen.cell[i]);
                     let entry = half.entry(Particle { site, cell });
                     *entry.or_insert_with(SMatrix::zeros) += block * *share;
                 }

@@ -1,6 +1,7 @@
 //! A material point as an interaction of the nodes that it sees.
 
 use super::functions::Profile;
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::Hyperelastic;
@@ -41,7 +42,7 @@ impl<'a, const D: usize> State<'a, D> {
     pub(super) fn gradient<R: Real>(&self, slope: &[R; D]) -> [R; D] {
         let zero = R::constant(0.0);
         let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);
-        std::array::from_fn(along)
+        array_of(along)
     }
 
     /// `P` of the total-Lagrangian, `J sigma = P F^T` of the updated form at the displacement gradient `L` on the grid: what the
@@ -50,16 +51,16 @@ impl<'a, const D: usize> State<'a, D> {
         let base = self.response.leading::<f64>();
         let zero = R::constant(0.0);
         if !self.is_updated {
-            let f = std::array::from_fn(|i| std::array::from_fn(|j| l[i][j] + base[i][j]));
+            let f = array_of(|i| array_of(|j| l[i][j] + base[i][j]));
             return self.response.first_piola(&f);
         }
         let moved = |i: usize, j: usize| {
             (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])
         };
-        let f: [[R; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| moved(i, j)));
+        let f: [[R; D]; D] = array_of(|i| array_of(|j| moved(i, j)));
         let stress = self.response.first_piola(&f);
         let product = |i: usize, j: usize| (0..D).fold(zero, |sum, m| sum + stress[i][m] * f[j][m]);
-        std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)))
+        array_of(|i| array_of(|j| product(i, j)))
     }
 }
 
@@ -109,14 +110,14 @@ impl<'a, const D: usize> Point<'a, D> {
     fn moved_gradients<R: Real>(&self, displacements: &[[R; D]]) -> Vec<[R; D]> {
         let mut moved = [R::constant(0.0); D];
         for (u, (value, _)) in displacements.iter().zip(&self.shapes) {
-            moved = std::array::from_fn(|i| moved[i] + u[i] * *value);
+            moved = array_of(|i| moved[i] + u[i] * *value);
         }
         let start: [f64; D] = self.place.into();
         let along = |i: usize| {
             let base = R::constant(start[i]);
             (0..D).fold(base, |sum, j| sum + moved[j] * self.state.to_grid[(i, j)])
         };
-        let place: [R; D] = std::array::from_fn(along);
+        let place: [R; D] = array_of(along);
         let gradient = |node: &Particle<D>| {
             let shape = self.profile.shape(&place, &node.cell);
             self.state.gradient(&shape.slope)
@@ -136,7 +137,7 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
         let resting: Vec<[R; D]> = self.shapes.iter().map(fixed).collect();
         let mut l = [[R::constant(0.0); D]; D];
         for (u, gradient) in displacements.iter().zip(&resting) {
-            l = std::array::from_fn(|i| std::array::from_fn(|j| l[i][j] + u[i] * gradient[j]));
+            l = array_of(|i| array_of(|j| l[i][j] + u[i] * gradient[j]));
         }
         let stress = self.state.stress(&l);
         let gradients = if self.state.is_updated {
@@ -146,7 +147,7 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
         };
         let zero = R::constant(0.0);
         let force = |gradient: &[R; D]| -> [R; D] {
-            std::array::from_fn(|i| {
+            array_of(|i| {
                 let sum = (0..D).fold(zero, |sum, j| sum + stress[i][j] * gradient[j]);
                 sum * -self.volume
             })

@@ -2,6 +2,7 @@
 
 use super::functions::Profile;
 use super::point::State;
+use crate::algebra::array_of;
 use crate::lattice::{Crystal, Particle};
 use crate::scheme::{NoForce, PatchForces, PeriodicPatch};
 use nalgebra::{SMatrix, SVector};
@@ -82,7 +83,7 @@ impl<'a, const D: usize> Step<'a, D> {
                 l += displacements[number] * gradient.transpose();
             }
             let place = point.place + self.state.to_grid * moved;
-            let l = std::array::from_fn(|i| std::array::from_fn(|j| l[(i, j)]));
+            let l = array_of(|i| array_of(|j| l[(i, j)]));
             let stress = self.state.stress(&l);
             let stress = SMatrix::<f64, D, D>::from_fn(|i, j| stress[i][j]);
             let at_end = self.seen(&place);

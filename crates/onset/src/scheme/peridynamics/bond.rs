@@ -1,6 +1,7 @@
 //! Bonds of the prototype microelastic material (Silling 2000).
 
 use super::family::ReferenceBond;
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::real::Real;
@@ -37,7 +38,7 @@ impl<const D: usize> Interaction<D> for Bond<D> {
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let [a, b] = [motion.displacements[0], motion.displacements[1]];
-        let y: [R; D] = std::array::from_fn(|i| b[i] - a[i] + self.deformed[i]);
+        let y: [R; D] = array_of(|i| b[i] - a[i] + self.deformed[i]);
         let squares = y.iter().fold(R::constant(0.0), |sum, x| sum + *x * *x);
         let length = squares.sqrt();
         // c w s e = c w (1/r - 1/|y|) y

@@ -2,6 +2,7 @@
 
 use super::ZeroEnergyControl;
 use super::family::Family;
+use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::real::Real;
 use crate::scheme::{Interaction, Motion, PointResponse};
@@ -41,7 +42,7 @@ impl<'a, const D: usize> Point<'a, D> {
         let x = &neighbor.vector;
         // z = Y - F X = u_J - u_I - (F - F0) X
         let nonuniform = |i: usize| (0..D).fold(apart[i], |sum, j| sum - change[i][j] * x[j]);
-        let z: [R; D] = std::array::from_fn(nonuniform);
+        let z: [R; D] = array_of(nonuniform);
         match self.control {
             ZeroEnergyControl::None => [R::constant(0.0); D],
             ZeroEnergyControl::Penalty { coefficient } => {
@@ -51,7 +52,7 @@ impl<'a, const D: usize> Point<'a, D> {
             ZeroEnergyControl::Hourglass { coefficient } => {
                 let f = self.response.leading::<f64>();
                 let deformed = |i: usize| (0..D).map(|j| f[i][j] * x[j]).sum::<f64>();
-                let y: [R; D] = std::array::from_fn(|i| apart[i] + deformed(i));
+                let y: [R; D] = array_of(|i| apart[i] + deformed(i));
                 let zero = R::constant(0.0);
                 let squares = (0..D).fold(zero, |sum, i| sum + y[i] * y[i]);
                 let along = (0..D).fold(zero, |sum, i| sum + y[i] * z[i]);
@@ -71,7 +72,7 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
         let own = motion.displacements[0];
         let apart: Vec<[R; D]> = motion.displacements[1..]
             .iter()
-            .map(|u| std::array::from_fn(|i| u[i] - own[i]))
+            .map(|u| array_of(|i| u[i] - own[i]))
             .collect();
         let mut change = [[R::constant(0.0); D]; D];
         for (u, gradient) in apart.iter().zip(&self.gradients) {
@@ -82,7 +83,7 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
             }
         }
         let base = self.response.leading::<f64>();
-        let f = std::array::from_fn(|i| std::array::from_fn(|j| change[i][j] + base[i][j]));
+        let f = array_of(|i| array_of(|j| change[i][j] + base[i][j]));
         let stress = self.response.first_piola(&f);
         let mut forces = vec![[R::constant(0.0); D]; apart.len() + 1];
         for (bond, gradient) in self.gradients.iter().enumerate() {

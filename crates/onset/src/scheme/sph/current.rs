@@ -4,6 +4,7 @@ use super::super::layout::{MovingWeight, Weighed};
 use super::super::products::times_vector;
 use super::super::stabilization::{Dashpot, Repulsion, Slope, SmoothedMotion, smoothing_share};
 use super::updated::{DensityEvolution, MomentumForm};
+use crate::algebra::array_of;
 use crate::real::Real;
 
 /// What a force between two particles takes of one of them.
@@ -74,7 +75,7 @@ impl<const D: usize> CurrentPairs<D> {
         };
         let factor = repulsion.factor(weight.value);
         let less = times_vector(tensile, &gradient);
-        std::array::from_fn(|i| traction[i] - less[i] * factor)
+        array_of(|i| traction[i] - less[i] * factor)
     }
 
     /// The force on particle `I` itself of such a traction.

@@ -2,6 +2,7 @@
 
 use super::super::layout::{Layout, Weighed};
 use super::super::response::{determinant, inverse};
+use crate::algebra::array_of;
 use crate::approximation::SingularMoment;
 use crate::lattice::{Crystal, Particle};
 use crate::method::MethodError;
@@ -78,11 +79,11 @@ impl<const D: usize> Neighborhood<D> {
             let inverse = self.correction(&gradients)?;
             for g in &mut gradients {
                 let plain = *g;
-                *g = std::array::from_fn(|i| (0..D).map(|j| inverse[j][i] * plain[j]).sum());
+                *g = array_of(|i| (0..D).map(|j| inverse[j][i] * plain[j]).sum());
             }
         }
         gradients[0] = [0.0; D];
-        gradients[0] = std::array::from_fn(|i| -gradients.iter().map(|g| g[i]).sum::<f64>());
+        gradients[0] = array_of(|i| -gradients.iter().map(|g| g[i]).sum::<f64>());
         Ok(gradients)
     }
 

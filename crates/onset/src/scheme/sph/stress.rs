@@ -4,6 +4,7 @@ use super::super::products::{displacement_gradient, times_transpose, transported
 use super::super::response::determinant;
 use super::super::{Interaction, Motion, PointResponse};
 use super::current::{CurrentPairs, Laden};
+use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::real::Real;
 
@@ -53,7 +54,7 @@ impl<const D: usize> StressOf<'_, D> {
         let shares = self.smoothing.get(number).into_iter().flatten();
         shares.fold(own, |sum, (other, share)| {
             let apart = between(&own, &displacements[*other]);
-            std::array::from_fn(|i| sum[i] + apart[i] * *share)
+            array_of(|i| sum[i] + apart[i] * *share)
         })
     }
 
@@ -92,7 +93,7 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
                 return x.map(R::constant);
             }
             let shift = self.shift(number, motion.displacements);
-            std::array::from_fn(|i| shift[i] + x[i])
+            array_of(|i| shift[i] + x[i])
         };
         let moved = Moved {
             displacements: motion.displacements,
@@ -131,7 +132,7 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
 }
 
 fn between<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> [R; D] {
-    std::array::from_fn(|i| to[i] - from[i])
+    array_of(|i| to[i] - from[i])
 }
 
 fn over<R: Real, const D: usize>(matrix: &[[R; D]; D], divisor: R) -> [[R; D]; D] {

@@ -1,6 +1,6 @@
 //! Artificial stress.
 
-use crate::algebra::MAXIMUM_ITERATIONS;
+use crate::algebra::{MAXIMUM_ITERATIONS, array_of};
 use crate::method::MethodError;
 use crate::real::Real;
 use nalgebra::DMatrix;
@@ -115,9 +115,9 @@ impl Repulsion {
             }
             sum
         };
-        let along: [[R; D]; D] = std::array::from_fn(|a| std::array::from_fn(|b| rotated(a, b)));
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
+        let along: [[R; D]; D] = array_of(|a| array_of(|b| rotated(a, b)));
+        array_of(|i| {
+            array_of(|j| {
                 let mut sum = R::constant(0.0);
                 for (a, row) in along.iter().enumerate() {
                     for (b, entry) in row.iter().enumerate() {

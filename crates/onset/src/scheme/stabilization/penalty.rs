@@ -2,6 +2,7 @@
 
 use super::super::products::{displacement_gradient, times_vector};
 use super::super::{Interaction, Motion, PointResponse};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::{Hyperelastic, MaterialError};
@@ -125,12 +126,12 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
             let reference = self.vectors[j].map(R::constant);
             let homogeneous = times_vector(&base, &reference);
             let missed = times_vector(&change, &reference);
-            let relative: [R; D] = std::array::from_fn(|i| u[j][i] - u[0][i]);
-            let x: [R; D] = std::array::from_fn(|i| homogeneous[i] + relative[i]);
+            let relative: [R; D] = array_of(|i| u[j][i] - u[0][i]);
+            let x: [R; D] = array_of(|i| homogeneous[i] + relative[i]);
             let dot =
                 |a: &[R; D], b: &[R; D]| (0..D).fold(R::constant(0.0), |sum, i| sum + a[i] * b[i]);
             // F_I X_IJ - x_IJ, without the homogeneous part that both have.
-            let error: [R; D] = std::array::from_fn(|i| missed[i] - relative[i]);
+            let error: [R; D] = array_of(|i| missed[i] - relative[i]);
             // |x|^2, each factor with its offset.
             let length = dot(&x, &x).sqrt();
             let [first, second] = self.offsets.current;

@@ -3,6 +3,7 @@
 use super::super::layout::MovingWeight;
 use super::super::{Interaction, Motion};
 use super::assert_coefficients;
+use crate::algebra::array_of;
 use crate::continuum::Stiffness;
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
@@ -199,9 +200,8 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let difference = |values: &[[R; D]], i: usize| values[1][i] - values[0][i];
-        let x: [R; D] =
-            std::array::from_fn(|i| difference(motion.displacements, i) + self.vector[i]);
-        let v = std::array::from_fn(|i| difference(motion.velocities, i));
+        let x: [R; D] = array_of(|i| difference(motion.displacements, i) + self.vector[i]);
+        let v = array_of(|i| difference(motion.velocities, i));
         let on_first = self.dashpot.on_first(&x, &v, &self.slope, self.factor);
         vec![on_first, on_first.map(|force| -force)]
     }
