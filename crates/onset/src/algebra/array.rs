@@ -12,3 +12,15 @@ pub(crate) fn array_of<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> 
     }
     all
 }
+
+/// The images of what an array has, as `map` gives them; likewise for values that can be copied.
+pub(crate) trait Each<T, const N: usize> {
+    fn each<U: Copy>(self, image: impl FnMut(T) -> U) -> [U; N];
+}
+
+impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
+    #[inline(always)]
+    fn each<U: Copy>(self, mut image: impl FnMut(T) -> U) -> [U; N] {
+        array_of(|n| image(self[n]))
+    }
+}

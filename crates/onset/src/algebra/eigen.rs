@@ -1,7 +1,7 @@
 //! Eigenvalues and eigenvectors of complex matrices of one to three rows.
 
 use super::{Complex, symmetric_eigen};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
@@ -24,13 +24,13 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
         }
         2 if matrix.iter().all(|entry| entry.im == 0.0) => {
             // The same as below in real numbers: most matrices are real, and this is the innermost loop.
-            let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|index| matrix[index].re);
+            let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].each(|index| matrix[index].re);
             let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
             let largest = half.abs().max(b.abs()).max(c.abs());
             if largest > 0.0 && !(1e-140..1e140).contains(&largest) {
                 // Squares would over- or underflow.
                 let scaled = matrix.map(|entry| entry / largest);
-                return eigenvalues(&scaled, noise / largest).map(|value| value * largest);
+                return eigenvalues(&scaled, noise / largest).each(|value| value * largest);
             }
             let discriminant = half * half + b * c;
             let explained = 2.0 * noise * (half.abs() + b.abs() + c.abs() + noise);
@@ -38,13 +38,13 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
                 let root = discriminant.max(0.0).sqrt();
                 return ordered(
                     values,
-                    [mean - root, mean + root].map(|value| Complex::new(value, 0.0)),
+                    [mean - root, mean + root].each(|value| Complex::new(value, 0.0)),
                 );
             }
             let root = (-discriminant).sqrt();
             return ordered(
                 values,
-                [-root, root].map(|imaginary| Complex::new(mean, imaginary)),
+                [-root, root].each(|imaginary| Complex::new(mean, imaginary)),
             );
         }
         2 => {
@@ -121,7 +121,7 @@ fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
         return Some(
             symmetric_eigen(&rows)
                 .0
-                .map(|value| Complex::new(value, 0.0)),
+                .each(|value| Complex::new(value, 0.0)),
         );
     }
     if !matrix.iter().all(|entry| entry.is_finite()) {
@@ -157,7 +157,7 @@ pub fn eigenvector<const D: usize>(
         1 => vector[0] = Complex::new(1.0, 0.0),
         2 => {
             // Both rows of (M - lambda) annihilate the vector; the longer one is the accurate one.
-            let rows = [0, 1].map(|row| (shifted[(row, 0)], shifted[(row, 1)]));
+            let rows = [0, 1].each(|row| (shifted[(row, 0)], shifted[(row, 1)]));
             let length = |(a, b): (Complex, Complex)| a.norm_sqr() + b.norm_sqr();
             let (a, b) = if length(rows[0]) >= length(rows[1]) {
                 rows[0]

@@ -15,7 +15,7 @@ mod turn;
 mod unit;
 mod well;
 
-pub(crate) use array::array_of;
+pub(crate) use array::{Each, array_of};
 pub(crate) use decomposition::Decomposition;
 pub(crate) use directions::directions;
 pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};

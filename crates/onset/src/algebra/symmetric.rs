@@ -1,6 +1,6 @@
 //! Real symmetric matrices of a few rows: eigenvalues by Jacobi's rotations, definiteness by elimination.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::{Real, Side};
 
 /// Sweeps of rotations after which no more are made; six are enough for rounding.
@@ -36,7 +36,7 @@ pub(crate) fn symmetric_eigen<const N: usize>(matrix: &[[f64; N]; N]) -> ([f64; 
     }
     let mut order: [usize; N] = array_of(|n| n);
     order.sort_by(|&m, &n| a[m][m].total_cmp(&a[n][n]));
-    (order.map(|n| a[n][n]), order.map(|n| vectors[n]))
+    (order.each(|n| a[n][n]), order.each(|n| vectors[n]))
 }
 
 /// The rotation in the plane of `p` and `q` that makes their coupling vanish.

@@ -1,6 +1,6 @@
 //! Wells of a function on a periodic grid, and their bottoms.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -37,7 +37,7 @@ pub(crate) fn neighbors<const D: usize>(
             let beside: [usize; D] = array_of(|i| (coordinates[i] + n + steps[i] - 1) % n);
             match flat(&beside) {
                 place if place < known => place,
-                _ => flat(&beside.map(|c| (n - c) % n)),
+                _ => flat(&beside.each(|c| (n - c) % n)),
             }
         })
         .filter(move |place| *place < known)

@@ -2,7 +2,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Block, ForceConstants, matrix_of};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::approximation::Order;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -381,7 +381,7 @@ fn add_eulerian<const D: usize>(
         }
         match motion {
             Some(motion) => constants.add(0, &turned(&motion.own[i], factor)),
-            None => constants.add(0, &block.map(|row| row.map(|entry| -entry))),
+            None => constants.add(0, &block.each(|row| row.each(|entry| -entry))),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! as smooth as `D`; what is not smooth is the root alone.
 
 use super::dynamical_matrix::Expansion;
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, Each, array_of};
 use nalgebra::{SMatrix, SVector};
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -237,7 +237,7 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
         if product.magnitude() <= DOUBLE * largest * largest {
             product = product * 0.0;
         }
-        let slope = determinant.gradient.map(|x| x / product);
+        let slope = determinant.gradient.each(|x| x / product);
         Taylor {
             value: eigenvalue,
             gradient: slope,
@@ -285,7 +285,7 @@ impl<const D: usize> Expansion<Complex, D> {
             return self.entry(0, 0).growth();
         }
         let root = self.discriminant().root();
-        let [low, high] = [-1.0, 1.0].map(|sign| {
+        let [low, high] = [-1.0, 1.0].each(|sign| {
             let branch = self.half_trace().zip(&root, |x, y| x + y * sign);
             branch.growth()
         });
@@ -344,7 +344,7 @@ impl<const D: usize> Expansion<f64, D> {
             hessian: self
                 .hessian
                 .each_ref()
-                .map(|row| row.each_ref().map(complex)),
+                .each(|row| row.each_ref().map(complex)),
         }
     }
 

@@ -4,7 +4,7 @@ use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
 use super::powers::Powers;
 use super::short_range::ShortRange;
-use crate::algebra::{Complex, array_of, eigenvalues, moderate_unit};
+use crate::algebra::{Complex, Each, array_of, eigenvalues, moderate_unit};
 use crate::continuum::Stiffness;
 use crate::lattice::{BravaisLattice, Mirror, Reduced, Symmetry};
 use nalgebra::{SMatrix, SVector};
@@ -540,7 +540,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
         let signs = |term| [(term, 1), (term, -1)];
         let mut known: Vec<([i32; D], &Term<D>, i32)> = (self.terms.iter().flat_map(signs))
-            .map(|(term, sign)| (term.cell.map(|n| sign * n), term, sign))
+            .map(|(term, sign)| (term.cell.each(|n| sign * n), term, sign))
             .collect();
         known.sort_unstable_by_key(|(cell, ..)| *cell);
         let equal = EQUAL * self.noise;
@@ -573,7 +573,7 @@ impl<const D: usize> DynamicalMatrix<D> {
             }
             own -= term.even;
             constants.push((term.cell, (term.even + term.odd) * 0.5));
-            constants.push((term.cell.map(|n| -n), (term.even - term.odd) * 0.5));
+            constants.push((term.cell.each(|n| -n), (term.even - term.odd) * 0.5));
         }
         constants.push(([0; D], own));
         Some(constants)

@@ -7,7 +7,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Expansion, Term};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::WaveGrid;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, NullaryFnOnce};
@@ -78,7 +78,7 @@ impl PlanarRows {
             constant: entries_of(&constant),
             reach,
             sites: sites.iter().map(|site| [site[0], site[1]]).collect(),
-            vectors: [0, 1].map(|i| [vectors[(0, i)], vectors[(1, i)]]),
+            vectors: [0, 1].each(|i| [vectors[(0, i)], vectors[(1, i)]]),
         })
     }
 
@@ -129,7 +129,7 @@ impl PlanarRows {
     #[inline(always)]
     fn expansion<const D: usize>(&self, k: &SVector<f64, D>) -> Expansion<f64, D> {
         let [a, b] = self.vectors;
-        let t = [a, b].map(|vector| vector[0] * k[0] + vector[1] * k[1]);
+        let t = [a, b].each(|vector| vector[0] * k[0] + vector[1] * k[1]);
         let (first, second) = (turns(t[0], self.reach), turns(t[1], self.reach));
         let turn = |turns: &[[f64; 2]; REACH], n: i32| {
             let [cosine, sine] = turns[n.unsigned_abs() as usize];

@@ -2,7 +2,7 @@
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
-use crate::algebra::{Complex, Decomposition, array_of, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Decomposition, Each, array_of, eigenvalues, sort_by_value};
 use crate::lattice::grid_coordinates;
 use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -88,7 +88,7 @@ fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
 impl<S: Scalar, const D: usize> Pair<S, D> {
     /// How fast the faster of the two grows at `u`; zero where both are real.
     fn growth(&self, u: &[f64; D]) -> f64 {
-        let [first, second] = [0, 1].map(|n| self.values[n] + along(&self.slopes[n], u));
+        let [first, second] = [0, 1].each(|n| self.values[n] + along(&self.slopes[n], u));
         let (mean, half) = ((first + second).scale(0.5), (first - second).scale(0.5));
         let square = half * half + self.product(u);
         let is_real = mean.imaginary() == 0.0 && square.imaginary() == 0.0;
@@ -138,7 +138,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         let mut look_at = |u: [f64; D]| {
             let u = crossing(u);
             if u[steepest].abs() <= 2.0 * REACH {
-                look(u.map(|x| x.clamp(-REACH, REACH)));
+                look(u.each(|x| x.clamp(-REACH, REACH)));
             }
         };
         for place in 0..PLACES.pow(D as u32 - 1) {
@@ -233,7 +233,7 @@ impl<const D: usize> Pockets<'_, D> {
     /// The points around a wave vector between which steps are half as long.
     fn between(&self, k: &SVector<f64, D>, share: f64) -> Vec<SVector<f64, D>> {
         let at = |corner: usize| {
-            let side = grid_coordinates::<D>(corner, 2).map(|n| n as f64 - 0.5);
+            let side = grid_coordinates::<D>(corner, 2).each(|n| n as f64 - 0.5);
             k + self.steps * SVector::from(side) * (0.5 * share)
         };
         (0..1 << D).map(at).collect()
@@ -323,7 +323,7 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
         if D != 3 || all.iter().any(|value| value.im != 0.0) || !all.windows(2).all(is_apart) {
             return None;
         }
-        let values = all.map(|value| value.re);
+        let values = all.each(|value| value.re);
         let mut left = SMatrix::<f64, D, D>::zeros();
         let mut right = left;
         for (n, value) in values.iter().enumerate() {

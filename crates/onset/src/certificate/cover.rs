@@ -3,6 +3,7 @@
 use super::expansion::{Expansion, Region};
 use super::patch::{is_positive, smallest};
 use super::waves::{Entries, Waves};
+use crate::algebra::Each;
 use crate::real::{Interval, Real};
 use std::collections::VecDeque;
 
@@ -202,7 +203,7 @@ impl Cover<'_> {
         match *region {
             Region::Phases { center, .. } => {
                 let point = Region::Phases { center, half: 0.0 };
-                let values = self.expansion.patch(&point, 0.0).map(|patch| patch.value);
+                let values = self.expansion.patch(&point, 0.0).each(|patch| patch.value);
                 let laplacian = (0..self.waves().dimension)
                     .map(|i| 2.0 * (0.5 * center[i]).sin().powi(2))
                     .sum();
@@ -214,7 +215,7 @@ impl Cover<'_> {
                     s: (s.0, 0.0),
                     r2: (0.0, 0.0),
                 };
-                let values = self.expansion.patch(&point, 0.0).map(|patch| patch.value);
+                let values = self.expansion.patch(&point, 0.0).each(|patch| patch.value);
                 // Long enough for the rest, short enough for the limit to show.
                 let r = if r2.0 > 0.0 {
                     r2.0.sqrt()
@@ -407,7 +408,7 @@ fn halves(region: &Region, dimension: usize) -> Vec<Region> {
                 if dimension == 1 {
                     regions.push(Region::Rays { chart, s, r2 });
                 } else {
-                    regions.extend(split(s).map(|s| Region::Rays { chart, s, r2 }));
+                    regions.extend(split(s).each(|s| Region::Rays { chart, s, r2 }));
                 }
             }
             regions

@@ -1,7 +1,7 @@
 //! Strong ellipticity over all directions of a line or plane.
 
 use super::patch::{MatrixPatch, Patch, is_positive, smallest};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::{Interval, Real};
 
 /// The part `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` of `11, 12, 21, 22` and by
@@ -78,7 +78,7 @@ impl Acoustic {
         let [x, y] = direction.map(Interval::point);
         let squared = x.square() + y.square();
         let entry = |e: usize| {
-            let [a, b, c] = [0, 1, 2].map(|m| self.powers[m][e]);
+            let [a, b, c] = [0, 1, 2].each(|m| self.powers[m][e]);
             (a * x.square() + b * x * y + c * y.square()) / squared
         };
         let (half, coupling) = ((entry(0) - entry(3)) * 0.5, entry(1) * entry(2));
@@ -128,7 +128,9 @@ impl Acoustic {
                 } else {
                     [center, 1.0]
                 };
-                let unshifted = self.patch(chart, center, 0.0, 0.0).map(|patch| patch.value);
+                let unshifted = self
+                    .patch(chart, center, 0.0, 0.0)
+                    .each(|patch| patch.value);
                 let value = smallest(&unshifted) / (1.0 + center * center);
                 seen = seen.min(value);
                 if value < 0.0

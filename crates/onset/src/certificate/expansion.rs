@@ -2,7 +2,7 @@
 
 use super::patch::{MatrixPatch, Patch};
 use super::waves::{Entries, Waves};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::{Interval, Real};
 
 /// What the expansions of one sum share.
@@ -66,7 +66,7 @@ impl<'a> Expansion<'a> {
         Self {
             waves,
             vectors: vectors.collect(),
-            sizes: sizes.map(|size| size.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)),
+            sizes: sizes.each(|size| size.into_iter().fold(0.0, f64::max) * (1.0 + 1e-9)),
             second,
             fourth,
             rounding: (16 * waves.reach + waves.terms.len() + 64) as f64 * f64::EPSILON,
@@ -196,12 +196,12 @@ impl<'a> Expansion<'a> {
         let length = phases[0].abs().max(phases[1].abs());
         let error = (2.0 * waves.error).min(waves.long_error * length * length * (1.0 + 1e-9));
         let error = error.next_up();
-        sums.map(|sum| sum + Interval::new(-error, error))
+        sums.each(|sum| sum + Interval::new(-error, error))
     }
 }
 
 fn vector(waves: &Waves, cell: [i32; 2], site: usize) -> [f64; 2] {
-    [0, 1].map(|i| waves.sites[site][i] + f64::from(cell[i]))
+    [0, 1].each(|i| waves.sites[site][i] + f64::from(cell[i]))
 }
 
 /// The coefficients of a polynomial about a center, for an argument in units of a half width.

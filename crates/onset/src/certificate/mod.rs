@@ -18,6 +18,7 @@ mod waves;
 
 pub use space::{SpaceCertificate, certify_3d};
 
+use crate::algebra::Each;
 use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
 use crate::continuum::{Ellipticity, Stiffness};
 use crate::kinematics::DeformationGradient;
@@ -382,7 +383,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
         let hint = Stiffness::<D>::of(&response).minimum().direction;
         let exact = DeformationGradient::from_components(
-            f.components().map(|row| row.map(Interval::point)),
+            f.components().each(|row| row.map(Interval::point)),
         );
         let ellipticity = self.ellipticity(&exact, &hint);
         Ok(Certificate {
@@ -649,7 +650,7 @@ fn zero_energy_phases<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<S
 }
 
 fn planar<const D: usize>(v: &SVector<f64, D>) -> [f64; 2] {
-    [0, 1].map(|i| if i < D { v[i] } else { 0.0 })
+    [0, 1].each(|i| if i < D { v[i] } else { 0.0 })
 }
 
 /// A lower bound of a square root.

@@ -1,6 +1,7 @@
 //! Functions on a box as quadratic polynomials with a bounded rest.
 
 use super::waves::Entries;
+use crate::algebra::Each;
 
 /// Rounding of one operation on patches, in units of the magnitudes of its operands: at most 30 roundings.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -36,8 +37,8 @@ impl Patch {
         let rest = a.abs() * self.rest + b.abs() * other.rest;
         Self {
             value: mix(self.value, other.value),
-            slope: [0, 1].map(|i| mix(self.slope[i], other.slope[i])),
-            curvature: [0, 1, 2].map(|i| mix(self.curvature[i], other.curvature[i])),
+            slope: [0, 1].each(|i| mix(self.slope[i], other.slope[i])),
+            curvature: [0, 1, 2].each(|i| mix(self.curvature[i], other.curvature[i])),
             rest: rest + ROUNDING * (a.abs() * self.magnitude() + b.abs() * other.magnitude()),
         }
     }
@@ -53,7 +54,7 @@ impl Patch {
         let rest = high + a.rest * b_plain + b.rest * a_plain + a.rest * b.rest;
         Self {
             value: a.value * b.value,
-            slope: [0, 1].map(|i| a.value * b.slope[i] + b.value * a.slope[i]),
+            slope: [0, 1].each(|i| a.value * b.slope[i] + b.value * a.slope[i]),
             curvature: [
                 a.value * b.curvature[0] + b.value * a.curvature[0] + a.slope[0] * b.slope[0],
                 a.value * b.curvature[1]

@@ -4,7 +4,7 @@
 //! rest on the floating-point path.
 
 use super::Reason;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::approximation::Approximation;
 use crate::kinematics::DeformationGradient;
 use crate::method::{Background, CurrentLattice, Frame, MAXIMUM_NEIGHBORS, Method, SupportSize};
@@ -166,9 +166,9 @@ fn enclosed<const D: usize>(
     } else {
         1
     };
-    let fractional = place.map(|x| Interval::around(x, PLACE_ULPS));
+    let fractional = place.each(|x| Interval::around(x, PLACE_ULPS));
     let map = inverse(&product(&layout.metric, &layout.vectors));
-    let reach = map.map(|row| (norm(&row) * layout.radius).high);
+    let reach = map.each(|row| (norm(&row) * layout.radius).high);
     let mut terms = Vec::new();
     for cell in cells(&fractional, &reach)? {
         let offset: [Interval; D] = array_of(|i| -fractional[i] + f64::from(cell[i]));
@@ -207,7 +207,7 @@ fn term<const D: usize>(
     basis: usize,
 ) -> Option<Term<D>> {
     let inverse_radius = layout.radius.recip();
-    let y = image(&layout.metric, &position).map(|x| x * inverse_radius);
+    let y = image(&layout.metric, &position).each(|x| x * inverse_radius);
     let q = norm(&y);
     if q.low > 1.0 {
         return None;
@@ -234,7 +234,7 @@ fn term<const D: usize>(
             diagonal + ratio * profile.curvature_over_q
         })
     });
-    let map = layout.metric.map(|row| row.map(|x| x * inverse_radius));
+    let map = layout.metric.each(|row| row.each(|x| x * inverse_radius));
     let gradient: [Interval; D] =
         array_of(|j| sum((0..D).map(|a| map[a][j] * y[a])) * profile.slope_over_q);
     let half = product(&in_unit, &map);
@@ -376,7 +376,7 @@ fn carried<const D: usize>(
     terms: &[Term<D>],
     neighbors: &[Neighbor<D>],
 ) -> DeformationGradient<Interval> {
-    let mut components = f.components().map(|row| row.map(Interval::point));
+    let mut components = f.components().each(|row| row.map(Interval::point));
     let discretization = method.choices();
     if discretization.background == Background::Interpolated {
         let moment: Square<D> = array_of(|i| {
@@ -482,7 +482,7 @@ fn add(a: &Basis, b: &Basis) -> Basis {
 }
 
 fn negative(a: &Basis) -> Basis {
-    a.map(|x| -x)
+    a.each(|x| -x)
 }
 
 fn apply(m: &BasisMatrix, v: &Basis) -> Basis {

@@ -5,7 +5,7 @@
 //! polarization whose energy is certainly negative.
 
 use super::{Certainty, Reason, Witness, lower_root};
-use crate::algebra::is_positive_definite;
+use crate::algebra::{Each, is_positive_definite};
 use crate::continuum::Stiffness;
 use crate::continuum::spherical::{
     Cover, Form, Wave, bound, cover, dot, exceeds, octants, symmetric_minimum,
@@ -57,7 +57,7 @@ pub fn certify_3d(
     let reference = material.undeformed()?;
     let scale = Stiffness::<3>::of(&reference).maximum_eigenvalue();
     let exact =
-        DeformationGradient::from_components(f.components().map(|row| row.map(Interval::point)));
+        DeformationGradient::from_components(f.components().each(|row| row.map(Interval::point)));
     Ok(SpaceCertificate::of(
         &material.enclosure(&exact),
         scale,
@@ -120,7 +120,7 @@ impl SpaceCertificate {
     ) -> Self {
         // The eigenvalue is not above the energy, and above levels that the acoustic tensor exceeds.
         let point = [wave.direction; 3];
-        let below = [1e-14, 1e-12, 1e-9, 1e-6, 1e-3].map(|distance| energy.low - distance);
+        let below = [1e-14, 1e-12, 1e-9, 1e-6, 1e-3].each(|distance| energy.low - distance);
         let exceeded = below
             .into_iter()
             .find(|&level| matches!(exceeds(form, level, &point), Cover::Above));
@@ -148,7 +148,7 @@ fn energy(form: &Form<Interval>, wave: &Wave) -> Interval {
     let n = wave.direction.map(Interval::point);
     let g = wave.polarization.map(Interval::point);
     let q = form.acoustic(&n, &n);
-    let force = q.map(|row| dot(&row, &g));
+    let force = q.each(|row| dot(&row, &g));
     let squared = |v: [Interval; 3]| v[0].square() + v[1].square() + v[2].square();
     dot(&force, &g) / (squared(g) * squared(n))
 }

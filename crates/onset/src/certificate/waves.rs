@@ -1,7 +1,7 @@
 //! The dynamical matrix as a sum of cosines whose distance from the exact one is bounded.
 
 use super::points::{Neighbor, Point};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::material::{Hyperelastic, ResponseEnclosure};
 use crate::method::{Frame, Linearization, Method};
 use crate::real::Interval;
@@ -307,7 +307,7 @@ impl Assembly {
     fn add_motion(&mut self, cell: [i32; 2], site: Option<usize>, motion: &[Interval; 4]) {
         let coefficient = motion.map(Interval::midpoint);
         let place = site.map_or([0.0; 2], |site| self.sites[site]);
-        let vector = [0, 1].map(|i| place[i] - f64::from(cell[i]));
+        let vector = [0, 1].each(|i| place[i] - f64::from(cell[i]));
         let length = vector[0].abs() + vector[1].abs();
         for entry in motion {
             let error = entry.radius() + 4096.0 * f64::EPSILON * entry.magnitude();
@@ -321,10 +321,10 @@ impl Assembly {
                 }
             }
             Some(site) => self.loose.push(Term {
-                cell: cell.map(|n| -n),
+                cell: cell.each(|n| -n),
                 site,
                 // The mirror image, which is taken together or listed too, makes a cosine of the phase.
-                coefficient: coefficient.map(|x| -x),
+                coefficient: coefficient.each(|x| -x),
             }),
         }
     }
@@ -337,7 +337,7 @@ impl Assembly {
 }
 
 fn planar<const D: usize>(cell: [i32; D]) -> [i32; 2] {
-    [0, 1].map(|i| if i < D { cell[i] } else { 0 })
+    [0, 1].each(|i| if i < D { cell[i] } else { 0 })
 }
 
 fn assembled<const D: usize>(
@@ -372,7 +372,7 @@ fn assembled<const D: usize>(
     let mut rigid: Option<[Interval; 4]> = None;
     for (point, stiffness) in points.iter().zip(stiffnesses) {
         let cells: Vec<[i32; 2]> = point.neighbors.iter().map(|n| planar(n.cell)).collect();
-        let place = [0, 1].map(|i| if i < D { point.place[i] } else { 0.0 });
+        let place = [0, 1].each(|i| if i < D { point.place[i] } else { 0.0 });
         let of = |neighbor| channels(point, neighbor, stiffness, frame, linearization);
         let channels: Vec<Vec<Channel>> = point.neighbors.iter().map(of).collect();
         assembly.add_pairs(&cells, place, &channels);

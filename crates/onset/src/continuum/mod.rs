@@ -10,7 +10,7 @@ pub(crate) mod spherical;
 
 pub(crate) use planar::direction;
 
-use crate::algebra::{Complex, array_of, eigenvalues, eigenvector, moderate_unit};
+use crate::algebra::{Complex, Each, array_of, eigenvalues, eigenvector, moderate_unit};
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
 use nalgebra::{SMatrix, SVector};
@@ -245,7 +245,7 @@ impl<const D: usize> Stiffness<D> {
     }
 
     fn divided(&self, scale: f64) -> Self {
-        let blocks = self.0.map(|row| row.map(|block| block / scale));
+        let blocks = self.0.each(|row| row.each(|block| block / scale));
         Self(blocks, self.1 / scale)
     }
 
@@ -357,7 +357,7 @@ impl<const D: usize> Stiffness<D> {
     /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
         // Q -> -Q turns the largest eigenvalue into the smallest.
-        let negative = Self(self.0.map(|row| row.map(|block| -block)), self.1);
+        let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1);
         -negative.minimum().eigenvalue.re
     }
 }

@@ -7,7 +7,7 @@
 //! `d < 0` (possible without major symmetry) the real part is `h`, stationary where `h' = 0`.
 
 use super::{AcousticMinimum, ROUNDING, Stiffness};
-use crate::algebra::{Complex, TrigonometricPolynomial, array_of};
+use crate::algebra::{Complex, Each, TrigonometricPolynomial, array_of};
 use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
 
@@ -26,7 +26,7 @@ impl Entries {
             [&stiffness.0[1][0], &stiffness.0[1][1]],
         ];
         let entry = |i: usize, k: usize| {
-            let [[xx, xy], [yx, yy]] = blocks.map(|row| row.map(|block| block[(i, k)]));
+            let [[xx, xy], [yx, yy]] = blocks.each(|row| row.each(|block| block[(i, k)]));
             TrigonometricPolynomial::first_order(0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx))
         };
         Self {
@@ -62,7 +62,7 @@ impl Orthotropic {
     fn of<const D: usize>(stiffness: &Stiffness<D>) -> Option<Self> {
         let entry = |i: usize, k: usize| {
             let blocks = [(0, 0), (0, 1), (1, 0), (1, 1)];
-            blocks.map(|(j, l)| stiffness.0[j][l][(i, k)])
+            blocks.each(|(j, l)| stiffness.0[j][l][(i, k)])
         };
         let [q11, q12, q21, q22] = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
         let even = |q: [f64; 4]| q[1] + q[2] == 0.0;
@@ -147,7 +147,7 @@ impl Orthotropic {
         };
         let length = (g[0] * g[0] + g[1] * g[1]).sqrt();
         let polarization = if length > 0.0 {
-            g.map(|component| component / length)
+            g.each(|component| component / length)
         } else {
             [1.0, 0.0]
         };
@@ -221,7 +221,7 @@ const TURNS: usize = 16;
 pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
     let entry = |i: usize, k: usize| {
         let [xx, xy, yx, yy] =
-            [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(j, l)| stiffness.0[j][l][(i, k)]);
+            [(0, 0), (0, 1), (1, 0), (1, 1)].each(|(j, l)| stiffness.0[j][l][(i, k)]);
         [0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)]
     };
     let entries = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
@@ -229,7 +229,7 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
         .get_or_init(|| array_of(|n| (n as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos()));
     let sampled: [f64; RAYS] = array_of(|n| {
         let (sine, cosine) = rays[n];
-        let [a, b, c, d] = entries.map(|e| e[0] + e[1] * cosine + e[2] * sine);
+        let [a, b, c, d] = entries.each(|e| e[0] + e[1] * cosine + e[2] * sine);
         let half = 0.5 * (a - d);
         0.5 * (a + d) - (half * half + b * c).max(0.0).sqrt()
     });
@@ -255,13 +255,13 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     // An entry `e0 + e1 cos t + e2 sin t` and its derivatives.
     let at = |t: f64| {
         let (sine, cosine) = t.sin_cos();
-        let jets = entries.map(|e| {
+        let jets = entries.each(|e| {
             let varying = e[1] * cosine + e[2] * sine;
             [e[0] + varying, e[2] * cosine - e[1] * sine, -varying]
         });
         let [a, b, c, d] = jets;
-        let mean = [0, 1, 2].map(|n| 0.5 * (a[n] + d[n]));
-        let half = [0, 1, 2].map(|n| 0.5 * (a[n] - d[n]));
+        let mean = [0, 1, 2].each(|n| 0.5 * (a[n] + d[n]));
+        let half = [0, 1, 2].each(|n| 0.5 * (a[n] - d[n]));
         let p = half[0] * half[0] + b[0] * c[0];
         if p <= 0.0 {
             return mean;

@@ -2,7 +2,7 @@
 
 use super::root::bracket_zero;
 use super::{Measure, Range, State, Witness, is_isotropic};
-use crate::algebra::{GoldenSection, array_of, sort_by_value};
+use crate::algebra::{Each, GoldenSection, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
@@ -325,7 +325,7 @@ impl<'a> Field<'a> {
             let mut lowest = (walk.value, walk.place);
             let mut rise: f64 = 0.0;
             for direction in 0..27 {
-                let turn = [1, 3, 9].map(|digit| f64::from(direction / digit % 3 - 1) * step);
+                let turn = [1, 3, 9].each(|digit| f64::from(direction / digit % 3 - 1) * step);
                 let trial = moved(&walk.place, turn);
                 let found = value(&trial);
                 rise = rise.max(found - walk.value);
@@ -369,7 +369,7 @@ impl<'a> Field<'a> {
             }
             let here = (t, self.value(shape.state(point, t)));
             if here.1 <= 0.0 {
-                let ends = [before, here].map(|(t, value)| (t, value.clamp(-1e300, 1e300)));
+                let ends = [before, here].each(|(t, value)| (t, value.clamp(-1e300, 1e300)));
                 let (low, _) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
                 return Some(low);
             }
@@ -412,7 +412,7 @@ impl<'a> Field<'a> {
                 [-1.0, 1.0],
             ];
             let found = directions.iter().find_map(|direction| {
-                let trial = moved(&walk.place, direction.map(|x| x * turn));
+                let trial = moved(&walk.place, direction.each(|x| x * turn));
                 (trial != walk.place)
                     .then(|| shorter(&trial, walk.value))
                     .flatten()
@@ -467,7 +467,7 @@ impl<const N: usize> Walk<N> {
                 break;
             };
             (self.value, self.place) = (value, trial);
-            along = along.map(|step| 2.0 * step);
+            along = along.each(|step| 2.0 * step);
         }
     }
 }
@@ -520,12 +520,12 @@ impl Shape {
 
     /// The logarithms of the stretches at a place between the lower ends (0) and the upper ends (1) of a part of the box.
     fn inside(&self, place: [f64; 3], part: f64) -> [f64; 3] {
-        place.map(|t| part * (t * self.high - (1.0 - t) * self.low))
+        place.each(|t| part * (t * self.high - (1.0 - t) * self.low))
     }
 
     /// The ray through a state, with the length at which it is there.
     fn ray(&self, state: [f64; 3]) -> (f64, Point) {
-        let parts = state.map(|x| {
+        let parts = state.each(|x| {
             if x > 0.0 {
                 x / self.high
             } else {
@@ -605,7 +605,7 @@ impl Grid {
     }
 
     fn place(&self, indices: [usize; 3]) -> [f64; 3] {
-        indices.map(|index| index as f64 / (self.count - 1) as f64)
+        indices.each(|index| index as f64 / (self.count - 1) as f64)
     }
 
     /// Places that are not above their neighbors, and the lowest of all; lowest first.

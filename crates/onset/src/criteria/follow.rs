@@ -5,7 +5,7 @@ use super::{
     Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
     ratio_of_stretches,
 };
-use crate::algebra::sort_by_value;
+use crate::algebra::{Each, sort_by_value};
 use nalgebra::Vector3;
 
 /// A change of a criterion.
@@ -112,7 +112,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
         if n == 0 || n + 1 >= values.len() {
             continue;
         }
-        let signs = [n - 1, n, n + 1].map(|n| values[n] > 0.0);
+        let signs = [n - 1, n, n + 1].each(|n| values[n] > 0.0);
         if signs[0] != signs[1] || signs[1] != signs[2] {
             continue;
         }

@@ -6,6 +6,7 @@
 //! do not see beside `p`. Source: Ogden, Non-linear elastic deformations (1984), sections 4.3 and 6.2.
 
 use super::loading::{Loading, Mode};
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Response};
 use nalgebra::{Matrix3, Vector3};
@@ -43,7 +44,7 @@ impl Loading {
             Mode::SimpleShear => return Some(self.imposed(s)),
             Mode::Hydrostatic => return None,
         };
-        let stretches = Vector3::from(powers.map(|power: f64| (power * s).exp()));
+        let stretches = Vector3::from(powers.each(|power: f64| (power * s).exp()));
         let rates = stretches.component_mul(&Vector3::from(powers));
         Some((
             Matrix3::from_diagonal(&stretches),
@@ -102,7 +103,7 @@ pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
 
 /// `cof F = J F^-T`.
 pub(super) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].map(|i| f.row(i).transpose());
+    let [a, b, c] = [0, 1, 2].each(|i| f.row(i).transpose());
     Matrix3::from_rows(&[
         b.cross(&c).transpose(),
         c.cross(&a).transpose(),

@@ -1,7 +1,7 @@
 //! Isotropic laws: whether a law is one, and what its tangent is in principal axes.
 
 use super::{Witness, oriented, wave};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -182,7 +182,7 @@ impl PrincipalTangent {
         let mut lowest = self.softest_shear();
         for odd in 0..3 {
             let ends = [(odd + 1) % 3, (odd + 2) % 3]
-                .map(|other| Self::isochoric_vertex(stretches, other, odd));
+                .each(|other| Self::isochoric_vertex(stretches, other, odd));
             let (value, wave) = self.lowest_between(&ends);
             if value < lowest.0 {
                 lowest = (value, wave);

@@ -2,7 +2,7 @@
 
 use super::incompressible::cofactor;
 use super::{Witness, principal_axes};
-use crate::algebra::{array_of, sort_by_value};
+use crate::algebra::{Each, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
 use crate::real::Interval;
@@ -187,7 +187,7 @@ impl<'a> JumpSearch<'a> {
         if self.incompressible {
             return false;
         }
-        let point = |components: &[[f64; 3]; 3]| components.map(|row| row.map(Interval::point));
+        let point = |components: &[[f64; 3]; 3]| components.each(|row| row.map(Interval::point));
         let here = point(state.deformation.components());
         let leap: [[Interval; 3]; 3] =
             array_of(|i| array_of(|j| Interval::point(jump.amplitude[i]) * jump.direction[j]));

@@ -1,7 +1,7 @@
 //! Kinks of the stress along a loading: where the tangent jumps, limits depend on which side is asked.
 
 use super::LoadingPath;
-use crate::algebra::sort_by_value;
+use crate::algebra::{Each, sort_by_value};
 use crate::material::FourthOrder;
 
 /// A stretch at which the tangent jumps.
@@ -63,7 +63,7 @@ fn narrowed(
     let mut between = (middle.0, middle.1.clone());
     let mut whole = distance(&ends[0].1, &ends[1].1);
     while ends[1].0 - ends[0].0 > WIDTH {
-        let halves = [0, 1].map(|side: usize| distance(&ends[side].1, &between.1));
+        let halves = [0, 1].each(|side: usize| distance(&ends[side].1, &between.1));
         let side = usize::from(halves[1] > halves[0]);
         if halves[side] < PART * whole || halves[side] <= SMALLEST * size(&between.1) {
             return None;

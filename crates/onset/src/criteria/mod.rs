@@ -55,7 +55,7 @@ pub use loading::{
 };
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::continuum::{ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
@@ -542,7 +542,7 @@ impl State {
 
     fn hill_rotation_free(&self) -> Measure {
         let rotation = self.left * self.right.transpose();
-        let rates = forms::symmetric_rates().map(|s| rotation * s);
+        let rates = forms::symmetric_rates().each(|s| rotation * s);
         let (value, rate) = self.form.smallest(&self.admitted(&rates));
         self.of(value, Witness::DeformationRate { rate: rows(&rate) })
     }
@@ -589,7 +589,7 @@ impl State {
 
     /// Rates of deformation along the principal axes.
     fn axial_rates(&self) -> [Matrix3<f64>; 3] {
-        [0, 1, 2].map(|i| self.left.column(i) * self.left.column(i).transpose())
+        [0, 1, 2].each(|i| self.left.column(i) * self.left.column(i).transpose())
     }
 
     fn surface(&self) -> Option<Measure> {
@@ -652,7 +652,7 @@ fn oriented(v: &Vector3<f64>) -> [f64; 3] {
         Some(first) if *first < 0.0 => -1.0,
         _ => 1.0,
     };
-    [0, 1, 2].map(|i| sign * clean[i] + 0.0)
+    [0, 1, 2].each(|i| sign * clean[i] + 0.0)
 }
 
 /// The rows of `X` or `-X`: the one whose first component that is not negligible is positive.

@@ -1,6 +1,7 @@
 //! The operations of a formula, each once: a directed graph without cycles, in which equal parts are shared and constants
 //! folded while it is built.
 
+use crate::algebra::Each;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -269,7 +270,7 @@ impl Graph {
         operands: [Id; N],
         operation: impl FnOnce([f64; N]) -> f64,
     ) -> Option<Id> {
-        let values = operands.map(|id| self.value(id));
+        let values = operands.each(|id| self.value(id));
         let broken = |value: &Option<f64>| value.is_some_and(|value| !value.is_finite());
         if let Some(at) = values.iter().position(broken) {
             return Some(operands[at]);

@@ -34,7 +34,7 @@ pub use error::{FormulaError, Place, Problem, StateError, Trouble};
 pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::material::{LaneStress, MaterialError, StrainEnergy, energy_of_stretches};
 use crate::real::{Interval, Jet, Lanes, Real};
@@ -276,9 +276,9 @@ impl StrainEnergy for FormulaLaw {
     }
 
     fn admits(&self, f: &DeformationGradient) -> Result<(), MaterialError> {
-        let components = f.components().map(|row| row.map(Interval::point));
+        let components = f.components().each(|row| row.map(Interval::point));
         let of_stretches = || {
-            let stretches = f.principal_stretches().map(|x| Interval::around(x, 8));
+            let stretches = f.principal_stretches().each(|x| Interval::around(x, 8));
             self.stretches.as_ref()?.trouble(stretches)
         };
         let of_rest = || {

@@ -7,6 +7,7 @@ use super::error::{FormulaError, Place, Problem};
 use super::graph::{Function, Graph, Id, Leaf};
 use super::lexer::{Token, tokens};
 use super::words::{self, Arity, FIBER_ANGLES, FunctionWord};
+use crate::algebra::Each;
 use std::ops::Range;
 
 /// Characters that a formula may have.
@@ -493,14 +494,14 @@ impl<'a> Parser<'a> {
     }
 
     fn first_invariant(&mut self) -> Id {
-        let diagonal = [0, 1, 2].map(|i| self.graph.cauchy_green(i, i));
+        let diagonal = [0, 1, 2].each(|i| self.graph.cauchy_green(i, i));
         self.graph.sum(&diagonal)
     }
 
     /// The sum of the principal minors of `C`.
     fn second_invariant(&mut self) -> Id {
-        let minors = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| {
-            let [a, b, c] = [(i, i), (j, j), (i, j)].map(|(i, j)| self.graph.cauchy_green(i, j));
+        let minors = [(0, 1), (0, 2), (1, 2)].each(|(i, j)| {
+            let [a, b, c] = [(i, i), (j, j), (i, j)].each(|(i, j)| self.graph.cauchy_green(i, j));
             let (product, square) = (self.graph.multiply(a, b), self.graph.multiply(c, c));
             self.graph.subtract(product, square)
         });
@@ -526,17 +527,17 @@ impl<'a> Parser<'a> {
         let degree = self.graph.constant(std::f64::consts::PI / 180.0);
         let radians = self.graph.multiply(degrees, degree);
         let fiber =
-            [Function::Cosine, Function::Sine].map(|function| self.graph.apply(function, radians));
+            [Function::Cosine, Function::Sine].each(|function| self.graph.apply(function, radians));
         // C a: two components within the plane, one out of it.
-        let image = [0, 1, 2].map(|i| {
-            let products = [0, 1].map(|j| {
+        let image = [0, 1, 2].each(|i| {
+            let products = [0, 1].each(|j| {
                 let c = self.graph.cauchy_green(i, j);
                 self.graph.multiply(c, fiber[j])
             });
             self.graph.sum(&products)
         });
         let terms: Vec<Id> = if of_square {
-            image.map(|c| self.graph.multiply(c, c)).to_vec()
+            image.each(|c| self.graph.multiply(c, c)).to_vec()
         } else {
             let along = |(a, c): (&Id, &Id)| self.graph.multiply(*a, *c);
             fiber.iter().zip(&image).map(along).collect()
@@ -647,7 +648,7 @@ impl<'a> Parser<'a> {
             "cos" => graph.apply(Function::Cosine, x),
             "tan" => {
                 let [sine, cosine] =
-                    [Function::Sine, Function::Cosine].map(|function| graph.apply(function, x));
+                    [Function::Sine, Function::Cosine].each(|function| graph.apply(function, x));
                 graph.divide(sine, cosine)
             }
             "sinh" => graph.apply(Function::HyperbolicSine, x),

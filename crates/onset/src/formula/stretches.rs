@@ -4,6 +4,7 @@ use super::domain;
 use super::error::{Problem, Trouble};
 use super::graph::{Graph, Id, Leaf, Node};
 use super::tape::Tape;
+use crate::algebra::Each;
 use crate::material::PrincipalEnergy;
 use crate::real::{Interval, Jet, Real};
 use std::ops::Range;
@@ -37,12 +38,12 @@ impl StretchTape {
             }
         }
         let tape = Self(Tape::new(graph, result));
-        let largest = TRIED.map(|at| tape.of_stretches(at).abs());
+        let largest = TRIED.each(|at| tape.of_stretches(at).abs());
         let scale = largest.into_iter().fold(0.0, f64::max);
         for stretches in TRIED {
             let value = tape.of_stretches(stretches);
             for order in ORDERS {
-                let exchanged = tape.of_stretches(order.map(|n| stretches[n]));
+                let exchanged = tape.of_stretches(order.each(|n| stretches[n]));
                 if (exchanged - value).abs() > ROUNDING * scale {
                     let problem = Problem::NotSymmetric {
                         stretches,

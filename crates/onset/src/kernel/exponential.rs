@@ -5,6 +5,7 @@
 //! divided by its value at the origin. What is subtracted is 0.6 % of the Gaussian at the origin, 3.6 % of Laguerre-Gauss.
 
 use super::profile::Profile;
+use crate::algebra::Each;
 use crate::real::Real;
 use std::f64::consts::PI;
 
@@ -43,7 +44,7 @@ impl Exponential {
 
     pub(super) fn profile<R: Real>(&self, q: R) -> Profile<R> {
         let [c0, c1, c2] = self.polynomial;
-        let [b0, b1, b2] = self.at_rim.map(|b| b * RIM);
+        let [b0, b1, b2] = self.at_rim.each(|b| b * RIM);
         let scale = 1.0 / self.peak();
         let t = q.powi(2) * END;
         let (u, exponential) = (t - END, (-t).exp());

@@ -4,6 +4,7 @@ use super::error::KernelError;
 use super::moments::Pieces;
 use super::profile::{Profile, cusped};
 use super::smoothness::{Smoothness, jumps, orders_at};
+use crate::algebra::Each;
 use crate::formula::FunctionOfOne;
 use crate::real::{Interval, Jet, Real};
 use std::collections::BTreeMap;
@@ -128,7 +129,7 @@ impl Compiled {
             true => jumps(scaled).map_err(|q| KernelError::Jump { q })?,
             false => Vec::new(),
         };
-        let [origin, rim] = [0.0, 1.0].map(|q| orders_at(scaled, q));
+        let [origin, rim] = [0.0, 1.0].each(|q| orders_at(scaled, q));
         let smoothness = Smoothness::measured(origin, &breaks, rim);
         let slope = function.at(variable(0.0)).gradient[0];
         // A slope that is not finite is none that vanishes.
@@ -196,7 +197,7 @@ impl Compiled {
             let (low, high) = (f64::from(cell), f64::from(cell + 1));
             let whole = Interval::new(low, high) * width;
             let middle = Interval::point(0.5 * (low + high)) * width;
-            let [at_middle, over_cell] = [middle, whole].map(|q| integrand(variable(q)));
+            let [at_middle, over_cell] = [middle, whole].each(|q| integrand(variable(q)));
             let rest = over_cell.hessian[0][0] * width.powi(2) / 24.0;
             sum + (at_middle.value + rest) * width
         })

@@ -1,7 +1,7 @@
 //! How many derivatives of a kernel over space are continuous, and where they end.
 
 use super::Kernel;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::Jet;
 
 /// How many derivatives over space are continuous at the places where a radial profile can break; `None` for all of them, of a
@@ -87,7 +87,7 @@ pub(super) fn jumps(
     };
     let sizes: [f64; 5] = array_of(size);
     for cell in 0..CELLS {
-        let [low, high] = [cell, cell + 1].map(|n| f64::from(n) / f64::from(CELLS));
+        let [low, high] = [cell, cell + 1].each(|n| f64::from(n) / f64::from(CELLS));
         let order = (0..5)
             .find_map(|order| Some((order, jump(|q| at(q)[order], low, high, sizes[order])?)));
         match order {

@@ -1,5 +1,6 @@
 //! The deformation gradient, its invariants, and straight loading paths.
 
+use crate::algebra::Each;
 use crate::real::Real;
 use nalgebra::{Matrix3, SMatrix};
 use thiserror::Error;
@@ -204,7 +205,7 @@ impl DeformationGradient {
     /// The principal stretches, largest first: the singular values of `F`.
     pub fn principal_stretches(&self) -> [f64; 3] {
         if self.is_diagonal() {
-            let mut stretches = [0, 1, 2].map(|i| self.0[i][i].abs());
+            let mut stretches = [0, 1, 2].each(|i| self.0[i][i].abs());
             stretches.sort_by(|a, b| b.total_cmp(a));
             return stretches;
         }
@@ -212,7 +213,7 @@ impl DeformationGradient {
         let scale = self.matrix().amax();
         let svd = (self.matrix() / scale).try_svd(false, false, f64::EPSILON, 200);
         let mut stretches = svd.map_or([f64::NAN; 3], |svd| {
-            [0, 1, 2].map(|i| svd.singular_values[i] * scale)
+            [0, 1, 2].each(|i| svd.singular_values[i] * scale)
         });
         stretches.sort_by(|a, b| b.total_cmp(a));
         stretches

@@ -1,5 +1,6 @@
 //! The Voronoi cell of one point: what is nearer to it than to any other.
 
+use crate::algebra::Each;
 use nalgebra::SVector;
 
 /// A Voronoi cell around the origin.
@@ -119,7 +120,7 @@ fn face_in_plane<const D: usize>(
         }
         // other . (r / 2 + u e + v f) <= |other|^2 / 2.
         let offset = 0.5 * other.dot(&(other - r));
-        face = clipped(&face, axes.map(|axis| axis.dot(other)), offset);
+        face = clipped(&face, axes.each(|axis| axis.dot(other)), offset);
     }
     face
 }

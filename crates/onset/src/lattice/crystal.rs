@@ -3,7 +3,7 @@
 use super::{
     Ball, BravaisLattice, Fractional, LatticeError, LatticeKind, Reduced, voronoi_volumes,
 };
-use crate::algebra::{array_of, uniform};
+use crate::algebra::{Each, array_of, uniform};
 use nalgebra::{SMatrix, SVector};
 
 /// A particle of a crystal: which of its cell, and which cell.
@@ -262,7 +262,7 @@ impl<const D: usize> Crystal<D> {
         }
         let vectors = SMatrix::from_fn(|i, j| self.lattice.vectors()[(i, j)] * counts[j] as f64);
         let lattice = BravaisLattice::new(vectors).ok_or(LatticeError::NoSites)?;
-        let high = counts.map(|count| count as i32 - 1);
+        let high = counts.each(|count| count as i32 - 1);
         let (mut sites, mut volumes) = (Vec::new(), Vec::new());
         for cell in cells_between(&[0; D], &high) {
             for (place, volume) in self.sites.iter().zip(&self.volumes) {

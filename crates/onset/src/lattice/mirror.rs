@@ -1,6 +1,7 @@
 //! Reflections that map a planar lattice onto itself.
 
 use super::BravaisLattice;
+use crate::algebra::Each;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
@@ -68,7 +69,7 @@ impl Mirror {
 
     fn has_lines_of(&self, other: &Self) -> bool {
         let [a, b] = other.coordinates;
-        let opposite = |row: [i32; 2]| row.map(|x| -x);
+        let opposite = |row: [i32; 2]| row.each(|x| -x);
         [[a, b], [b, a]].iter().any(|[a, b]| {
             let [c, d] = self.coordinates;
             (c == *a || c == opposite(*a)) && (d == *b || d == opposite(*b))
@@ -78,7 +79,7 @@ impl Mirror {
     /// `i` and `j` of a lattice vector.
     pub(crate) fn coordinates_of(&self, cell: [i32; 2]) -> [i32; 2] {
         self.coordinates
-            .map(|row| row[0] * cell[0] + row[1] * cell[1])
+            .each(|row| row[0] * cell[0] + row[1] * cell[1])
     }
 
     /// Whether `i + j` is even for all lattice vectors.
@@ -88,13 +89,13 @@ impl Mirror {
 
     /// The phases `k.a_1`, `k.a_2` of the primitive vectors for given phases `u = k.P / d`, `v = k.Q / d`.
     pub(crate) fn phases(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let [i, j] = self.coordinates.map(|row| row.map(f64::from));
-        [0, 1].map(|n| i[n] * u + j[n] * v)
+        let [i, j] = self.coordinates.each(|row| row.map(f64::from));
+        [0, 1].each(|n| i[n] * u + j[n] * v)
     }
 
     /// The phases `u`, `v` for given phases of the primitive vectors.
     pub(crate) fn along(&self, [t1, t2]: [f64; 2]) -> [f64; 2] {
-        let [i, j] = self.coordinates.map(|row| row.map(f64::from));
+        let [i, j] = self.coordinates.each(|row| row.map(f64::from));
         let determinant = i[0] * j[1] - i[1] * j[0];
         [
             (j[1] * t1 - j[0] * t2) / determinant,
@@ -140,7 +141,7 @@ impl MirrorWaves {
                 .flat_map(|n| phases.iter().map(move |t| of(n as f64 * t)))
                 .collect()
         };
-        let weights = [0, 1].map(|n| 4.0 / lattice.vectors().column(n).norm_squared());
+        let weights = [0, 1].each(|n| 4.0 / lattice.vectors().column(n).norm_squared());
         let inverse_laplacian = [1.0, -1.0].map(|sign| {
             let inverse = |u: f64, v: f64| {
                 let t = mirror.phases([u, sign * v]);

@@ -4,7 +4,7 @@
 //! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
 
 use super::{BravaisLattice, Fractional, LatticeError, cells_between};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
 /// Steps after which a basis counts as short enough; each shortens a vector, and few are needed.
@@ -185,7 +185,7 @@ fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
 fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
     // How much the sine against the plane across the diagonal differs from that of an axis, over that of an axis.
     let inclination = |v: &SVector<f64, D>| (v.sum().abs() / v.norm() - 1.0).abs();
-    let (lengths, inclinations) = ([a, b].map(|v| v.norm()), [a, b].map(inclination));
+    let (lengths, inclinations) = ([a, b].each(|v| v.norm()), [a, b].map(inclination));
     if (lengths[0] - lengths[1]).abs() > EQUAL * lengths[0] {
         return lengths[0] < lengths[1];
     }

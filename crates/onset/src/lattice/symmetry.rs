@@ -3,7 +3,7 @@
 use super::reduction::combinations;
 use super::wave_vectors::coordinates;
 use super::{BravaisLattice, Reduced, inverse_of};
-use crate::algebra::{array_of, sort_by_value};
+use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ impl<const D: usize> Symmetry<D> {
     /// Where a lattice vector goes.
     pub(crate) fn of_cell(&self, cell: &[i32; D]) -> [i32; D] {
         self.of_cells
-            .map(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
+            .each(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
     }
 
     /// Where the inverse takes a wave vector with given coordinates: `k.(R a) = (R^-1 k).a`.

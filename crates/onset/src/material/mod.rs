@@ -20,7 +20,7 @@ pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
@@ -483,20 +483,20 @@ pub struct Response {
 
 /// The components of one state of several.
 fn components_of(states: &DeformationGradient<Lanes>, lane: usize) -> [[f64; 3]; 3] {
-    states.components().map(|row| row.map(|own| own.0[lane]))
+    states.components().each(|row| row.each(|own| own.0[lane]))
 }
 
 /// One state of several in all lanes.
 fn alone(states: &DeformationGradient<Lanes>, lane: usize) -> DeformationGradient<Lanes> {
     let state = components_of(states, lane);
-    DeformationGradient::from_components(state.map(|row| row.map(|own| Lanes([own; LANES]))))
+    DeformationGradient::from_components(state.each(|row| row.each(|own| Lanes([own; LANES]))))
 }
 
 /// The first `D` rows and columns of `F` as variables, of several states.
 fn plane_duals<const D: usize, const N: usize>(
     states: &DeformationGradient<Lanes>,
 ) -> DeformationGradient<Dual<N, Lanes>> {
-    let mut duals = states.components().map(|row| row.map(Dual::fixed));
+    let mut duals = states.components().each(|row| row.map(Dual::fixed));
     for (i, row) in duals.iter_mut().enumerate().take(D) {
         for (j, own) in row.iter_mut().enumerate().take(D) {
             *own = Dual::variable(own.value, D * i + j);
@@ -524,7 +524,7 @@ fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
 /// The components of `F` within the plane as variables, four instead of nine; the others are constants.
 fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R>> {
     let variables = Jet::<4, R>::variables(array_of(|n| components[n / 2][n % 2]));
-    let mut jets = components.map(|row| row.map(Jet::fixed));
+    let mut jets = components.each(|row| row.map(Jet::fixed));
     for (n, variable) in variables.into_iter().enumerate() {
         jets[n / 2][n % 2] = variable;
     }

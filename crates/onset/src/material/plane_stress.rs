@@ -1,7 +1,7 @@
 //! Plane stress: what a law of space is for a thin sheet, or a thin bar, the faces of which carry no traction.
 
 use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Real};
 use nalgebra::{DMatrix, Matrix3};
@@ -199,7 +199,7 @@ impl PlaneStress {
         &self,
         f: &DeformationGradient<Interval>,
     ) -> Option<DeformationGradient<Interval>> {
-        let middle = f.components().map(|row| row.map(Interval::midpoint));
+        let middle = f.components().each(|row| row.map(Interval::midpoint));
         let found = self
             .found(&DeformationGradient::from_components(middle))
             .ok()?;
@@ -213,7 +213,7 @@ impl PlaneStress {
         let inverse = stiffness.try_inverse()?;
         // Within the dimensions the given intervals, across them an interval about the middle.
         let state = |offsets: &[Interval]| {
-            let mut all = center.map(|row| row.map(Interval::point));
+            let mut all = center.each(|row| row.map(Interval::point));
             for (i, row) in all.iter_mut().enumerate().take(self.dimension) {
                 row[..self.dimension].copy_from_slice(&f.components()[i][..self.dimension]);
             }

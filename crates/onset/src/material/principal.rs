@@ -12,7 +12,7 @@
 //!
 //! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Jet, Real};
 
@@ -77,7 +77,7 @@ pub fn energy_of_stretches<R: Real>(
     if let Some(bounds) = bounds(&c) {
         return enclosed(energy, &c, &bounds).unwrap_or_else(|| nothing_known(&c));
     }
-    let expansion = Expansion::of(energy, c.map(|row| row.map(R::number)));
+    let expansion = Expansion::of(energy, c.each(|row| row.map(R::number)));
     expansion.at(&c)
 }
 
@@ -102,10 +102,10 @@ const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 impl Expansion {
     /// NaN throughout where the tensor is not one of numbers.
     fn of(energy: &impl PrincipalEnergy, c: [[Option<f64>; 3]; 3]) -> Self {
-        let c = c.map(|row| row.map(|component| component.unwrap_or(f64::NAN)));
+        let c = c.each(|row| row.each(|component| component.unwrap_or(f64::NAN)));
         let (eigenvalues, axes) = eigen(c);
         let local = of_eigenvalues(energy, eigenvalues);
-        let shear = PAIRS.map(|(i, j)| {
+        let shear = PAIRS.each(|(i, j)| {
             let (a, b) = (eigenvalues[i], eigenvalues[j]);
             if (a - b).abs() > CLOSE * (a + b) {
                 (local.gradient[i] - local.gradient[j]) / (a - b)
@@ -191,7 +191,7 @@ fn enclosed<R: Real>(
     let b = in_axes(c, bounds)?;
     let own = |i: usize, j: usize| b[i][j].bounds().unwrap_or(Interval::ENTIRE);
     let radius = |i: usize| own(i, (i + 1) % 3).magnitude() + own(i, (i + 2) % 3).magnitude();
-    let discs = merged([0, 1, 2].map(|i| {
+    let discs = merged([0, 1, 2].each(|i| {
         let radius = radius(i).next_up();
         own(i, i) + Interval::new(-radius, radius)
     }));
@@ -217,7 +217,7 @@ fn enclosed<R: Real>(
         }
     }));
     let curvature = (3.0 * normal + shear) * (1.0 + 1e-12);
-    let beside = PAIRS.map(|(i, j)| own(i, j).magnitude().powi(2));
+    let beside = PAIRS.each(|(i, j)| own(i, j).magnitude().powi(2));
     let turned = curvature * (2.0 * beside.iter().sum::<f64>()).sqrt() * (1.0 + 1e-12);
     let change = |i: usize, j: usize| b[i][j] - own(i, j).midpoint();
     let mut sum: R = within(w.value);
@@ -236,7 +236,7 @@ fn enclosed<R: Real>(
 /// `C` in orthonormal axes that nearly are the principal ones: `T V^T C V T` with computed axes `V = Q (1 + S)`, `Q` orthogonal and
 /// `T = (1 + S)^-1` enclosed by the size of `V^T V - 1`.
 fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R; 3]; 3]> {
-    let (_, v) = eigen(bounds.map(|row| row.map(Interval::midpoint)));
+    let (_, v) = eigen(bounds.each(|row| row.map(Interval::midpoint)));
     let point = |i: usize, j: usize| Interval::point(v[i][j]);
     let mut square = 0.0;
     for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {

@@ -1,7 +1,7 @@
 //! The plane waves of a patch, in continuous and in discrete time.
 
 use super::Stepper;
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::WaveSystem;
 use crate::scheme::PeriodicPatch;
 use crate::time_step::{Amplification, critical_time_step_at};
@@ -47,7 +47,7 @@ impl SteppedWave {
     /// between two looks is told from the nearest one that does not as little as a record tells it.
     pub fn rates(&self, step: f64, every: u32) -> [Complex; 2] {
         self.factors
-            .map(|z| (z.powu(every)).ln() / (step * f64::from(every)))
+            .each(|z| (z.powu(every)).ln() / (step * f64::from(every)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::finite::SpatialModuli;
 use super::{DruckerPrager, Flow, FlowLaw, PlasticityError};
+use crate::algebra::Each;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// The rate moduli of a flowing state in its principal axes,
@@ -199,6 +200,6 @@ impl RateModuli {
 
 /// Whether the deviators of two diagonal tensors are parallel, to rounding.
 fn are_parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
-    let [a, b] = [a, b].map(|v| v.add_scalar(-v.sum() / 3.0));
+    let [a, b] = [a, b].each(|v| v.add_scalar(-v.sum() / 3.0));
     a.cross(&b).norm() <= 1e-12 * a.norm() * b.norm() && a.dot(&b) > 0.0
 }

@@ -6,7 +6,7 @@
 
 use super::cubic::Cubic;
 use super::{Criterion, PlasticityError, RateModuli};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::{Jet, Real};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -87,7 +87,7 @@ impl Quotients {
         let numerator = match self.criterion {
             Criterion::Ellipticity => mixed,
             Criterion::StrongEllipticity => {
-                let [flow, loading] = self.pure.map(|form| form.at(x));
+                let [flow, loading] = self.pure.each(|form| form.at(x));
                 (mixed + (flow * loading).sqrt()) * 0.5
             }
         };
@@ -106,7 +106,7 @@ impl Quotients {
             let center = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
             let [flow, loading] = self
                 .pure
-                .map(|form| form.at(&[center[0], center[1], center[2]]));
+                .each(|form| form.at(&[center[0], center[1], center[2]]));
             let psi = (loading / flow).sqrt();
             let psi = if psi.is_normal() { psi } else { 1.0 };
             let [flow, loading] = self.pure.map(|form| form.coefficients(corners));

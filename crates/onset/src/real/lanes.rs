@@ -1,7 +1,7 @@
 //! Several numbers at once.
 
 use super::{Real, Side, Work};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -71,7 +71,7 @@ impl Real for Lanes {
     }
 
     fn side(self, threshold: f64) -> Option<Side> {
-        let [first, ..] = self.0.map(|lane| lane.side(threshold));
+        let [first, ..] = self.0.each(|lane| lane.side(threshold));
         let agree = self.0.iter().all(|lane| lane.side(threshold) == first);
         first.filter(|_| agree)
     }

@@ -1,6 +1,7 @@
 //! Second-order forward differentiation at states with mirror axes.
 
 use super::{Jet, Real, Side, Work};
+use crate::algebra::Each;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A function of `F_11`, `F_22`, `F_12` and `F_21` with its first and second derivatives where `F_12 = F_21 = 0`, as long as it
@@ -249,11 +250,11 @@ impl<R: Real> Real for Mirrored<R> {
         match (even(below), even(above), below, above) {
             (Some(x), Some(y), ..) => Self::Even(Even {
                 value: blended(x.value, y.value),
-                gradient: [0, 1].map(|a| blended(x.gradient[a], y.gradient[a])),
-                along: [0, 1, 2].map(|a| blended(x.along[a], y.along[a])),
-                across: [0, 1, 2].map(|a| blended(x.across[a], y.across[a])),
+                gradient: [0, 1].each(|a| blended(x.gradient[a], y.gradient[a])),
+                along: [0, 1, 2].each(|a| blended(x.along[a], y.along[a])),
+                across: [0, 1, 2].each(|a| blended(x.across[a], y.across[a])),
             }),
-            (_, _, Self::Odd(x), Self::Odd(y)) => Self::Odd([0, 1].map(|a| blended(x[a], y[a]))),
+            (_, _, Self::Odd(x), Self::Odd(y)) => Self::Odd([0, 1].each(|a| blended(x[a], y[a]))),
             _ => Self::Neither,
         }
     }

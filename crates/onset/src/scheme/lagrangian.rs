@@ -1,7 +1,7 @@
 //! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
 
 use super::{Interaction, Motion, PointResponse, StrainOperator};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
@@ -118,7 +118,7 @@ pub(super) fn mean_neighbors<const D: usize>(
     let mut pairs: BTreeSet<(usize, Particle<D>)> = BTreeSet::new();
     for point in points {
         for from in &point.particles {
-            let back = from.cell.map(|n| -n);
+            let back = from.cell.each(|n| -n);
             let to = point.particles.iter().map(|to| to.moved(&back));
             pairs.extend(to.map(|to| (from.site, to)));
         }

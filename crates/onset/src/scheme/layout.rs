@@ -1,6 +1,6 @@
 //! Weights of particles that move, and how they lie at a homogeneous state.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Fractional, Particle, determinant};
@@ -68,7 +68,7 @@ impl<const D: usize> MovingWeight<D> {
             };
         };
         // The change has the value zero, and derivatives.
-        let change = x.map(|component| component - component.value());
+        let change = x.each(|component| component - component.value());
         let along = |value: f64, slope: &dyn Fn(usize) -> f64| {
             (0..D).fold(R::constant(value), |sum, j| sum + change[j] * slope(j)) * self.factor
         };

@@ -1,6 +1,7 @@
 //! Forces on a periodic patch of particles.
 
 use super::{Interaction, Motion};
+use crate::algebra::Each;
 use crate::lattice::{Crystal, Particle, cells_between};
 use crate::method::MethodError;
 use nalgebra::SVector;
@@ -17,7 +18,7 @@ impl<const D: usize> PeriodicPatch<D> {
     /// A patch of a crystal; at least one cell along each vector.
     pub fn new(crystal: &Crystal<D>, cells: [usize; D]) -> Self {
         Self {
-            cells: cells.map(|n| n.max(1)),
+            cells: cells.each(|n| n.max(1)),
             sites: crystal.sites().len(),
         }
     }
@@ -39,7 +40,7 @@ impl<const D: usize> PeriodicPatch<D> {
 
     /// The particles, in the order of their numbers.
     pub fn particles(&self) -> Vec<Particle<D>> {
-        let high = self.cells.map(|n| n as i32 - 1);
+        let high = self.cells.each(|n| n as i32 - 1);
         let cells = cells_between(&[0; D], &high).into_iter();
         let of_cell = |cell| (0..self.sites).map(move |site| Particle { site, cell });
         cells.flat_map(of_cell).collect()
@@ -56,7 +57,7 @@ impl<const D: usize> PeriodicPatch<D> {
 
     /// The origins of the cells.
     pub(crate) fn origins(&self) -> Vec<[i32; D]> {
-        let high = self.cells.map(|n| n as i32 - 1);
+        let high = self.cells.each(|n| n as i32 - 1);
         cells_between(&[0; D], &high)
     }
 }

@@ -3,7 +3,7 @@
 use super::cell::Cell;
 use super::local::{Local, Sign};
 use super::pencil::Pencil;
-use crate::algebra::settled_along;
+use crate::algebra::{Each, settled_along};
 use crate::bloch::IsEnded;
 use nalgebra::SVector;
 use std::collections::VecDeque;
@@ -130,7 +130,7 @@ fn halves<const D: usize>(cell: &Cell<D>, local: &Local<D>) -> [Cell<D>; 2] {
             widest = a;
         }
     }
-    [-0.5, 0.5].map(|side| {
+    [-0.5, 0.5].each(|side| {
         let mut part = *cell;
         part.half[widest] *= 0.5;
         part.middle[widest] += side * cell.half[widest];

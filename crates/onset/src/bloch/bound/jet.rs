@@ -1,6 +1,6 @@
 //! Functions on a box: a Taylor polynomial of second order about the middle, and a bound of what is left.
 
-use crate::algebra::Complex;
+use crate::algebra::{Complex, Each};
 use nalgebra::DMatrix;
 use std::ops::{Add, Mul};
 
@@ -47,7 +47,7 @@ impl<const D: usize> Jet<D> {
 
     /// The product on a box with given half sides.
     pub(super) fn times(&self, other: &Self, half: &[f64; D]) -> Self {
-        let [x, y] = [self, other].map(|jet| sizes::<D>(half, jet.rest, |n| jet.parts[n].abs()));
+        let [x, y] = [self, other].each(|jet| sizes::<D>(half, jet.rest, |n| jet.parts[n].abs()));
         Self {
             parts: product::<f64, D>(&self.parts[..parts::<D>()], &other.parts[..parts::<D>()]),
             rest: rest_of_product(x, y),

@@ -2,7 +2,7 @@
 
 use super::jet::{bend, slope};
 use super::squares::{Quadratic, is_positive_definite};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS};
 use nalgebra::DMatrix;
 
 /// `P` and `Q` on a box.
@@ -36,7 +36,7 @@ impl<const D: usize> Local<D> {
         if !is_positive_definite(&mut middle.clone()) {
             return Sign::Lost;
         }
-        let rest = [0, 1].map(|n| self.rest[0][n] + mu.abs() * self.rest[1][n]);
+        let rest = [0, 1].each(|n| self.rest[0][n] + mu.abs() * self.rest[1][n]);
         for i in 0..middle.nrows() {
             middle[(i, i)] -= Complex::new(rest[usize::from(i >= self.free)], 0.0);
         }

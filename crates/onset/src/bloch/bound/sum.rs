@@ -2,7 +2,7 @@
 
 use super::cell::Cell;
 use super::jet::{Jet, MatrixJet, bend, parts, slope};
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::{BlochSum, DynamicalMatrix};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix};
@@ -77,7 +77,7 @@ impl<const D: usize> PhaseSum<D> {
             Bond {
                 from: 0,
                 to: 0,
-                along: cell.map(|n| std::f64::consts::TAU * f64::from(n)),
+                along: cell.each(|n| std::f64::consts::TAU * f64::from(n)),
                 norm: block.norm(),
                 block,
             }

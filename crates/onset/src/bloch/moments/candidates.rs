@@ -5,6 +5,7 @@
 //! them comes near to the extreme in every direction `w`.
 
 use super::sums::{Polynomial, Sums};
+use crate::algebra::Each;
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
 use std::collections::BTreeSet;
@@ -158,8 +159,8 @@ fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
     let mut known = BTreeSet::new();
     (0..columns[0].len())
         .map(|n| {
-            let key = [0, 1, 2].map(|e| columns[e][n] / (IMAGE * scale));
-            key.iter().all(|x| x.is_finite()) && known.insert(key.map(|x| x.round() as i64))
+            let key = [0, 1, 2].each(|e| columns[e][n] / (IMAGE * scale));
+            key.iter().all(|x| x.is_finite()) && known.insert(key.each(|x| x.round() as i64))
         })
         .collect()
 }
@@ -178,7 +179,7 @@ fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
         (n - 1, 1),
         (n - 1, n - 1),
     ];
-    steps.map(|(down, right)| {
+    steps.each(|(down, right)| {
         let (i, j) = ((i + down) % n, (j + right) % n);
         // The other half are the opposite wave vectors.
         if i > n / 2 {

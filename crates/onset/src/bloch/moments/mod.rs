@@ -18,7 +18,7 @@ use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
 use super::search::Objective;
 use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
-use crate::algebra::{Complex, array_of, moderate_unit};
+use crate::algebra::{Complex, Each, array_of, moderate_unit};
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
 use crate::material::PlaneTangent;
@@ -132,7 +132,7 @@ impl<const D: usize> GradientMoments<D> {
         let mut scaled: Vec<[f64; 3]> = moments
             .iter()
             .zip(laplacian)
-            .map(|(h, laplacian)| h.map(|entry| entry / laplacian))
+            .map(|(h, laplacian)| h.each(|entry| entry / laplacian))
             .collect();
         // At zero there is no wave.
         scaled[0] = [f64::NAN; 3];
@@ -338,8 +338,8 @@ impl<const D: usize> GradientMoments<D> {
 
     /// The smallest scaled limit of long waves times `c^2`, and the doubled angle of its direction.
     fn long_wave_minimum(&self, row: &Coefficients) -> (f64, f64) {
-        let d = [0, 1, 2].map(|p| {
-            let [mean, half, mixed] = parts(row, self.long.map(|h| h[p]));
+        let d = [0, 1, 2].each(|p| {
+            let [mean, half, mixed] = parts(row, self.long.each(|h| h[p]));
             [mean + half, mixed, mean - half]
         });
         let at = |t: f64| {
@@ -496,7 +496,7 @@ fn magnitude([mean, half, mixed]: &Coefficients) -> f64 {
 
 /// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
 fn parts(row: &Coefficients, h: [f64; 3]) -> [f64; 3] {
-    row.map(|c| c[0] * h[0] + c[1] * h[1] + c[2] * h[2])
+    row.each(|c| c[0] * h[0] + c[1] * h[1] + c[2] * h[2])
 }
 
 /// `D(k)` from `H(k)`.

@@ -2,7 +2,7 @@
 
 use super::candidates::{Candidates, WIDEST_MARGIN, margin};
 use super::contraction::{Columns, Contraction};
-use crate::algebra::Pack;
+use crate::algebra::{Each, Pack};
 use pulp::{Simd, WithSimd};
 
 /// Where the lowest value is below this fraction of the largest one, wells are narrow beside the spacing of the grid:
@@ -57,7 +57,7 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
         let zero = Pack::splat(simd, 0.0);
         for group in 0..self.columns.length() / lanes {
             let contraction = Contraction::<S, MIRRORED>::of(simd, self.columns, group);
-            let [near, soft] = WIDEST_MARGIN.map(|part| Pack::splat(simd, 3.0 * part));
+            let [near, soft] = WIDEST_MARGIN.each(|part| Pack::splat(simd, 3.0 * part));
             let soft = soft * Pack::of(simd, self.scales, group);
             let mut overall = infinite;
             let mut threshold = infinite;

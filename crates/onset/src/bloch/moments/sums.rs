@@ -1,6 +1,6 @@
 //! `H(k)` and its derivatives at several wave vectors at once, by the exact sums.
 
-use crate::algebra::{Pack, WIDEST};
+use crate::algebra::{Each, Pack, WIDEST};
 use crate::bloch::DynamicalMatrix;
 use crate::lattice::BravaisLattice;
 use pulp::Simd;
@@ -170,7 +170,7 @@ impl Sums {
             entry[0] = constant;
         }
         for term in &self.terms {
-            let [m, n] = term.places.map(|place| place as f64 - REACH as f64);
+            let [m, n] = term.places.each(|place| place as f64 - REACH as f64);
             let (sine, cosine) = (m * phases[0] + n * phases[1]).sin_cos();
             let mut place = 0;
             let mut along_second = 1.0;
@@ -246,10 +246,10 @@ impl Sums {
                 constant[e] -= even[e];
             }
             terms.push(Term {
-                places: cell.map(|n| (n + REACH as i32) as usize),
+                places: cell.each(|n| (n + REACH as i32) as usize),
                 even,
-                slopes: [m, n].map(|x| even.map(|value| x * value)),
-                curvatures: [m * m, m * n, n * n].map(|x| even.map(|value| x * value)),
+                slopes: [m, n].each(|x| even.each(|value| x * value)),
+                curvatures: [m * m, m * n, n * n].each(|x| even.each(|value| x * value)),
             });
         }
         Some(Self {
@@ -257,7 +257,7 @@ impl Sums {
             reach: matrix.reach(),
             rigid: entries(matrix.rigid_translation()),
             constant,
-            laplacian: [0, 1].map(|i| 1.0 / lattice.vectors().column(i).norm_squared()),
+            laplacian: [0, 1].each(|i| 1.0 / lattice.vectors().column(i).norm_squared()),
         })
     }
 

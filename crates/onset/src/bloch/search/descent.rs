@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::{Candidate, Objective, RAY, ZoneSearch};
-use crate::algebra::{Complex, GoldenSection, array_of, eigenvalues, symmetric_eigen};
+use crate::algebra::{Complex, Each, GoldenSection, array_of, eigenvalues, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
 use crate::lattice::grid_coordinates;
@@ -215,8 +215,8 @@ impl<const D: usize> ZoneSearch<D> {
         }
         let step = 0.08 * self.longest();
         [-step, step]
-            .map(|step| k + axes[softest] * step)
-            .map(|k| self.newton(expansion, (at(&k), k), f64::INFINITY).0)
+            .each(|step| k + axes[softest] * step)
+            .each(|k| self.newton(expansion, (at(&k), k), f64::INFINITY).0)
             .into_iter()
             .filter(|(there, _)| *there < value - 1e-9 * value.abs())
             .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -459,7 +459,7 @@ fn planar_step<const D: usize>(
         return None;
     }
     if norm > limit {
-        step = step.map(|x| x * (limit / norm));
+        step = step.each(|x| x * (limit / norm));
     }
     Some(SVector::from_fn(|i, _| step[i]))
 }
@@ -558,7 +558,7 @@ pub(super) fn coordinate_search<const D: usize>(
         }
         let better = (0..3_usize.pow(D as u32))
             .map(|shift| {
-                let offsets = grid_coordinates::<D>(shift, 3).map(|j| (j as f64 - 1.0) * length);
+                let offsets = grid_coordinates::<D>(shift, 3).each(|j| (j as f64 - 1.0) * length);
                 k + SVector::from(offsets)
             })
             .map(|trial| (f(&trial), trial))

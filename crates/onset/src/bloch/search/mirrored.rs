@@ -6,7 +6,7 @@
 
 use super::descent::{newton_step, principal};
 use super::{Objective, RAY};
-use crate::algebra::{Pack, WIDEST, array_of, sines_and_cosines, sort_by_value};
+use crate::algebra::{Each, Pack, WIDEST, array_of, sines_and_cosines, sort_by_value};
 use crate::bloch::branches::{Branches, Taylor};
 use crate::bloch::mirror::{LANES, MirrorSums};
 use crate::lattice::{BravaisLattice, FILL, Group, Mirror, MirrorWaves};
@@ -129,7 +129,7 @@ enum State {
 
 /// Steps of a grid along the mirror lines that is fine enough for the range of the force constants.
 pub(super) fn intervals(sums: &MirrorSums) -> [usize; 2] {
-    let [u, v] = sums.effective_reach().map(|reach| reach.max(LEAST_REACH));
+    let [u, v] = sums.effective_reach().each(|reach| reach.max(LEAST_REACH));
     // A half of the period of u, of a centered rectangle a quarter.
     let part = if sums.mirror.is_centered() { 4 } else { 2 };
     [(DENSITY * u).div_ceil(part), (DENSITY * v).div_ceil(2)]
@@ -165,7 +165,7 @@ impl<'a> Mirrored<'a> {
         let mut sweep = Sweep {
             sums,
             waves,
-            floors: SOUGHT.map(|(objective, _)| floor(objective)),
+            floors: SOUGHT.each(|(objective, _)| floor(objective)),
             wells: Vec::with_capacity(16),
             lowest: 0.0,
         };
@@ -188,8 +188,8 @@ impl<'a> Mirrored<'a> {
     /// vectors.
     pub(super) fn step_along(&self, phases: [f64; 2]) -> [f64; 2] {
         let along = self.waves.mirror.along(phases);
-        let [a, b] = [0, 1].map(|axis| along[axis].abs() / self.waves.steps[axis]);
-        along.map(|x| x / a.max(b))
+        let [a, b] = [0, 1].each(|axis| along[axis].abs() / self.waves.steps[axis]);
+        along.each(|x| x / a.max(b))
     }
 
     /// Where the minima of the requested objectives are, with their values as far as fast sums tell them; none where the
@@ -220,7 +220,7 @@ impl<'a> Mirrored<'a> {
             if let State::Settled(Some(along)) = best.state {
                 for step in [-2.0, -1.0, 1.0, 2.0] {
                     let length = step * self.waves.steps[0].max(self.waves.steps[1]);
-                    let place = [0, 1].map(|n| best.place[n] + length * along[n]);
+                    let place = [0, 1].each(|n| best.place[n] + length * along[n]);
                     others.push(Descent {
                         bottom: Some(best.place),
                         ..Descent::from(Objective::Discriminant, place)
@@ -266,7 +266,7 @@ impl<'a> Mirrored<'a> {
         let mut start = |offset: [f64; 2]| {
             others.push(Descent {
                 bottom: Some(best.place),
-                ..Descent::from(best.objective, [0, 1].map(|n| best.place[n] + offset[n]))
+                ..Descent::from(best.objective, [0, 1].each(|n| best.place[n] + offset[n]))
             });
         };
         let [u, v] = self.waves.steps;
@@ -275,8 +275,8 @@ impl<'a> Mirrored<'a> {
             start([-i * u, -j * v]);
         }
         if let State::Settled(Some(along)) = best.state {
-            start(along.map(|x| ALONG_VALLEY * x));
-            start(along.map(|x| -ALONG_VALLEY * x));
+            start(along.each(|x| ALONG_VALLEY * x));
+            start(along.each(|x| -ALONG_VALLEY * x));
         }
     }
 
@@ -298,7 +298,7 @@ impl<'a> Mirrored<'a> {
         }
         // Between the origin and the first points of the grid, along the softest of the long waves, a well may be too narrow
         // in angle for the grid. What falls on beyond is seen from there.
-        let places = RAY.map(|step| soft.map(|x| x * step));
+        let places = RAY.each(|step| soft.each(|x| x * step));
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
         for (lane, place) in places.iter().enumerate() {
             [u[lane], v[lane]] = *place;
@@ -586,7 +586,7 @@ impl Sweep<'_> {
     fn find<S: Simd>(&mut self, simd: S, line: usize, ring: &[f64]) {
         let width = self.waves.width;
         let size = SOUGHT.len() * width;
-        let [last_column, last_line] = self.waves.intervals.map(|n| n + 1);
+        let [last_column, last_line] = self.waves.intervals.each(|n| n + 1);
         for number in 0..SOUGHT.len() {
             let (objective, is_image) = SOUGHT[number];
             // On mirror lines the image is the wave itself.
@@ -594,7 +594,7 @@ impl Sweep<'_> {
                 continue;
             }
             let lines = [line + 2, line, line + 1]
-                .map(|line| &ring[line % 3 * size + number * width..][..width + 2]);
+                .each(|line| &ring[line % 3 * size + number * width..][..width + 2]);
             for group in 0..width / S::F64_LANES {
                 let around = lowest_around(simd, &lines, group);
                 let here = Pack::of(simd, &lines[1][1..=width], group);

@@ -13,7 +13,7 @@ use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
-use crate::algebra::{Complex, array_of, directions, eigenvalues, eigenvector};
+use crate::algebra::{Complex, Each, array_of, directions, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
@@ -512,7 +512,7 @@ impl<const D: usize> ZoneSearch<D> {
     pub(in crate::bloch) fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
         (1..4_usize.pow(D as u32))
-            .map(move |index| SVector::from(grid_coordinates::<D>(index, 4).map(|n| fractions[n])))
+            .map(move |index| SVector::from(grid_coordinates::<D>(index, 4).each(|n| fractions[n])))
             .map(|fractional| self.reference().reciprocal() * fractional)
     }
 

@@ -16,7 +16,7 @@ pub use sum::{BlochBlocks, BlochSum};
 
 use super::short_range::ShortRange;
 use super::{DynamicalMatrix, dynamical_matrix::ForceConstants};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS, array_of, moderate_unit};
+use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, array_of, moderate_unit};
 use crate::lattice::{Crystal, Particle, Reduced};
 use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -159,7 +159,7 @@ impl<const D: usize> WaveSystem<D> {
         let reciprocal = self.crystal.lattice().reciprocal();
         for corner in 1..1_usize << D {
             let phases: [u8; D] = array_of(|i| (corner >> i & 1) as u8);
-            let k = reciprocal * SVector::from(phases.map(|phase| 0.5 * f64::from(phase)));
+            let k = reciprocal * SVector::from(phases.each(|phase| 0.5 * f64::from(phase)));
             let own = mass.at(&k);
             let values = own.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * self.size());
             let least = values.map_or(f64::NAN, |eigen| eigen.eigenvalues.min());

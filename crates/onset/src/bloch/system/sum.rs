@@ -1,7 +1,7 @@
 //! Sums over the lattice with plane-wave phases, for several particles in a cell.
 
 use super::expansion::MatrixExpansion;
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::powers::Powers;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -63,7 +63,7 @@ impl<const D: usize> BlochBlocks<D> {
 
     /// Adds to the block between two particles; only their difference counts.
     pub fn add(&mut self, from: &Particle<D>, to: &Particle<D>, block: &SMatrix<f64, D, D>) {
-        let back = from.cell.map(|n| -n);
+        let back = from.cell.each(|n| -n);
         let entry = self.blocks.entry((from.site, to.moved(&back)));
         *entry.or_insert_with(SMatrix::zeros) += block;
     }
@@ -265,7 +265,7 @@ impl<const D: usize> BlochSum<D> {
         self.terms.iter().all(|term| {
             let opposite = Particle {
                 site: term.from,
-                cell: term.to.cell.map(|n| -n),
+                cell: term.to.cell.each(|n| -n),
             };
             let zero = SMatrix::zeros();
             let other = blocks.get(&(term.to.site, opposite)).copied();

@@ -7,7 +7,7 @@
 
 use super::WaveSystem;
 use crate::algebra::{
-    Complex, Decomposition, GoldenSection, is_well, neighbors, settled, sort_by_value,
+    Complex, Decomposition, Each, GoldenSection, is_well, neighbors, settled, sort_by_value,
 };
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
@@ -397,7 +397,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             mode.scaled = f64::INFINITY;
         }
         let noise = self.system.long_wave_noise();
-        let [tolerance, mut of_limit] = noise.map(|noise| self.search.told(noise));
+        let [tolerance, mut of_limit] = noise.each(|noise| self.search.told(noise));
         if mode.scaled < -of_limit && !self.is_followed(&mode) {
             of_limit = -mode.scaled;
         }
@@ -572,7 +572,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let reciprocal = self.search.reference().reciprocal().column(0).norm();
         let step = reciprocal / self.waves.resolution() as f64;
         let starts = match softest.is_long_wave {
-            true => RELAXED_RAY.map(|steps| k * (steps * step)).to_vec(),
+            true => RELAXED_RAY.each(|steps| k * (steps * step)).to_vec(),
             false => vec![k],
         };
         let ends = starts.into_iter().map(|k| {
@@ -736,7 +736,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
-            for k in RELAXED_RAY.map(|steps| along * (steps * step)) {
+            for k in RELAXED_RAY.each(|steps| along * (steps * step)) {
                 let start = (self.value(objective, &k), k);
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
@@ -761,7 +761,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// dimension that would be as many as those of the grid.
     fn beside(&self, k: SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
-        let near = RELAXED_RAY.map(|share| k + step * share);
+        let near = RELAXED_RAY.each(|share| k + step * share);
         let near = near.into_iter().filter(|_| D == 1);
         std::iter::once(k).chain(near).collect()
     }
@@ -815,7 +815,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let falls = around.iter().zip(around.iter().rev()).map(|pair| {
                 let [ahead, behind] = [change(pair.0), change(pair.1)];
                 let [ahead, behind] =
-                    [ahead.or(behind), behind.or(ahead)].map(|x| x.unwrap_or(0.0));
+                    [ahead.or(behind), behind.or(ahead)].each(|x| x.unwrap_or(0.0));
                 Fall::between(ahead, behind)
             });
             falls.fold(Fall::NONE, Fall::or)
@@ -870,7 +870,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     ) -> Vec<Region<D>> {
         let parts: Vec<(SVector<f64, D>, Vec<f64>)> = (0..2_usize.pow(D as u32))
             .map(|part| {
-                let corner = grid_coordinates::<D>(part, 2).map(|side| 0.5 * side as f64 - 0.25);
+                let corner = grid_coordinates::<D>(part, 2).each(|side| 0.5 * side as f64 - 0.25);
                 let k = region.center + sides * SVector::from(corner);
                 let spectrum = self.omega_squared(&k);
                 let branches = self.branches(objective, &k, &spectrum);

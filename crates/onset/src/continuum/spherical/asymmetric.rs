@@ -9,7 +9,7 @@
 use super::cover::{Cover, Triangle, cover, octants};
 use super::form::Form;
 use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
-use crate::algebra::{Complex, array_of, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Each, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
@@ -110,7 +110,7 @@ fn combined(blocks: &Blocks3, a: &Axes<f64>, b: &Axes<f64>) -> Matrix3<f64> {
 
 fn unit(n: Axes<f64>) -> Axes<f64> {
     let length = dot(&n, &n).sqrt();
-    n.map(|component| component / length)
+    n.each(|component| component / length)
 }
 
 /// Coordinate search on the sphere with a shrinking step.
@@ -145,8 +145,8 @@ fn exceeds(blocks: &Blocks3, level: f64, triangle: &Triangle) -> Cover {
         let (a, b) = (&triangle[m], &triangle[n]);
         combined(blocks, a, b) - Matrix3::identity() * (level * dot(a, b))
     };
-    let [aa, bb, cc] = [0, 1, 2].map(|m| coefficient(m, m));
-    let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].map(|(m, n)| coefficient(m, n) * 2.0);
+    let [aa, bb, cc] = [0, 1, 2].each(|m| coefficient(m, m));
+    let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].each(|(m, n)| coefficient(m, n) * 2.0);
     let m = |i: usize, k: usize| {
         let mut entry = Ternary::zero(2);
         for (alpha, beta, block) in [

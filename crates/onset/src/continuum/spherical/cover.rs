@@ -7,7 +7,7 @@
 
 use super::form::Form;
 use super::{Axes, dot};
-use crate::algebra::{array_of, is_positive_definite, symmetric_eigen};
+use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 use crate::real::Real;
 
 /// Divisions of an octant after which the directions are no longer exact in floating point.
@@ -86,7 +86,7 @@ fn lowered<R: Real>(form: &Form<R>, level: f64, a: &Axes<R>, b: &Axes<R>) -> [[R
 
 /// Whether the smallest eigenvalue exceeds a level in the directions of a triangle.
 pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) -> Cover {
-    let corners = triangle.map(|corner| corner.map(R::constant));
+    let corners = triangle.each(|corner| corner.map(R::constant));
     let is_above =
         |m: usize, n: usize| is_positive_definite(&lowered(form, level, &corners[m], &corners[n]));
     if let Some(corner) = (0..3).find(|&m| !is_above(m, m)) {

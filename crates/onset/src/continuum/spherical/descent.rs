@@ -6,7 +6,7 @@
 
 use super::form::Form;
 use super::{Axes, dot};
-use crate::algebra::{array_of, symmetric_eigen};
+use crate::algebra::{Each, array_of, symmetric_eigen};
 
 /// Steps at most. A few are enough unless the minimum is flat, towards which steps shrink no faster than by a third each.
 const STEPS: usize = 200;
@@ -24,7 +24,7 @@ pub(crate) struct Wave {
 /// The wave of the smallest eigenvalue in a direction of any length.
 pub(crate) fn slowest(form: &Form<f64>, direction: &Axes<f64>) -> Wave {
     let length = dot(direction, direction).sqrt();
-    let direction = direction.map(|component| component / length);
+    let direction = direction.each(|component| component / length);
     let (values, vectors) = symmetric_eigen(&form.acoustic(&direction, &direction));
     Wave {
         direction,
@@ -92,8 +92,8 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
         |h: &[f64; 9]| -> [f64; 9] { array_of(|p| (0..9).map(|q| form.at(p, q) * h[q]).sum()) };
     let product = |a: &[f64; 9], b: &[f64; 9]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
     let of_wave = image(&dyad(g, n));
-    let slope = tangents.map(|tangent| product(&tangent, &of_wave));
-    let images = tangents.map(|tangent| image(&tangent));
+    let slope = tangents.each(|tangent| product(&tangent, &of_wave));
+    let images = tangents.each(|tangent| image(&tangent));
     let mut curvature = [[0.0; 4]; 4];
     for i in 0..4 {
         for j in 0..4 {
@@ -137,7 +137,7 @@ fn across(v: &Axes<f64>) -> [Axes<f64>; 2] {
     };
     let first = cross(v, &axis);
     let length = dot(&first, &first).sqrt();
-    let first = first.map(|component| component / length);
+    let first = first.each(|component| component / length);
     [first, cross(v, &first)]
 }
 

@@ -8,7 +8,7 @@
 
 use super::Axes;
 use super::form::{Form, MINORS, minor};
-use crate::algebra::{array_of, is_positive_definite, symmetric_eigen};
+use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 
 /// Steps of Newton's method at most; some twenty are usual.
 const STEPS: usize = 100;
@@ -203,7 +203,7 @@ fn suggestion(inverse: &[[f64; 9]; 9]) -> Axes<f64> {
         if !(largest > 0.0 && largest.is_finite()) {
             return [1.0, 0.0, 0.0];
         }
-        h = next.map(|x| x / largest);
+        h = next.each(|x| x / largest);
     }
     let gram: [[f64; 3]; 3] =
         array_of(|j| array_of(|l| (0..3).map(|i| h[3 * i + j] * h[3 * i + l]).sum()));

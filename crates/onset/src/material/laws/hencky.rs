@@ -4,6 +4,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
 
@@ -43,7 +44,7 @@ struct Hencky {
 pub(super) fn logarithmic_invariants<R: Real>(stretches: [R; 3]) -> (R, R) {
     let h = stretches.map(R::ln);
     let trace = h[0] + h[1] + h[2];
-    let [a, b, c] = h.map(|h| h - trace / 3.0);
+    let [a, b, c] = h.each(|h| h - trace / 3.0);
     (a * a + b * b + c * c, trace)
 }
 

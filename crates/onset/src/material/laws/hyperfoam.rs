@@ -7,6 +7,7 @@
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::exponentials::beyond_linear;
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
 
@@ -107,7 +108,7 @@ impl PrincipalEnergy for Hyperfoam {
         self.terms.iter().fold(R::constant(0.0), |sum, term| {
             // What is linear in the logarithms cancels: alpha ln J of the stretches, and -alpha ln J of (J^(-alpha beta) - 1) / beta, which is
             // nothing more than that at beta = 0.
-            let [a, b, c] = logs.map(|log| beyond_linear(log * term.alpha));
+            let [a, b, c] = logs.each(|log| beyond_linear(log * term.alpha));
             let foam = match term.beta {
                 0.0 => R::constant(0.0),
                 beta => beyond_linear(volume * (-term.alpha * beta)) / beta,

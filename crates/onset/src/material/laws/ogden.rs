@@ -6,6 +6,7 @@
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::exponentials::beyond_linear;
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
 
@@ -84,12 +85,12 @@ impl PrincipalEnergy for Ogden {
     fn of_stretches<R: Real>(&self, [a, b, c]: [R; 3]) -> R {
         let logs = [a.ln(), b.ln(), c.ln()];
         let volume = logs[0] + logs[1] + logs[2];
-        let deviators = logs.map(|log| log - volume / 3.0);
+        let deviators = logs.each(|log| log - volume / 3.0);
         let change = volume.exp() - 1.0;
         let volumetric = change * change * (0.5 * self.kappa);
         self.terms.iter().fold(volumetric, |sum, (mu, alpha)| {
             // The deviators sum to zero: what is linear in them drops out, and small exponents keep their digits.
-            let [a, b, c] = deviators.map(|log| beyond_linear(log * *alpha));
+            let [a, b, c] = deviators.each(|log| beyond_linear(log * *alpha));
             sum + (a + b + c) * (mu / alpha)
         })
     }

@@ -6,6 +6,7 @@
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed};
 use super::super::{MaterialError, SmallStrainStiffness, StrainEnergy};
 use super::quadratic::{QuadraticForm, is_positive, orthotropic, turned};
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
@@ -85,7 +86,7 @@ fn stiffness(p: &[f64]) -> SmallStrainStiffness {
         s13 * s23 - s33 * s12,
     ];
     orthotropic(
-        &normal.map(|minor| minor / determinant),
+        &normal.each(|minor| minor / determinant),
         &[p[8], p[7], p[6]],
     )
 }

@@ -8,7 +8,7 @@ mod places;
 mod root;
 
 use super::degenerate::Displacements;
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, Each, array_of};
 use crate::lattice::Crystal;
 use crate::scheme::{StrainOperator, StrainRows};
 use nalgebra::{DMatrix, SVector};
@@ -290,7 +290,7 @@ impl<'a, const D: usize> Search<'a, D> {
         let length = |i: &usize| edges[*i].norm();
         let longest = (0..D).max_by(|a, b| length(a).total_cmp(&length(b)));
         let axis = longest.unwrap_or(0);
-        [-0.5, 0.5].map(|side| {
+        [-0.5, 0.5].each(|side| {
             let mut half = *part;
             half.center[axis] += side * part.half[axis];
             half.half[axis] *= 0.5;

@@ -11,7 +11,7 @@ use super::error::Lost;
 use super::links::Links;
 use super::neighbors::{Neighbors, squared};
 use super::vectors::Field;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
@@ -107,7 +107,7 @@ impl<const D: usize> Pieces<D> {
         touching.clear();
         let mut passing = None;
         for ends in neighbors.near_of(places, &|a, b| piece[a as usize] != piece[b as usize]) {
-            let [a, b] = ends.map(|own| places[own as usize]);
+            let [a, b] = ends.each(|own| places[own as usize]);
             let apart: [f64; D] = array_of(|i| a[i] - b[i]);
             let distance = squared(&a, &b).sqrt();
             if distance < 0.5 * *spacing {
@@ -116,7 +116,7 @@ impl<const D: usize> Pieces<D> {
                 let factor = *force * (distance.recip() - spacing.recip());
                 touching.push(Touch {
                     ends: *ends,
-                    force: apart.map(|x| x * factor),
+                    force: apart.each(|x| x * factor),
                 });
             }
         }
@@ -176,7 +176,7 @@ fn pieces<const D: usize>(links: &Links<D>, count: usize) -> Vec<u32> {
         for pair in &links.pairs[first as usize..end as usize] {
             for lane in (0..LANES).filter(|lane| pair.of >> lane & 1 == 1) {
                 let own = (group * LANES + lane) as i32;
-                let [a, b] = [own, own + pair.offset].map(|end| root(&mut parents, end as u32));
+                let [a, b] = [own, own + pair.offset].each(|end| root(&mut parents, end as u32));
                 parents[a.max(b) as usize] = a.min(b);
             }
         }

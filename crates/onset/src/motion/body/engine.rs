@@ -7,7 +7,7 @@ use super::contact::Pieces;
 use super::error::Lost;
 use super::links::{Kind, Links, Pair, Stencil};
 use super::vectors::{Component, Field, MASKS, Tensors, load, part, store, zeros};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::{LANES, Lanes};
@@ -185,7 +185,7 @@ impl<'a, const D: usize> Engine<'a, D> {
 fn slices<const D: usize>(tensors: &Tensors<D>) -> [[&[f64]; D]; D] {
     tensors
         .each_ref()
-        .map(|row| row.each_ref().map(Vec::as_slice))
+        .each(|row| row.each_ref().map(Vec::as_slice))
 }
 
 /// Work on each of some things, on all cores where there are any; results in their order.
@@ -253,7 +253,7 @@ impl<const D: usize> Stressed<'_, D> {
         t: &mut [[&mut [f64]; D]; D],
         count: usize,
     ) -> Option<usize> {
-        let f = f.each_ref().map(|row| row.each_ref().map(|own| &**own));
+        let f = f.each_ref().each(|row| row.each_ref().each(|own| &**own));
         let mut lost = None;
         for (group, stencil) in groups.iter().enumerate() {
             let place = group * LANES;

@@ -2,7 +2,7 @@
 
 use super::BodyError;
 use super::shape::Placed;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::{Crystal, Particle};
 use crate::real::LANES;
 use crate::scheme::sph::correction;
@@ -87,7 +87,7 @@ impl<const D: usize> Links<D> {
             stiffness,
         } = law.bond(&x);
         self.kinds.push(Kind {
-            a: gradient.map(|slope| slope * volume),
+            a: gradient.each(|slope| slope * volume),
             x,
             stiffness: stiffness * volume,
         });
@@ -131,7 +131,7 @@ impl<const D: usize> Links<D> {
     fn irregular(&mut self, placed: &Placed<D>, law: &dyn PairLaw<D>) -> Result<(), BodyError> {
         let radius = law.radius();
         // Beyond it places are not told apart by their cells.
-        let cell = |x: &[f64; D]| x.map(|x| (x / radius).floor().clamp(-FAR, FAR) as i64);
+        let cell = |x: &[f64; D]| x.each(|x| (x / radius).floor().clamp(-FAR, FAR) as i64);
         let mut cells: HashMap<[i64; D], Vec<u32>> = HashMap::new();
         for (number, x) in placed.positions.iter().enumerate() {
             cells.entry(cell(x)).or_default().push(number as u32);
@@ -143,7 +143,7 @@ impl<const D: usize> Links<D> {
             let home = cell(x);
             for step in 0..3_usize.pow(D as u32) {
                 let mut rest = step;
-                let beside = home.map(|n| {
+                let beside = home.each(|n| {
                     let moved = n + (rest % 3) as i64 - 1;
                     rest /= 3;
                     moved

@@ -1,6 +1,6 @@
 //! Who is near whom among particles that move.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use std::collections::HashMap;
 
 /// How much farther than needed pairs are looked for, as a share of the distance: particles may move by half of it before they are looked for again.
@@ -65,7 +65,7 @@ impl<const D: usize> Neighbors<D> {
 
     fn find(&mut self, places: &[[f64; D]], is_asked: &impl Fn(u32, u32) -> bool) {
         let reach = (1.0 + SKIN) * self.distance;
-        let cell = |x: &[f64; D]| x.map(|x| (x / reach).floor().clamp(-FAR, FAR) as i64);
+        let cell = |x: &[f64; D]| x.each(|x| (x / reach).floor().clamp(-FAR, FAR) as i64);
         let mut order: Vec<([i64; D], u32)> = places
             .iter()
             .enumerate()

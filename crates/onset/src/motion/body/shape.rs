@@ -1,7 +1,7 @@
 //! The particles of a body: cut out of a lattice, or given.
 
 use super::BodyError;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::{Crystal, Particle, cells_between};
 use nalgebra::SVector;
 
@@ -347,5 +347,5 @@ fn cells_of_box<const D: usize>(
         });
     }
     check_cells(&first, &last)?;
-    Ok([first, last].map(|own| own.map(|n| n as i32)))
+    Ok([first, last].each(|own| own.each(|n| n as i32)))
 }

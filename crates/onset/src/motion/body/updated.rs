@@ -22,7 +22,7 @@ use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};
 use super::{BodyError, BodyParticles, BodyQuantities};
-use crate::algebra::{array_of, uniform};
+use crate::algebra::{Each, array_of, uniform};
 use crate::approximation::SingularMoment;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
@@ -52,7 +52,7 @@ impl<const D: usize> Pair<D> {
     /// `grad W_IJ` with respect to the first particle, and the reverse with respect to the second.
     fn gradients(&self) -> [[f64; D]; 2] {
         [
-            self.weight.gradient.map(|slope| -slope),
+            self.weight.gradient.each(|slope| -slope),
             self.weight.gradient,
         ]
     }
@@ -222,8 +222,8 @@ impl<const D: usize> UpdatedBody<'_, D> {
         let measured: Vectors<D> = places.iter().map(|x| law.measured(x)).collect();
         let radius = law.radius();
         let pair = |ends: &[u32; 2]| {
-            let ends = ends.map(|end| end as usize);
-            let [a, b] = ends.map(|end| measured[end]);
+            let ends = ends.each(|end| end as usize);
+            let [a, b] = ends.each(|end| measured[end]);
             let squared: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
             if squared >= radius * radius {
                 return None;
@@ -343,7 +343,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         }
         let all = forces.into_iter().enumerate();
         Ok(all
-            .map(|(n, force)| force.map(|own| own / self.mass(n)))
+            .map(|(n, force)| force.each(|own| own / self.mass(n)))
             .collect())
     }
 

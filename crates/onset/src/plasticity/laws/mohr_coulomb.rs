@@ -2,6 +2,7 @@
 
 use super::super::flow::{Elasticity, Flow, FlowLaw};
 use super::super::{Hardening, PlasticityError};
+use crate::algebra::Each;
 use nalgebra::Vector3;
 
 /// `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `sigma_1 >= sigma_2 >= sigma_3`, tension positive, `k = c cos(phi)`;
@@ -55,7 +56,7 @@ impl MohrCoulomb {
     /// The shares of the axes in the largest and in the smallest principal stress: of equal stresses each has the same.
     fn shares(stress: &Vector3<f64>) -> [Vector3<f64>; 2] {
         let size = EQUAL * stress.amax();
-        [stress.max(), stress.min()].map(|extreme| {
+        [stress.max(), stress.min()].each(|extreme| {
             let own = stress.map(|s| f64::from(u8::from((s - extreme).abs() <= size)));
             own / own.sum()
         })
@@ -103,7 +104,7 @@ impl FlowLaw for MohrCoulomb {
             return Err(PlasticityError::NoDeviator);
         }
         // An axis that was between the others must stay there.
-        let [largest, smallest] = [0, 1].map(|n: usize| shares[n].dot(stress));
+        let [largest, smallest] = [0, 1].each(|n: usize| shares[n].dot(stress));
         if stress.max() > largest + size || stress.min() < smallest - size {
             return Err(PlasticityError::Corner);
         }

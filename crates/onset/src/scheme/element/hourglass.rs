@@ -3,7 +3,7 @@
 
 use super::HourglassScale;
 use super::shape::sign;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
 use crate::scheme::{Interaction, Motion, SeenForm, StrainOperator};
@@ -41,7 +41,7 @@ impl HourglassScale {
         match (self, D) {
             (Self::Gradients, _) => [volume * squares, volume * squares.sqrt()],
             (Self::Radioss, 3) => {
-                [0.038 * volume.cbrt(), 0.25 * volume.cbrt().powi(2)].map(|x| codes * x)
+                [0.038 * volume.cbrt(), 0.25 * volume.cbrt().powi(2)].each(|x| codes * x)
             }
             (Self::Radioss, _) => [0.0, 0.5 * codes * volume.sqrt()],
         }
@@ -109,7 +109,7 @@ impl<const D: usize> Interaction<D> for Resisted<'_, D> {
         });
         gamma
             .iter()
-            .map(|weight| resistance.map(|component| component * -*weight))
+            .map(|weight| resistance.each(|component| component * -*weight))
             .collect()
     }
 

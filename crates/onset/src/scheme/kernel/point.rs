@@ -3,7 +3,7 @@
 use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
 use super::super::{Interaction, Motion, PointResponse};
 use super::shape::Shape;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
 
@@ -61,7 +61,7 @@ impl<const D: usize> Interaction<D> for SpatialPoint<'_, D> {
         let f = transported(&step, &self.response.leading());
         let stress = times_transpose(&self.response.first_piola(&f), &f);
         let force = |gradient: &[R; D]| {
-            times_vector(&stress, gradient).map(|component| component * -self.volume)
+            times_vector(&stress, gradient).each(|component| component * -self.volume)
         };
         shape.gradients.iter().map(force).collect()
     }

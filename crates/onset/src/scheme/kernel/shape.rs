@@ -8,7 +8,7 @@
 //! at the particle that the point is; their values are Shepard's.
 
 use super::super::layout::{MovingWeight, Weighed};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::real::Real;
 
@@ -133,7 +133,7 @@ impl<const D: usize> Shape<D> {
         let weighed = positions.iter().map(|x| self.weight.at(x));
         let (values, gradients) = weighed
             .zip(volumes)
-            .map(|(w, volume)| (w.value * *volume, w.gradient.map(|slope| slope * -volume)))
+            .map(|(w, volume)| (w.value * *volume, w.gradient.each(|slope| slope * -volume)))
             .unzip();
         ShapeValues { values, gradients }
     }
@@ -176,7 +176,7 @@ impl<const D: usize> Shape<D> {
         let length = self.weight.radius();
         let term = |x: &[R; D]| {
             let weighed = self.weight.at(x);
-            let scaled = x.map(|component| component / length);
+            let scaled = x.each(|component| component / length);
             let monomial = |e: &[i32; D]| {
                 (0..D).fold(R::constant(1.0), |product, i| match e[i] {
                     0 => product,

@@ -1,6 +1,6 @@
 //! Functions of the background grid: products of one-dimensional ones, which are pieces of polynomials.
 
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::cells_between;
 use crate::real::{Dual, Real};
 
@@ -184,8 +184,8 @@ impl Profile {
     /// The nodes whose functions a place may see, by their lattice coordinates.
     pub(super) fn nodes<const D: usize>(&self, place: &[f64; D]) -> Vec<[i32; D]> {
         let reach = self.reach() + KNOT;
-        let low = place.map(|x| (x - reach).ceil() as i32);
-        let high = place.map(|x| (x + reach).floor() as i32);
+        let low = place.each(|x| (x - reach).ceil() as i32);
+        let high = place.each(|x| (x + reach).floor() as i32);
         cells_between(&low, &high)
     }
 

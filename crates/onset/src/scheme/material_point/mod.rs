@@ -13,7 +13,7 @@ pub use functions::{GridFunctions, GridGradients};
 pub use transfer::Transfer;
 
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
@@ -283,7 +283,7 @@ impl<const D: usize> MaterialPoints<D> {
         let mass = self.nodal_mass();
         self.weighted_by_mass(|place, from, to| {
             let moment = |axis: usize| {
-                let [own, other] = [from, to].map(|node| f64::from(node[axis]) - place[axis]);
+                let [own, other] = [from, to].each(|node| f64::from(node[axis]) - place[axis]);
                 own * other / self.profile.second_moment(place[axis])
             };
             let affine = if is_affine {

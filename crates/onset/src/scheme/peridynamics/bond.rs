@@ -1,7 +1,7 @@
 //! Bonds of the prototype microelastic material (Silling 2000).
 
 use super::family::ReferenceBond;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::real::Real;
@@ -43,7 +43,7 @@ impl<const D: usize> Interaction<D> for Bond<D> {
         let length = squares.sqrt();
         // c w s e = c w (1/r - 1/|y|) y
         let tension = (-length.recip() + self.length.recip()) * self.strength;
-        let pull = y.map(|x| x * tension);
-        vec![pull, pull.map(|x| -x)]
+        let pull = y.each(|x| x * tension);
+        vec![pull, pull.each(|x| -x)]
     }
 }

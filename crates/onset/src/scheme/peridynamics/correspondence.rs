@@ -2,7 +2,7 @@
 
 use super::ZeroEnergyControl;
 use super::family::Family;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
 use crate::scheme::{Interaction, Motion, PointResponse};
@@ -47,7 +47,7 @@ impl<'a, const D: usize> Point<'a, D> {
             ZeroEnergyControl::None => [R::constant(0.0); D],
             ZeroEnergyControl::Penalty { coefficient } => {
                 let weight = neighbor.influence * neighbor.volume / self.family.shape.trace();
-                z.map(|z| z * (coefficient * weight))
+                z.each(|z| z * (coefficient * weight))
             }
             ZeroEnergyControl::Hourglass { coefficient } => {
                 let f = self.response.leading::<f64>();
@@ -57,7 +57,7 @@ impl<'a, const D: usize> Point<'a, D> {
                 let squares = (0..D).fold(zero, |sum, i| sum + y[i] * y[i]);
                 let along = (0..D).fold(zero, |sum, i| sum + y[i] * z[i]);
                 let factor = along / squares * (coefficient * neighbor.volume / x.norm());
-                y.map(|y| y * factor)
+                y.each(|y| y * factor)
             }
         }
     }

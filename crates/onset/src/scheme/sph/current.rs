@@ -4,7 +4,7 @@ use super::super::layout::{MovingWeight, Weighed};
 use super::super::products::times_vector;
 use super::super::stabilization::{Dashpot, Repulsion, Slope, SmoothedMotion, smoothing_share};
 use super::updated::{DensityEvolution, MomentumForm};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::real::Real;
 
 /// What a force between two particles takes of one of them.
@@ -68,7 +68,7 @@ impl<const D: usize> CurrentPairs<D> {
         };
         let coefficient = (own.density * other_density).recip() * (own.mass * other_mass);
         // grad W_IJ with respect to x_I is minus that along x_J - x_I.
-        let gradient = weight.gradient.map(|slope| -slope * coefficient);
+        let gradient = weight.gradient.each(|slope| -slope * coefficient);
         let traction = times_vector(&own.stress, &gradient);
         let (Some(repulsion), Some(tensile)) = (&self.repulsion, &own.tensile) else {
             return traction;
@@ -81,7 +81,7 @@ impl<const D: usize> CurrentPairs<D> {
     /// The force on particle `I` itself of such a traction.
     pub(crate) fn taken<R: Real>(&self, traction: [R; D]) -> [R; D] {
         match self.momentum {
-            MomentumForm::Difference => traction.map(|own| -own),
+            MomentumForm::Difference => traction.each(|own| -own),
             MomentumForm::Symmetric | MomentumForm::Mean => traction,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::layout::{Layout, Weighed};
 use super::super::response::{determinant, inverse};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::approximation::SingularMoment;
 use crate::lattice::{Crystal, Particle};
 use crate::method::MethodError;
@@ -73,7 +73,11 @@ impl<const D: usize> Neighborhood<D> {
     ) -> Result<Vec<[f64; D]>, MethodError> {
         let pairs = self.particles.iter().zip(&self.weights);
         let mut gradients: Vec<[f64; D]> = pairs
-            .map(|(particle, weight)| weight.gradient.map(|slope| -slope * volumes[particle.site]))
+            .map(|(particle, weight)| {
+                weight
+                    .gradient
+                    .each(|slope| -slope * volumes[particle.site])
+            })
             .collect();
         if is_corrected {
             let inverse = self.correction(&gradients)?;

@@ -4,7 +4,7 @@ use super::super::products::{displacement_gradient, times_transpose, transported
 use super::super::response::determinant;
 use super::super::{Interaction, Motion, PointResponse};
 use super::current::{CurrentPairs, Laden};
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
 
@@ -137,5 +137,5 @@ fn between<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> [R; D] {
 
 fn over<R: Real, const D: usize>(matrix: &[[R; D]; D], divisor: R) -> [[R; D]; D] {
     let factor = divisor.recip();
-    matrix.map(|row| row.map(|entry| entry * factor))
+    matrix.each(|row| row.each(|entry| entry * factor))
 }

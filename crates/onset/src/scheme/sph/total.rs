@@ -12,6 +12,7 @@ use super::super::{
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
+use crate::algebra::Each;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
@@ -233,7 +234,7 @@ impl<const D: usize> PairLaw<D> for TotalLagrangianPairs<D> {
                 / form.offsets(self.choices.radius).denominator(squared)
         });
         Bond {
-            gradient: weight.gradient.map(|slope| -slope),
+            gradient: weight.gradient.each(|slope| -slope),
             stiffness,
         }
     }

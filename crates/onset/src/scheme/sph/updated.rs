@@ -13,6 +13,7 @@ use super::current::CurrentPairs;
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use super::stress::{Circle, StressOf, Surroundings};
+use crate::algebra::Each;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
@@ -364,7 +365,7 @@ impl<const D: usize> UpdatedSph<D> {
             let own = members.particles[number];
             let neighborhood = &state.neighborhoods[own.site];
             let share = |([_, other], weight): ([Particle<D>; 2], f64)| {
-                let densities = [own, other].map(|particle| state.densities[particle.site]);
+                let densities = [own, other].each(|particle| state.densities[particle.site]);
                 let mass = self.masses[other.site];
                 let share = smoothing_share(epsilon, mass, densities, weight);
                 (members.number(other.moved(&own.cell)), share)

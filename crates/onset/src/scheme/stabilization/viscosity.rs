@@ -3,7 +3,7 @@
 use super::super::layout::MovingWeight;
 use super::super::{Interaction, Motion};
 use super::assert_coefficients;
-use crate::algebra::array_of;
+use crate::algebra::{Each, array_of};
 use crate::continuum::Stiffness;
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
@@ -89,7 +89,7 @@ impl<const D: usize> Slope<D> {
             Self::Moving(weight) => weight.at(x).gradient,
             Self::Fixed(slope) => {
                 let over_length = squared.sqrt().recip() * *slope;
-                x.map(|component| component * over_length)
+                x.each(|component| component * over_length)
             }
         }
     }
@@ -175,10 +175,10 @@ impl Dashpot {
         if self.is_of_smd && matches!(slope, Slope::Fixed(_)) {
             let length = squared.sqrt();
             let shorter = length / (length + 0.01 * self.length);
-            gradient = gradient.map(|component| component * shorter);
+            gradient = gradient.each(|component| component * shorter);
         }
         // grad W_IJ with respect to I is minus that with respect to J.
-        gradient.map(|slope| slope * pressure)
+        gradient.each(|slope| slope * pressure)
     }
 }
 
@@ -203,7 +203,7 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
         let x: [R; D] = array_of(|i| difference(motion.displacements, i) + self.vector[i]);
         let v = array_of(|i| difference(motion.velocities, i));
         let on_first = self.dashpot.on_first(&x, &v, &self.slope, self.factor);
-        vec![on_first, on_first.map(|force| -force)]
+        vec![on_first, on_first.each(|force| -force)]
     }
 
     fn is_viscous(&self) -> bool {
@@ -229,7 +229,7 @@ pub(in super::super) fn viscous_bonds<const D: usize>(
     pairs: impl Iterator<Item = ([Particle<D>; 2], [f64; D], Slope<D>)>,
 ) -> Vec<ViscousBond<D>> {
     let bond = |(particles, vector, slope): ([Particle<D>; 2], _, Slope<D>)| {
-        let of = |values: &[f64]| particles.map(|own| values[own.site]);
+        let of = |values: &[f64]| particles.each(|own| values[own.site]);
         ViscousBond {
             particles,
             vector,

@@ -5,6 +5,7 @@ use super::line::{Field, Sides};
 use super::plane::{
     Point, angle_of, cross, direction, distance, left_of, length, minus, plus, unit,
 };
+use crate::algebra::Each;
 use std::f64::consts::PI;
 
 /// How far apart the points are from which a branch is extended; the next one is tried when the branches do not meet.
@@ -123,12 +124,12 @@ impl Branch {
             t * (2.0 - t),
             0.5 * t * (t - 1.0),
         ];
-        [0, 1].map(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
+        [0, 1].each(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
     }
 
     fn slope(&self, t: f64) -> Point {
         let weights = [t - 1.5, 2.0 - 2.0 * t, t - 0.5];
-        [0, 1].map(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
+        [0, 1].each(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
     }
 
     /// The parameters at which two branches meet.

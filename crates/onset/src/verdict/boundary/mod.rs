@@ -20,6 +20,7 @@ mod traced;
 pub use seeds::grid_points;
 
 use super::{Phase, Probe};
+use crate::algebra::Each;
 use line::{Field, Sides};
 use plane::{Point, distance};
 use traced::Traced;
@@ -39,7 +40,7 @@ pub struct Window {
 impl Window {
     /// The parameters at a point in units of the window, `[0, 1]^2`; its edges are met exactly.
     pub fn point(&self, unit: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| {
+        [0, 1].each(|i| {
             if unit[i] == 1.0 {
                 self.high[i]
             } else {

@@ -3,7 +3,7 @@
 use super::line::{Field, Found, Knot, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
 use super::{Crossing, Fineness, Window, rank};
-use crate::algebra::GoldenSection;
+use crate::algebra::{Each, GoldenSection};
 use crate::verdict::{Phase, Probe};
 
 /// Evaluations spent on the bottom of a dip along a line, and in the plane.
@@ -30,7 +30,7 @@ struct Grid {
 
 impl Grid {
     fn new(fineness: &Fineness) -> Self {
-        let [columns, rows] = fineness.cells.map(|cells| cells.max(2) + 1);
+        let [columns, rows] = fineness.cells.each(|cells| cells.max(2) + 1);
         Self { columns, rows }
     }
 

@@ -1,5 +1,7 @@
 //! The Hausdorff distance of polygons.
 
+use crate::algebra::Each;
+
 type Point = [f64; 2];
 type Piece = (Point, Point);
 
@@ -58,7 +60,7 @@ pub fn directed_distance(
             if bound(first.0).min(bound(last.0)) <= reached + tolerance {
                 continue;
             }
-            let middle = [0, 1].map(|i| 0.5 * (piece.0[i] + piece.1[i]));
+            let middle = [0, 1].each(|i| 0.5 * (piece.0[i] + piece.1[i]));
             let between = nearest(middle, &targets);
             open.push(((piece.0, middle), first, between));
             open.push(((middle, piece.1), between, last));
