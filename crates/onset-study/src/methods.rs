@@ -73,7 +73,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
         }
         MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
-            "\n  hint: set material.plane=strain, or choose a law with stiffness against all strains"
+            "\n  hint: set material.plane=strain; plane stress is for chains and lattices of the plane, and for laws with stiffness against all strains"
         }
         MethodError::Material(MaterialError::PlaneStressEnds { .. }) => {
             "\n  hint: choose a smaller deformation, or a law that resists to the end, such as neo-hooke"

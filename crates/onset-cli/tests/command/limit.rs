@@ -172,7 +172,7 @@ fn what_is_known_beside_a_limit_is_said() {
         ratio.stdout,
         ratio.stderr
     );
-    // A grid that the waves of a body admit, and a point alone does not.
+    // A grid that the waves of a body admit, and an isolated material point does not.
     let fluid = "--energy stiffness*(sqrt(I3)-1-ln(sqrt(I3))) --set material.stiffness=400 set method=mls-mpm set lattice=square set grid=regular set spacing=0.005";
     let alone = onset_line(&format!(
         "limit --vary discretization.spacing --time-step 2e-4 {fluid}"

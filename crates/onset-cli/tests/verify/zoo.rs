@@ -101,7 +101,7 @@ fn each_entry_has_its_verdict_and_its_remedy() {
         assert_eq!(answer["verdict"], entry.text("verdict"), "{}", entry.name);
         if let Some(step) = entry.table.get("time-step") {
             let critical = answer["discretization"]["critical_time_step"].as_f64();
-            let alone = &answer["discretization"]["discrete_time"]["point_alone_time_step"];
+            let alone = &answer["discretization"]["discrete_time"]["isolated_point_time_step"];
             let least = critical
                 .expect("a number")
                 .min(alone.as_f64().unwrap_or(f64::INFINITY));

@@ -11,7 +11,7 @@ use onset::kinematics::DeformationGradient;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// The length of the sound wave of which the damping is told, in cells of the grid.
+/// The length of the longitudinal wave of which the damping is told, in cells of the grid.
 const SOUND: f64 = 8.0;
 
 /// The waves of a state in steps of time. Solutions are `exp(s t)` at whole steps.
@@ -21,8 +21,8 @@ pub struct DiscreteTimeAnswer {
     pub transfer: Velocities,
     /// The largest stable step, of an unstable state for the waves that do not grow with any; `null` where nothing oscillates.
     pub largest_time_step: Option<f64>,
-    /// The largest stable step of a point that is alone on the grid and unstressed; `null` of laws with stress at `F = 1`.
-    pub point_alone_time_step: Option<f64>,
+    /// The largest stable step of an isolated, unstressed material point; `null` of laws with stress at `F = 1`.
+    pub isolated_point_time_step: Option<f64>,
     /// The step to which the rates belong: `discretization.time-step`, or half of the largest; `null` where there is neither.
     pub time_step: Option<f64>,
     /// The largest growth rate over the zone; zero where no wave grows.
@@ -36,8 +36,8 @@ pub struct DiscreteTimeAnswer {
     /// Whether the step was asked for.
     #[serde(skip)]
     is_step_set: bool,
-    /// The rate `s` of the fastest sound wave of eight cells along the first axis: minus its damping, and its frequency.
-    pub sound: Option<ComplexNumber>,
+    /// The rate `s` of the fastest wave of eight cells along the first axis: minus its damping, and its frequency.
+    pub longitudinal_wave: Option<ComplexNumber>,
 }
 
 impl DiscreteTimeAnswer {
@@ -62,14 +62,14 @@ impl DiscreteTimeAnswer {
         Ok(Some(Self {
             transfer: method.transfer,
             largest_time_step: largest,
-            point_alone_time_step: waves.point_alone(),
+            isolated_point_time_step: waves.isolated_point(),
             time_step,
             is_step_set: method.time_step > 0.0,
             growth_rate: rate.map(|rate| rate.re),
             frequency: rate.map(|rate| rate.im.abs()),
             wave_vector: list(dimension, &k),
             spatial_wave_vector: list(dimension, &analysis.spatial(f, &k)),
-            sound: time_step.and_then(|step| {
+            longitudinal_wave: time_step.and_then(|step| {
                 let mut along = vec![0.0; dimension];
                 along[0] = TAU / (SOUND * problem.settings.discretization.spacing);
                 // Of the fastest wave, which is the last, the solution that stays longest.
@@ -91,9 +91,9 @@ impl DiscreteTimeAnswer {
         both.is_some_and(|(step, largest)| step > largest)
     }
 
-    /// Whether it is longer than that of a point alone.
-    fn is_too_long_for_a_point_alone(&self) -> bool {
-        let both = self.time_step.zip(self.point_alone_time_step);
+    /// Whether it is longer than that of an isolated material point.
+    fn is_too_long_for_an_isolated_point(&self) -> bool {
+        let both = self.time_step.zip(self.isolated_point_time_step);
         self.is_step_set && both.is_some_and(|(step, alone)| step > alone)
     }
 
@@ -112,9 +112,9 @@ impl DiscreteTimeAnswer {
                 ),
             ));
         }
-        if let Some(alone) = self.point_alone_time_step {
+        if let Some(alone) = self.isolated_point_time_step {
             lines.push((
-                "of a point alone",
+                "of an isolated point",
                 format!(
                     "{}: unstressed, at its place in the lattice, without neighbors on the grid",
                     time(alone)
@@ -134,11 +134,11 @@ impl DiscreteTimeAnswer {
             };
             lines.push(("with the time step", format!("{}: {growth}", time(step))));
         }
-        if let Some(sound) = self.sound {
+        if let Some(sound) = self.longitudinal_wave {
             lines.push((
-                "sound of 8 cells",
+                "longitudinal wave",
                 format!(
-                    "is damped at {}, with the frequency {}",
+                    "of 8 cells: damped at {}, with the frequency {}",
                     units.of(told_of(-sound.re, sound.im), "1/s"),
                     rate(sound.im)
                 ),
@@ -159,10 +159,10 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
             "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although none grows in continuous time",
             units.of(told(own.largest_time_step?), "s")
         )),
-        (true, false) if own.is_too_long_for_a_point_alone() => Some(format!(
-            "the step {step} is longer than that of a point alone on the grid, {}: points that lose their neighbors, or never had some, are unstable by \
+        (true, false) if own.is_too_long_for_an_isolated_point() => Some(format!(
+            "the step {step} is longer than that of an isolated material point, {}: points that lose their neighbors, or never had some, are unstable by \
              themselves although the body is stable",
-            units.of(told(own.point_alone_time_step?), "s")
+            units.of(told(own.isolated_point_time_step?), "s")
         )),
         (false, true) => Some(format!(
             "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}{}",

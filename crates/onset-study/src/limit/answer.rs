@@ -32,9 +32,9 @@ pub struct Tried {
     pub critical_time_step: f64,
     /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
     pub verdict: Option<Verdict>,
-    /// The critical step of a material point that is alone on the grid, of methods with a transfer. Time.
+    /// The critical step of an isolated material point, of methods with a transfer. Time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub point_alone_time_step: Option<f64>,
+    pub isolated_point_time_step: Option<f64>,
     /// Why nothing can be evaluated.
     pub note: Option<String>,
     /// Whether it lies between values of the grid.
@@ -137,7 +137,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The critical step of the state, that of a point alone, and the verdict.
+    /// The critical step of the state, that of an isolated material point, and the verdict.
     fn measured(&self, value: f64) -> Result<(f64, Option<f64>, Verdict), ProblemError> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
@@ -150,7 +150,7 @@ impl Search<'_> {
             }
             None => assessment.spectrum.critical_time_step(),
         };
-        let alone = transferred.and_then(|waves| waves.point_alone());
+        let alone = transferred.and_then(|waves| waves.isolated_point());
         Ok((step, alone, assessment.verdict))
     }
 
@@ -164,7 +164,7 @@ impl Search<'_> {
             value,
             critical_time_step: measured.map_or(f64::NAN, |(step, ..)| step),
             verdict: measured.map(|(.., verdict)| verdict),
-            point_alone_time_step: measured.and_then(|(_, alone, _)| alone),
+            isolated_point_time_step: measured.and_then(|(_, alone, _)| alone),
             note,
             is_refined: false,
         }
@@ -302,7 +302,7 @@ impl LimitAnswer {
             notes: notes_on_problem,
             settings: settings.effective_beside(question.key()),
         };
-        let alone = answer.point_alone();
+        let alone = answer.isolated_point();
         answer.notes.extend(alone);
         Ok(answer)
     }
@@ -319,11 +319,11 @@ impl LimitAnswer {
         tried.filter(move |one| one.margin(needed) >= 0.0)
     }
 
-    /// Where the waves of a filled body admit the step, and a point alone does not.
-    fn point_alone(&self) -> Option<String> {
+    /// Where the waves of a filled body admit the step, and an isolated material point does not.
+    fn isolated_point(&self) -> Option<String> {
         let needed = self.needed();
         let (value, step) = self.admitting().find_map(|one| {
-            let alone = one.point_alone_time_step.filter(|step| *step < needed)?;
+            let alone = one.isolated_point_time_step.filter(|step| *step < needed)?;
             Some((one.value, alone))
         })?;
         Some(format!(

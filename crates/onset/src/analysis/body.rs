@@ -422,7 +422,7 @@ impl<const D: usize> SteppedWaves for TransferredWaves<D> {
         self.critical_time_step_unless(is_ended)
     }
 
-    fn point_alone(&self) -> Option<f64> {
-        Self::point_alone(self)
+    fn isolated_point(&self) -> Option<f64> {
+        Self::isolated_point(self)
     }
 }

@@ -295,8 +295,8 @@ pub trait SteppedWaves: Send + Sync {
     /// The largest stable step; infinite where nothing oscillates. Time.
     fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64;
 
-    /// The largest stable step of a point that is alone on the grid and unstressed; none of laws with stress in the reference state. Time.
-    fn point_alone(&self) -> Option<f64>;
+    /// The largest stable step of an isolated, unstressed material point; none of laws with stress in the reference state. Time.
+    fn isolated_point(&self) -> Option<f64>;
 }
 
 /// A particle of a patch.

@@ -62,7 +62,7 @@ pub struct TransferredWaves<const D: usize> {
     /// `T(k) = sum c cos(k.X)`: vectors between nodes with `c`, which add up to one.
     kept: Vec<(SVector<f64, D>, f64)>,
     flip: f64,
-    point_alone: Option<f64>,
+    isolated_point: Option<f64>,
 }
 
 impl<const D: usize> TransferredWaves<D> {
@@ -80,21 +80,21 @@ impl<const D: usize> TransferredWaves<D> {
             kept: kept.blocks().map(term).collect(),
             system,
             flip,
-            point_alone: None,
+            isolated_point: None,
         }
     }
 
     /// The same with the largest stable step of a point that has no neighbors.
     #[must_use]
-    pub fn with_point_alone(mut self, step: Option<f64>) -> Self {
-        self.point_alone = step;
+    pub fn with_isolated_point(mut self, step: Option<f64>) -> Self {
+        self.isolated_point = step;
         self
     }
 
-    /// The largest stable step of a point that is alone on the grid and unstressed: such a point, as at the rim of a body or among few others, may bound the
+    /// The largest stable step of an isolated, unstressed material point: such a point, as at the rim of a body or among few others, may bound the
     /// step more than all waves do. `None` of laws with stress in the reference state. Time.
-    pub fn point_alone(&self) -> Option<f64> {
-        self.point_alone
+    pub fn isolated_point(&self) -> Option<f64> {
+        self.isolated_point
     }
 
     /// The equations of motion on the grid, `M dv/dt = -K u`, without filter.

@@ -563,7 +563,7 @@ fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
 }
 
 #[test]
-fn a_point_alone_is_stable_up_to_its_own_step() {
+fn an_isolated_point_is_stable_up_to_its_own_step() {
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
@@ -572,7 +572,7 @@ fn a_point_alone_is_stable_up_to_its_own_step() {
             ..seeded(transfer, gradients)
         };
         let method = points::<2>(own);
-        let alone = stepped(&method, &rest).point_alone().expect("no stress");
+        let alone = stepped(&method, &rest).isolated_point().expect("no stress");
         let strained = |share: f64| {
             let mut code = Code::new(&method, &material, &rest, CELLS);
             code.x.truncate(1);
@@ -594,7 +594,7 @@ fn a_point_alone_is_stable_up_to_its_own_step() {
 }
 
 #[test]
-fn a_point_alone_has_the_step_of_its_change_of_volume() {
+fn an_isolated_point_has_the_step_of_its_change_of_volume() {
     // In the plane l = 1 has the stress A_1111 + A_1122, and D_p = h^2/4 makes dt = h sqrt(rho / (A_1111 + A_1122)) with affine fields.
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();
@@ -604,7 +604,7 @@ fn a_point_alone_has_the_step_of_its_change_of_volume() {
         response.tangent[(0, 0, 1, 1)],
     ];
     let own = seeded(Transfer::Affine, GridGradients::Moments);
-    let alone = stepped(&points::<2>(own), &rest).point_alone();
+    let alone = stepped(&points::<2>(own), &rest).isolated_point();
     let expected = 0.8 * (1.7 / (a + b)).sqrt();
     assert!((alone.expect("no stress") / expected - 1.0).abs() < 1e-12);
 }

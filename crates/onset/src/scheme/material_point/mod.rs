@@ -295,13 +295,13 @@ impl<const D: usize> MaterialPoints<D> {
         })
     }
 
-    /// The largest stable step of a point alone on the grid, in the unstressed reference state: the least over the places of the points. None where there is
+    /// The largest stable step of an isolated material point, in the unstressed reference state: the least over the places of the points. None where there is
     /// stress. Time.
     ///
     /// With the tangent `A` and `G = sum_i g_i (x) g_i / N_i` of the gradients `g_i` its displacement gradient `l` and its affine field `C` obey
     /// `l' = l + dt (C - dt (A : l) G / rho)`, `C' = C - dt (A : l) D^-1 / rho`; without affine fields `C = 0`. A factor is -1 at
     /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, and at `2 (A : l) G / rho` without.
-    fn step_of_a_point_alone(
+    fn step_of_an_isolated_point(
         &self,
         material: &dyn Hyperelastic,
         is_affine: bool,
@@ -312,7 +312,7 @@ impl<const D: usize> MaterialPoints<D> {
             return Ok(None);
         }
         let square_of = |place: &Fractional<D>| {
-            let weights = self.stretch_of_a_point_alone(place, is_affine);
+            let weights = self.stretch_of_an_isolated_point(place, is_affine);
             let root = |i: usize| weights[i].sqrt();
             let entry = |row: usize, column: usize| {
                 let (i, j) = (row / D, row % D);
@@ -328,7 +328,7 @@ impl<const D: usize> MaterialPoints<D> {
     }
 
     /// The diagonal of `2 G - D^-1`, without affine fields that of `2 G`; off it there is nothing, as functions are products. 1/length^2.
-    fn stretch_of_a_point_alone(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
+    fn stretch_of_an_isolated_point(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
         let squared = self.choices.spacing.powi(2);
         array_of(|i| {
             let moment = self.profile.second_moment(place[i]);
@@ -585,9 +585,9 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         let forced = self.between_nodes(material, f)?;
         let system = forced.waves(&self.grid, self.mass(GridMass::Lumped))?;
         let kept = self.kept(transfer == Transfer::Affine);
-        let alone = self.step_of_a_point_alone(material, transfer == Transfer::Affine)?;
+        let alone = self.step_of_an_isolated_point(material, transfer == Transfer::Affine)?;
         let waves = TransferredWaves::new(system, &kept, flip);
-        Ok(Some(waves.with_point_alone(alone)))
+        Ok(Some(waves.with_isolated_point(alone)))
     }
 
     /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.
