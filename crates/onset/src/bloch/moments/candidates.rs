@@ -8,6 +8,7 @@ use super::sums::{Polynomial, Sums};
 use crate::algebra::Each;
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
+use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
@@ -93,19 +94,20 @@ impl<const D: usize> Candidates<D> {
                 [phases[0], phases[1]]
             })
             .collect();
-        let mut values = vec![0.0; count];
+        let (mut values, mut low) = (vec![0.0; count], Vec::new());
         let mut regions: Vec<(usize, Vec<usize>)> = Vec::new();
         for w in directions(mirrored) {
-            for n in 0..count {
-                values[n] = w[0] * columns[0][n] + w[1] * columns[1][n] + w[2] * columns[2][n];
-            }
-            let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let margin = margin(lowest, scale);
-            for n in 0..count {
+            let margin = Arch::new().dispatch(Low {
+                w,
+                columns: &columns,
+                scale,
+                values: &mut values,
+                low: &mut low,
+            });
+            for n in low.iter().copied() {
                 let value = values[n];
-                let is_well = value <= lowest + margin
-                    && is_own[n]
-                    && !around[n].iter().any(|m| values[*m] < value - IMAGE * scale);
+                let is_well =
+                    is_own[n] && !around[n].iter().any(|m| values[*m] < value - IMAGE * scale);
                 let is_near = |m: &usize| distance(&phases[n], &phases[*m]) < REGION;
                 let mut kept = regions.iter().flat_map(|(_, members)| members);
                 if !is_well || kept.any(|m| values[*m] <= value + margin && is_near(m)) {
@@ -150,6 +152,65 @@ impl<const D: usize> Candidates<D> {
             ends,
             scale,
         }
+    }
+}
+
+/// The values of all points in a direction, and those that are no farther above the lowest than the margin, which is returned. Work for the widest
+/// vectors of the machine.
+struct Low<'a> {
+    w: [f64; 3],
+    columns: &'a [Vec<f64>; 3],
+    scale: f64,
+    values: &'a mut [f64],
+    low: &'a mut Vec<usize>,
+}
+
+/// Values that are compared at a time.
+const ABREAST: usize = 8;
+
+impl NullaryFnOnce for Low<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let Self {
+            w, columns, values, ..
+        } = self;
+        let count = values.len();
+        let [first, second, third] = columns;
+        let (first, second, third) = (&first[..count], &second[..count], &third[..count]);
+        for n in 0..count {
+            values[n] = w[0] * first[n] + w[1] * second[n] + w[2] * third[n];
+        }
+        // No number is no value.
+        let (whole, rest) = values.as_chunks::<ABREAST>();
+        let mut least = [f64::INFINITY; ABREAST];
+        for chunk in whole {
+            for lane in 0..ABREAST {
+                least[lane] = match chunk[lane] < least[lane] {
+                    true => chunk[lane],
+                    false => least[lane],
+                };
+            }
+        }
+        let lowest = least
+            .iter()
+            .chain(rest)
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let margin = margin(lowest, self.scale);
+        let bound = lowest + margin;
+        self.low.clear();
+        for (number, chunk) in values.chunks(ABREAST).enumerate() {
+            if chunk
+                .iter()
+                .fold(false, |any, value| any | (*value <= bound))
+            {
+                let own = (0..chunk.len()).filter(|lane| chunk[*lane] <= bound);
+                self.low.extend(own.map(|lane| ABREAST * number + lane));
+            }
+        }
+        margin
     }
 }
 

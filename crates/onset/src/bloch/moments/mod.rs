@@ -21,6 +21,7 @@ use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
 use crate::algebra::{Complex, Each, array_of, moderate_unit};
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
+use crate::lattice::{BravaisLattice, WaveGrid};
 use crate::material::PlaneTangent;
 use crate::method::{Background, Frame, Method, MethodError};
 use candidates::Candidates;
@@ -31,6 +32,7 @@ use pulp::Arch;
 use refine::{BEATEN, Descents, HARD, Refine};
 use scan::{Scan, Start, Starts};
 use std::f64::consts::TAU;
+use std::sync::{Arc, OnceLock};
 use sums::Sums;
 use valley::Valley;
 
@@ -64,11 +66,39 @@ pub struct GradientMoments<const D: usize> {
     unit: f64,
 }
 
-/// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes.
+/// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes; made when they are first asked for.
 #[derive(Clone, Debug)]
 struct Wells<const D: usize> {
-    any: Candidates<D>,
-    mirrored: Candidates<D>,
+    grid: Arc<WaveGrid<D>>,
+    /// On half of the grid.
+    moments: Vec<[f64; 3]>,
+    any: OnceLock<Candidates<D>>,
+    mirrored: OnceLock<Candidates<D>>,
+}
+
+impl<const D: usize> Wells<D> {
+    fn new(grid: &Arc<WaveGrid<D>>, moments: Vec<[f64; 3]>) -> Self {
+        Self {
+            grid: Arc::clone(grid),
+            moments,
+            any: OnceLock::new(),
+            mirrored: OnceLock::new(),
+        }
+    }
+
+    fn candidates(
+        &self,
+        lattice: &BravaisLattice<D>,
+        sums: &Sums,
+        is_mirrored: bool,
+    ) -> &Candidates<D> {
+        let made = if is_mirrored {
+            &self.mirrored
+        } else {
+            &self.any
+        };
+        made.get_or_init(|| Candidates::new(lattice, &self.grid, sums, &self.moments, is_mirrored))
+    }
 }
 
 /// The extremes of `D(k) = A : H(k)` over the zone.
@@ -136,12 +166,8 @@ impl<const D: usize> GradientMoments<D> {
             .collect();
         // At zero there is no wave.
         scaled[0] = [f64::NAN; 3];
-        let wells = |moments: &[[f64; 3]]| Wells {
-            any: Candidates::new(lattice, &grid, &sums, moments, false),
-            mirrored: Candidates::new(lattice, &grid, &sums, moments, true),
-        };
         let valley = Valley::new(lattice, &grid, &scaled);
-        let (scaled, plain) = (wells(&scaled), wells(&moments));
+        let (scaled, plain) = (Wells::new(&grid, scaled), Wells::new(&grid, moments));
         let long = long_moments(method, &matrix);
         let long_noise = matrix.long_wave_noise();
         Ok(Some(Self {
@@ -406,11 +432,8 @@ impl<const D: usize> Batch<'_, D> {
         } else {
             &moments.plain
         };
-        let candidates = if MIRRORED {
-            &wells.mirrored
-        } else {
-            &wells.any
-        };
+        let lattice = moments.search.reference();
+        let candidates = wells.candidates(lattice, &moments.sums, MIRRORED);
         let sign = if objective == Objective::Highest {
             -1.0
         } else {
