@@ -1,6 +1,6 @@
 //! Every command for every method of `comparisons/methods-*.toml`: what they answer, they answer for all of them.
 
-use super::{fresh_place, onset};
+use super::{fresh_place, onset, onset_line};
 use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -230,4 +230,22 @@ fn every_command_answers_for_every_method_in_the_plane() {
 #[test]
 fn every_command_answers_for_every_method_in_space() {
     assert_answered(3, 11);
+}
+
+#[test]
+fn waves_in_continuous_time_say_that_a_transfer_is_left_out() {
+    let points = "set method=material-points set lattice=chain set unknowns=particles";
+    for line in [
+        "dispersion --stretch 1.05 --wave-vector 1",
+        "dispersion --stretch 1.05 --path",
+        "path --from 1 --to 1.1",
+        "modes",
+    ] {
+        let told = |transfer: &str| {
+            let answer = onset_line(&format!("{line} {points} {transfer}"));
+            assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+            answer.stdout.contains("transfer damps")
+        };
+        assert!(told("set transfer=apic") && !told(""), "{line}");
+    }
 }

@@ -141,7 +141,7 @@ impl Diagram {
             "{}\n{}{}",
             self.critical_lines(),
             notes.collect::<String>(),
-            self.settings
+            self.settings.in_continuous_time()
         )
     }
 

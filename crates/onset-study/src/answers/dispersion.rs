@@ -99,7 +99,7 @@ impl std::fmt::Display for Waves {
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
-        write!(formatter, "{}", self.settings)
+        write!(formatter, "{}", self.settings.in_continuous_time())
     }
 }
 

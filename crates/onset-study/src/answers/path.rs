@@ -372,7 +372,7 @@ impl std::fmt::Display for PathAnswer {
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
-        write!(formatter, "\n{}", self.settings)
+        write!(formatter, "\n{}", self.settings.in_continuous_time())
     }
 }
 

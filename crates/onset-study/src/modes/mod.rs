@@ -232,7 +232,7 @@ impl fmt::Display for ModesAnswer {
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
-        write!(formatter, "\n{}", self.settings)
+        write!(formatter, "\n{}", self.settings.in_continuous_time())
     }
 }
 

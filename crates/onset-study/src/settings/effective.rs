@@ -1,6 +1,6 @@
 //! What is in effect: every choice that material and method read, with its value, and whether that is the default.
 
-use super::{KEYS, Key, Settings, Study, Units, Value, units};
+use super::{KEYS, Key, Settings, Study, Units, Value, Velocities, units};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -235,6 +235,19 @@ impl Effective {
     /// The discretization in one line.
     pub fn method(&self) -> String {
         joined(self.discretization())
+    }
+
+    /// The lines below an answer about waves in continuous time, with what is left out where velocities go through the grid once a step.
+    pub(crate) fn in_continuous_time(&self) -> String {
+        let transfer = self.get("discretization.transfer");
+        let left_out = match transfer.map(|choice| &choice.value) {
+            Some(Value::Word(word)) if word != Velocities::Continuous.name() => format!(
+                "{:<24}continuous here; what the {word} transfer damps, and the largest step, are told by onset state\n",
+                "time"
+            ),
+            _ => String::new(),
+        };
+        format!("{self}{left_out}")
     }
 
     /// Everything as a sentence below a figure.
