@@ -532,31 +532,29 @@ impl<const D: usize> DynamicalMatrix<D> {
             .flatten()
     }
 
-    /// Which of the symmetries of the lattice it has, as bits: with `Phi(Q R) = Q Phi(R) Q^T` the matrices at `k` and `Q k` have the same
-    /// eigenvalues. None where some vectors are none of the lattice.
+    /// Which of the symmetries of the lattice its real part has, as bits: with `Phi(Q R) = Q Phi(R) Q^T`, also of `R = 0`, the matrices at `k` and
+    /// `Q k` have the same eigenvalues. None where some vectors are none of the lattice.
     pub(super) fn symmetries(&self, all: &[Symmetry<D>]) -> u64 {
         if self.sites.len() > 1 {
             return 0;
         }
-        let signs = |term| [(term, 1), (term, -1)];
-        let mut known: Vec<([i32; D], &Term<D>, i32)> = (self.terms.iter().flat_map(signs))
-            .map(|(term, sign)| (term.cell.each(|n| sign * n), term, sign))
+        let both = |term| [(term, 1), (term, -1)];
+        let mut known: Vec<([i32; D], &SMatrix<f64, D, D>)> = (self.terms.iter().flat_map(both))
+            .map(|(term, sign)| (term.cell.each(|n| sign * n), &term.even))
             .collect();
-        known.sort_unstable_by_key(|(cell, ..)| *cell);
+        known.sort_unstable_by_key(|(cell, _)| *cell);
         let equal = EQUAL * self.noise;
         let has = |symmetry: &Symmetry<D>| {
             let turned =
                 |block: &SMatrix<f64, D, D>| symmetry.map * block * symmetry.map.transpose();
-            self.terms.iter().all(|term| {
+            let is_kept = |term: &Term<D>| {
                 let cell = symmetry.of_cell(&term.cell);
-                let Ok(place) = known.binary_search_by_key(&cell, |(cell, ..)| *cell) else {
-                    return term.even.amax() + term.odd.amax() <= equal;
-                };
-                let (_, image, sign) = known[place];
-                let odd = image.odd * f64::from(sign);
-                (image.even - turned(&term.even)).amax() <= equal
-                    && (odd - turned(&term.odd)).amax() <= equal
-            })
+                match known.binary_search_by_key(&cell, |(cell, _)| *cell) {
+                    Ok(place) => (known[place].1 - turned(&term.even)).amax() <= equal,
+                    Err(_) => term.even.amax() <= equal,
+                }
+            };
+            (self.rigid - turned(&self.rigid)).amax() <= equal && self.terms.iter().all(is_kept)
         };
         let bit = |(n, symmetry)| u64::from(has(symmetry)) << n;
         all.iter().enumerate().map(bit).sum()

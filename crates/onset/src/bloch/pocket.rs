@@ -309,18 +309,21 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
 }
 
 impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
-    /// Of a real matrix of three rows whose eigenvalues are real and well apart, each with the row and the column of the adjugate of `D - omega^2`
-    /// that are largest as its eigenvectors.
+    /// Of a real matrix of three rows whose eigenvalues are real and well apart, with the row and the column of the adjugate of `D - omega^2` through
+    /// its largest entry as eigenvectors.
     fn of_real(
         expansion: &Expansion<f64, D>,
         steps: &SMatrix<f64, D, D>,
         order: Order,
     ) -> Option<Self> {
+        if D != 3 {
+            return None;
+        }
         let matrix = &expansion.value;
         let all = eigenvalues(&matrix.map(Complex::from), 0.0);
         let apart = CLOSE * matrix.amax();
         let is_apart = |pair: &[Complex]| pair[1].re - pair[0].re > apart;
-        if D != 3 || all.iter().any(|value| value.im != 0.0) || !all.windows(2).all(is_apart) {
+        if all.iter().any(|value| value.im != 0.0) || !all.windows(2).all(is_apart) {
             return None;
         }
         let values = all.each(|value| value.re);

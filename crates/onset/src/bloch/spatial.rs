@@ -179,6 +179,7 @@ impl Rows {
                 *spectrum = SpatialSpectrum::of(&of(j));
             }
         }
+        // In the order of the points, so that it does not matter if rounding leaves out some symmetries of a group, and a first point has one itself.
         for (index, first) in wedge.first.iter().enumerate() {
             spectra[index] = spectra[*first as usize];
         }
@@ -224,7 +225,68 @@ fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
 mod tests {
     use super::SpatialSpectrum;
     use crate::algebra::{Complex, eigenvalues};
-    use nalgebra::Matrix3;
+    use crate::bloch::dynamical_matrix::ForceConstants;
+    use crate::lattice::{LatticeKind, Reduced, WaveGrids};
+    use nalgebra::{Matrix3, Vector3};
+
+    /// Bonds of a simple cubic lattice, and what costs a translation energy, have the symmetry that both have.
+    #[test]
+    fn spectra_that_symmetries_share_are_those_of_each_wave() {
+        let lattice = LatticeKind::SimpleCubic
+            .lattice::<3>(1.0)
+            .expect("a lattice");
+        let grids = WaveGrids::new(lattice);
+        let (n, grid) = (8, grids.grid(8));
+        let own = |a: f64, b: f64, c: f64| Matrix3::from_diagonal(&Vector3::new(a, b, c));
+        let skew = Matrix3::new(0.0, 0.7, 0.0, -0.4, 0.0, 0.2, 0.3, 0.0, 0.0);
+        let turned = Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        for (bonds, at_rest, symmetries) in [
+            ([own(2.0, 0.3, 0.3); 3], own(0.0, 0.0, 0.0), 48),
+            ([own(2.0, 0.3, 0.3); 3], own(0.4, 0.4, 0.4), 48),
+            ([own(2.0, 0.3, 0.3); 3], own(0.4, 0.4, 0.5), 16),
+            ([own(2.0, 0.3, 0.3); 3], own(0.4, 0.5, 0.6), 8),
+            (
+                [1.0, 1.1, 1.3].map(|x| own(2.0, 0.3, 0.3) * x),
+                own(0.4, 0.4, 0.4),
+                8,
+            ),
+            ([own(2.0, 0.3, 0.3) + skew; 3], own(0.4, 0.4, 0.4), 6),
+            ([own(2.0, 0.3, 0.3); 3], own(0.4, 0.4, 0.4) + skew, 2),
+        ] {
+            let basis = Reduced::of(lattice.vectors()).expect("a basis");
+            let mut constants = ForceConstants::new(basis, 1);
+            let mut turn = Matrix3::identity();
+            for (axis, bond) in bonds.iter().enumerate() {
+                let block = -(turn * bond * turn.transpose());
+                for sign in [-1, 1] {
+                    let mut cell = [0; 3];
+                    cell[axis] = sign;
+                    constants.add_to(&cell, &block);
+                    constants.add_to(&[0; 3], &-block);
+                }
+                turn = turned * turn;
+            }
+            constants.add_to(&[0; 3], &at_rest);
+            let matrix = constants.finish(&lattice, false);
+            let own = matrix.symmetries(grids.symmetries());
+            assert_eq!(own.count_ones(), symmetries);
+            let spectra = matrix.spatial_spectra(&grid, &grids.wedge(n, own));
+            let waves = grid.wave_vectors();
+            assert_eq!(spectra.len(), (n / 2 + 1) * n * n);
+            for (spectrum, k) in spectra.iter().zip(waves) {
+                let exact = eigenvalues(&matrix.at(k), 1e-16).map(|value| value.re);
+                // Where eigenvalues are equal, to the square root of rounding.
+                assert!(
+                    (spectrum.lowest - exact[0]).abs() < 1e-6,
+                    "{symmetries} {k}"
+                );
+                assert!(
+                    (spectrum.highest - exact[2]).abs() < 1e-6,
+                    "{symmetries} {k}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn closed_forms_are_the_eigenvalues_also_of_complex_pairs() {
