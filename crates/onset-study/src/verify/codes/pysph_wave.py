@@ -25,7 +25,8 @@ class Wave(Application):
         )
 
     def create_particles(self):
-        table = np.genfromtxt("particles.csv", delimiter=",", comments="#", names=True)
+        # Names would be read from the line with the case.
+        table = np.genfromtxt("particles.csv", delimiter=",", skip_header=1, names=True)
         solid = get_particle_array_elastic_dynamics(
             name="solid", x=table["x"], y=table["y"], u=table["vx"], v=table["vy"],
             m=table["mass"], rho=table["mass"] / table["volume"],
@@ -67,8 +68,10 @@ class Wave(Application):
             self.file.write("%.17g,%d,%.17g,%.17g\n" % (time, number, a, b))
 
     def post_step(self, solver):
-        if solver.count % EVERY == 0:
-            self.write(self.particles[0], solver.count * TIME_STEP)
+        # Called before the solver counts the step.
+        count = solver.count + 1
+        if count % EVERY == 0:
+            self.write(self.particles[0], count * TIME_STEP)
 
     def post_process(self, *arguments):
         self.file.close()
