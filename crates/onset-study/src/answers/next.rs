@@ -17,8 +17,6 @@ pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
     match verdict {
         Verdict::ZeroEnergy => [modes].into_iter().chain(tune).collect(),
         Verdict::Numerical | Verdict::Suppressed => tune.into_iter().chain([modes]).collect(),
-        // Those are of the law in three dimensions, and not of the sheet.
-        Verdict::Physical if settings.material.is_plane_stress() => Vec::new(),
         Verdict::Physical => vec![criteria],
         Verdict::Stable => Vec::new(),
     }
