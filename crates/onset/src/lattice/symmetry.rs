@@ -1,7 +1,7 @@
-//! The rotations and reflections that map a lattice onto itself.
+//! The rotations and reflections that map a lattice onto itself, and which points of a grid of wave vectors they map to each other.
 
+use super::numbering::{coordinates, index};
 use super::reduction::combinations;
-use super::wave_vectors::coordinates;
 use super::{BravaisLattice, Reduced, inverse_of};
 use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
@@ -65,13 +65,11 @@ impl Wedge {
     /// Of a group, of which inversion is one.
     pub(crate) fn new<const D: usize>(group: &[Symmetry<D>], resolution: usize) -> Self {
         let half = (resolution / 2 + 1) * resolution.pow(D as u32 - 1);
-        let first = |index: usize| {
-            let own = coordinates::<D>(index, resolution);
-            let image = |symmetry: &Symmetry<D>| {
-                let there = symmetry.of_wave(&own, resolution);
-                there.into_iter().fold(0, |sum, j| sum * resolution + j)
-            };
-            group.iter().map(image).fold(index, usize::min) as u32
+        let first = |number: usize| {
+            let own = coordinates::<D>(number, resolution);
+            let image =
+                |symmetry: &Symmetry<D>| index(symmetry.of_wave(&own, resolution), resolution);
+            group.iter().map(image).fold(number, usize::min) as u32
         };
         let first: Vec<u32> = (0..half).map(first).collect();
         let line = |(number, line): (usize, &[u32])| {

@@ -2,6 +2,7 @@
 
 use super::BravaisLattice;
 use super::mirror::{Mirror, MirrorWaves};
+use super::numbering::{coordinates, opposite};
 use super::symmetry::{Symmetry, Wedge};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -248,17 +249,6 @@ impl<const D: usize> WaveGrids<D> {
     }
 }
 
-/// The coordinates of a grid point, first slowest.
-pub(crate) fn coordinates<const D: usize>(index: usize, resolution: usize) -> [usize; D] {
-    let mut rest = index;
-    let mut coordinates = [0; D];
-    for i in (0..D).rev() {
-        coordinates[i] = rest % resolution;
-        rest /= resolution;
-    }
-    coordinates
-}
-
 /// `m^-1/2` of a symmetric positive definite matrix; NaN where its decomposition does not converge, which needs
 /// entries that are not finite.
 fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
@@ -274,11 +264,4 @@ fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D
             })
             .sum()
     })
-}
-
-/// The index of `-k` in a grid.
-pub(crate) fn opposite<const D: usize>(index: usize, resolution: usize) -> usize {
-    coordinates::<D>(index, resolution)
-        .into_iter()
-        .fold(0, |sum, j| sum * resolution + (resolution - j) % resolution)
 }

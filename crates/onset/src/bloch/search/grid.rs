@@ -349,12 +349,9 @@ impl<const D: usize> Grid<D> {
             true => 1,
             false => n.div_ceil(SPARSE),
         };
-        let is_image = |index: usize| match &self.wedge {
-            Some(wedge) => !wedge.is_first(index),
-            None => false,
-        };
+        let wedge = self.wedge.as_ref();
         let is_near = |index: &usize| {
-            if is_image(*index) {
+            if wedge.is_some_and(|wedge| !wedge.is_first(*index)) {
                 return false;
             }
             if !has_discriminant {

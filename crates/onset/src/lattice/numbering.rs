@@ -1,0 +1,27 @@
+//! The numbers of the points of a grid over a cell of the reciprocal lattice, which has as many along each reciprocal vector.
+
+use crate::algebra::Each;
+
+/// The coordinates of a grid point, first slowest.
+pub(crate) fn coordinates<const D: usize>(number: usize, resolution: usize) -> [usize; D] {
+    let mut rest = number;
+    let mut coordinates = [0; D];
+    for i in (0..D).rev() {
+        coordinates[i] = rest % resolution;
+        rest /= resolution;
+    }
+    coordinates
+}
+
+/// The number of a grid point with given coordinates.
+pub(crate) fn index<const D: usize>(coordinates: [usize; D], resolution: usize) -> usize {
+    coordinates
+        .into_iter()
+        .fold(0, |sum, j| sum * resolution + j)
+}
+
+/// The number of `-k`.
+pub(crate) fn opposite<const D: usize>(number: usize, resolution: usize) -> usize {
+    let own = coordinates::<D>(number, resolution);
+    index(own.each(|j| (resolution - j) % resolution), resolution)
+}
