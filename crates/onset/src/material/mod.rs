@@ -547,19 +547,27 @@ fn mirrored<R: Real>(diagonal: [R; 3]) -> DeformationGradient<Mirrored<R>> {
     DeformationGradient::from_components([[f11, f12, zero], [f21, f22, zero], [zero, zero, f33]])
 }
 
+/// That none of the numbers of a response at a state over- or underflows.
+fn require_finite<'a>(
+    mut values: impl Iterator<Item = &'a f64>,
+    f: &DeformationGradient,
+) -> Result<(), MaterialError> {
+    match values.all(|value| value.is_finite()) {
+        true => Ok(()),
+        false => Err(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        }),
+    }
+}
+
 /// Energy and stress, unless one over- or underflows.
 fn finite_stress(
     energy: &Dual<9>,
     f: &DeformationGradient,
 ) -> Result<(f64, Matrix3<f64>), MaterialError> {
-    if energy.value.is_finite() && energy.gradient.iter().all(|slope| slope.is_finite()) {
-        let stress = Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]);
-        Ok((energy.value, stress))
-    } else {
-        Err(MaterialError::NotFinite {
-            jacobian: f.jacobian(),
-        })
-    }
+    require_finite([energy.value].iter().chain(&energy.gradient), f)?;
+    let stress = Matrix3::from_fn(|i, j| energy.gradient[3 * i + j]);
+    Ok((energy.value, stress))
 }
 
 /// Stress and tangent within the plane, unless one over- or underflows.
@@ -567,17 +575,12 @@ fn finite_plane_response(
     energy: &Jet<4>,
     f: &DeformationGradient,
 ) -> Result<PlaneResponse, MaterialError> {
-    let mut values = energy.gradient.iter().chain(energy.hessian.as_flattened());
-    if values.all(|value| value.is_finite()) {
-        Ok(PlaneResponse {
-            first_piola: energy.gradient,
-            tangent: energy.hessian,
-        })
-    } else {
-        Err(MaterialError::NotFinite {
-            jacobian: f.jacobian(),
-        })
-    }
+    let values = energy.gradient.iter().chain(energy.hessian.as_flattened());
+    require_finite(values, f)?;
+    Ok(PlaneResponse {
+        first_piola: energy.gradient,
+        tangent: energy.hessian,
+    })
 }
 
 /// Energy, stress and tangent, unless one of them over- or underflows.
@@ -593,13 +596,8 @@ fn finite_response(energy: &Jet<9>, f: &DeformationGradient) -> Result<Response,
 
 /// A tangent, unless it over- or underflows.
 fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
-    if tangent.as_flattened().iter().all(|value| value.is_finite()) {
-        Ok(tangent)
-    } else {
-        Err(MaterialError::NotFinite {
-            jacobian: f.jacobian(),
-        })
-    }
+    require_finite(tangent.as_flattened().iter(), f)?;
+    Ok(tangent)
 }
 
 /// Up to [`LANES`] states side by side; what fills up is one of them.
